@@ -15,7 +15,7 @@ from tests.verification.test_structures import residual
 from thermobearing.border.errors import InputError
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.result import LARGEST_DAMPING_SHARE
-from thermobearing.structure.damping import bare_modes, mode_damping
+from thermobearing.structure.matrices import bare_modes, mode_damping
 from thermobearing.structure.model import Damping, DampingKind, Structure, load_structure
 from thermobearing.structure.run import Prepared, prepare_structure
 

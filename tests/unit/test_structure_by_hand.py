@@ -10,14 +10,16 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.border.schema import validated
-from thermobearing.structure.damping import line_parts, own_parts, weighed_ratios
 from thermobearing.structure.matrices import (
     Modes,
     build_matrices,
     displacement_row,
     find_modes,
     hinge_stiffness,
+    line_parts,
     line_stiffness,
+    own_parts,
+    weighed_ratios,
 )
 from thermobearing.structure.model import Structure, load_structure
 from thermobearing.structure.run import prepare_structure

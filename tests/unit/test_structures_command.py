@@ -65,8 +65,8 @@ def test_piers_stand_side_by_side_and_the_deck_lies_over_them() -> None:
     assert layout.columns["A"] < layout.columns["deck"] < layout.columns["B"]
     assert layout.ends["A"] == (0.0, 10.0)
     assert layout.ends["deck"][0] > 10.0
-    assert layout.told
-    assert not lay_out(load_structure("hybrid-pier")).told
+    assert layout.scaled
+    assert not lay_out(load_structure("hybrid-pier")).scaled
 
 
 @pytest.mark.parametrize("name", ["pier-p1", "hybrid-pier"])

@@ -115,11 +115,11 @@ app = typer.Typer(cls=Group, help=HELP, no_args_is_help=True, rich_markup_mode="
 @command()
 def list_(as_json: AsJson) -> int:
     """The built-in structures."""
-    from thermobearing.structure.model import list_structures
-    from thermobearing.structure.output import print_structures
+    from thermobearing.structure.model import list_structures, load_structure
 
     names = list_structures()
-    print_structures(names)
+    for name in names:
+        print(f"{name:15}{load_structure(name).description}", flush=True)
     if as_json:
         echo_json({"structures": names})
     return 0
@@ -141,9 +141,8 @@ def show(
     end: Printed,
 ) -> int:
     """Parts, periods, damping and mode shapes; with -o a drawing of the model too."""
-    from thermobearing.structure.output import print_structure
     from thermobearing.structure.result import examine_structure
 
     end.check()
     result = examine_structure(structure, fixed=fixed_base, **given)
-    return end.save_if_asked(result, lambda: print_structure(result))
+    return end.save_if_asked(result, result.show)

@@ -4,9 +4,8 @@ Heights are those of the model; side by side stand the bodies that carry others,
 each, wherever the bridge has them.
 """
 
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -26,23 +25,22 @@ PIER, DECK, SPRING, BEARING, HINGE = "#6b7280", "#374151", "#0077BB", "#EE7733",
 TEETH = 5  # of a spring
 
 
-@dataclass(frozen=True)
-class Layout:
-    """Where bodies are drawn: columns of supports, spans of what lies on bearings [m]."""
+class Layout(NamedTuple):
+    """Places of bodies: columns of supports, ends, decks on bearings [m]."""
 
     columns: dict[str, float]
     ends: dict[str, tuple[float, float]]
     decks: tuple[str, ...]
     spacing: float
-    told: bool  # whether heights are those of the model
+    scaled: bool  # heights are those of the model
 
     def x(self, name: str) -> float:
-        """Place of a body, or of the ground, along the bridge."""
+        """Return the place of a body, or of the ground, along the bridge."""
         return self.columns.get(name, -0.5 * self.spacing)
 
 
 def lay_out(structure: Structure) -> Layout:
-    """Columns for the bodies that do not lie on bearings, decks over all of them."""
+    """Return columns for the bodies that do not lie on bearings, decks over all of them."""
     decks = tuple(dict.fromkeys(line.body for line in structure.bearings))
     roots: dict[str, list[str]] = {}
     for body in structure.bodies:
@@ -53,24 +51,23 @@ def lay_out(structure: Structure) -> Layout:
             roots.setdefault(root, []).append(body.name)
     ends = {body.name: _ends(structure, body.name) for body in structure.bodies}
     heights = [height for pair in ends.values() for height in pair]
-    told = True
-    if np.ptp(heights) == 0.0:  # nobody said heights: one above the other
+    scaled = np.ptp(heights) > 0.0
+    if not scaled:  # without heights one above the other
         names = [body.name for body in structure.bodies]
         ends = {name: (0.0, 1.0) for name in names if name not in decks}
         ends |= {name: (1.0, 1.0) for name in decks}
         heights = [0.0, 1.0]
-        told = False
     spacing = 0.8 * max(float(np.ptp(heights)), 1e-6)
     lift = 0.07 * spacing  # room for the bearings under a deck
     ends |= {name: (high + lift, high + lift) for name, (_, high) in ends.items() if name in decks}
     columns = {name: spacing * k for k, group in enumerate(roots.values()) for name in group}
     middle = spacing * 0.5 * max(len(roots) - 1, 0)
     columns |= dict.fromkeys(decks, middle)
-    return Layout(columns, ends, decks, spacing, told)
+    return Layout(columns, ends, decks, spacing, bool(scaled))
 
 
 def _ends(structure: Structure, name: str) -> tuple[float, float]:
-    """Lowest and highest thing on a body [m]."""
+    """Return the lowest and highest point of a body [m]."""
     heights = [mass.height for mass in structure.masses if mass.body == name]
     heights += [line.height for line in structure.bearings if name in (line.body, line.base)]
     heights += [
@@ -87,16 +84,16 @@ def _ends(structure: Structure, name: str) -> tuple[float, float]:
     return M * min(heights, default=0.0), M * max(heights, default=0.0)
 
 
-class StructureFigures:
+class StructureFigures(drawing.Figures):
     """Figures of a structure: `result.plot.model()`, `.modes()`."""
 
     def __init__(self, result: StructureResult) -> None:
-        self._result = result
+        super().__init__(result)
         self._structure = result.structure
         self._layout = lay_out(result.structure)
 
     def model(self) -> Figure:
-        """Bodies, masses, springs, hinges and bearings with their sizes."""
+        """Return bodies, masses, springs, hinges and bearings with their sizes."""
         layout, structure = self._layout, self._structure
         wide = max(6.5, 3.0 + 2.6 * len(set(layout.columns.values())))
         figure, (ax,) = drawing.panels(1, 1, (wide, 5.6), f"{structure.name}: the model")
@@ -117,7 +114,7 @@ class StructureFigures:
             self._bearings(ax, line, k)
         for mass in structure.masses:
             x, y = layout.x(mass.body), M * mass.height
-            y = y if layout.told else layout.ends[mass.body][1]
+            y = y if layout.scaled else layout.ends[mass.body][1]
             y = float(np.clip(y, *layout.ends[mass.body]))
             ax.plot([x], [y], "o", color=drawing.INK, markersize=7, zorder=7)
             deck = mass.body in layout.decks
@@ -134,7 +131,7 @@ class StructureFigures:
         return figure
 
     def modes(self) -> Figure:
-        """The first six mode shapes; bearings with their equivalent stiffness."""
+        """Return the first six mode shapes; bearings with their equivalent stiffness."""
         table, layout = self._result.table, self._layout
         shapes = self._result.prepared.modes.shapes
         count = min(len(table), MOST_MODES)
@@ -163,11 +160,10 @@ class StructureFigures:
         return figure
 
     def _height(self) -> str:
-        """What the upright axis is."""
-        return "height [m]" if self._layout.told else "no heights told: not to scale"
+        return "height [m]" if self._layout.scaled else "no heights given: not to scale"
 
     def _moved(self, name: str, shape: Floats) -> Floats:
-        """Sideways motion of the ends of a body in a mode."""
+        """Return the sideways motion of the ends of a body in a mode."""
         structure, (low, high) = self._structure, self._layout.ends[name]
         if name in self._layout.decks:
             at = mean_height(structure, name)
@@ -176,7 +172,7 @@ class StructureFigures:
         return np.array(ends)
 
     def _shape(self, ax: Axes, name: str, moved: Floats, look: dict[str, Any]) -> None:
-        """A body as a line, moved at its ends."""
+        """Draw a body as a line, moved at its ends."""
         layout, (low, high) = self._layout, self._layout.ends[name]
         if name in layout.decks:
             left, right = self._span(name)
@@ -186,49 +182,31 @@ class StructureFigures:
             ax.plot(x + moved, [low, high], marker="o", markersize=2.5, **look)
 
     def _span(self, name: str) -> tuple[float, float]:
-        """Ends of what lies on bearings."""
+        """Return the ends of a deck on bearings."""
         layout = self._layout
         under = [layout.x(line.base) for line in self._structure.bearings if line.body == name]
         return min(under) - 0.35 * layout.spacing, max(under) + 0.35 * layout.spacing
 
     def _body(self, ax: Axes, name: str) -> None:
-        """A deck across, anything else upright."""
+        """Draw a deck across, anything else upright."""
         layout, (low, high) = self._layout, self._layout.ends[name]
         if name in layout.decks:
             left, right = self._span(name)
             ax.plot([left, right], [high, high], color=DECK, linewidth=7, solid_capstyle="butt")
-            ax.annotate(
-                name,
-                (right, high),
-                (6, 0),
-                textcoords="offset points",
-                va="center",
-                fontsize=drawing.SMALL,
-            )
+            self._say(ax, right, high, name, aside=6)
             return
         x = layout.x(name)
         if low == high:
-            ax.plot(
-                [x - 0.15 * layout.spacing, x + 0.15 * layout.spacing],
-                [low] * 2,
-                color=PIER,
-                linewidth=6,
-            )
+            half = 0.15 * layout.spacing
+            ax.plot([x - half, x + half], [low] * 2, color=PIER, linewidth=6)
         else:
-            wide = 0.5 if self._structure.body(name).moves else 1.0
-            ax.plot(
-                [x, x],
-                [low, high],
-                color=PIER,
-                linewidth=10 * (1.5 - 0.5 * wide),
-                alpha=0.45,
-                solid_capstyle="butt",
-                zorder=1,
-            )
+            look: dict[str, Any] = {"color": PIER, "alpha": 0.45, "zorder": 1}
+            look["linewidth"] = 12.5 if self._structure.body(name).moves else 10.0
+            ax.plot([x, x], [low, high], solid_capstyle="butt", **look)
         self._say(ax, x - 0.22 * layout.spacing, 0.5 * (low + high), name, bold=True, left=True)
 
     def _spring(self, ax: Axes, spring: Any) -> None:
-        """Sideways: teeth towards what it holds to; against rotation: an open ring."""
+        """Draw teeth towards its base, or an open ring against rotation."""
         layout = self._layout
         x, low = layout.x(spring.body), layout.ends[spring.body][0]
         y = max(M * spring.height, low)
@@ -246,7 +224,7 @@ class StructureFigures:
         self._say(ax, x, y, f"{spring.name}: {spring.stiffness:g} kN/mm", up=-26)
 
     def _bearings(self, ax: Axes, line: Any, number: int) -> None:
-        """A box between the two bodies of a line."""
+        """Draw a box between the two bodies of a line."""
         layout = self._layout
         x = layout.x(line.base)
         y = M * line.height if line.base == GROUND else layout.ends[line.base][1]
@@ -268,22 +246,16 @@ class StructureFigures:
         left: bool = False,
         bold: bool = False,
         up: float = 0.0,
+        aside: float = 12.0,
     ) -> None:
-        """A few words beside a point."""
-        ax.annotate(
-            text,
-            (x, y),
-            (-12 if left else 12, up),
-            textcoords="offset points",
-            ha="right" if left else "left",
-            va="center",
-            fontsize=drawing.SMALL,
-            fontweight="bold" if bold else "normal",
-            zorder=8,
-        )
+        """Write words beside a point."""
+        look: dict[str, Any] = {"va": "center", "fontsize": drawing.SMALL, "zorder": 8}
+        look |= {"ha": "right" if left else "left", "fontweight": "bold" if bold else "normal"}
+        at = (-aside if left else aside, up)
+        ax.annotate(text, (x, y), at, textcoords="offset points", **look)
 
     def _handles(self) -> list[Line2D]:
-        """What the colours are."""
+        """Return the legend of the colours."""
         none: dict[str, Any] = {"linestyle": "none"}
         found = [Line2D([], [], color=drawing.INK, marker="o", label="mass", **none)]
         found.append(Line2D([], [], color=BEARING, marker="s", label="bearings", **none))
@@ -294,6 +266,6 @@ class StructureFigures:
             found.append(Line2D([], [], marker="o", label="hinge", **ring, **none))
         return found
 
-    def save_all(self, folder: Path) -> list[Path]:
-        """Both figures, as PNG."""
-        return drawing.save_figures({"model": self.model, "modes": self.modes}, folder)
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure, by name of its file."""
+        return {"model": self.model, "modes": self.modes}

@@ -1,9 +1,9 @@
-"""Many structures shaken for their peaks only: in lockstep where they are alike.
+"""Peaks of many structures, integrated in lockstep where they are alike.
 
 `run_lanes` puts runs of equal shape side by side, WIDTH at a time (core/lanes says how one kernel
-serves both). What leaves the lockstep is run alone from its start: a step that has no equilibrium,
-a bearing too hot, a number that is not finite. What a run gets depends on its input only, not on
-its company or its place.
+serves both). A run that leaves the lockstep (a step without equilibrium, a bearing too hot, a
+number that is not finite) is run alone from its start. The result of a run depends on its input
+only, not on the others or its place.
 """
 
 from collections.abc import Callable, Sequence
@@ -51,37 +51,23 @@ COLDEST = -1e9  # degC: below every temperature, where the largest one begins
 
 @dataclass(frozen=True)
 class Run:
-    """A structure to be shaken.
-
-    Attributes
-    ----------
-    prepared : from `prepare_structure`.
-    lines : one per bearing line of the structure.
-    ground : [steps + 1] ground acceleration at the ends of steps [mm/s2], linear between.
-    dt : of the steps [s].
-    ambient : temperature of the air [degC].
-    places : [p, n] displacements to watch beside bearings and hinges, per coordinate
-        (structure/matrices.py makes such rows); the coordinates themselves by default.
-    carried : [p] 1 for those that the ground carries, so that its acceleration is added; 0 for
-        differences and rotations. All 0 by default.
-    method : of Newmark.
-    """
+    """A structure and its ground motion."""
 
     prepared: Prepared
-    lines: Sequence[Line]
-    ground: Floats
-    dt: float
-    ambient: float
+    lines: Sequence[Line]  # one per bearing line of the structure
+    ground: Floats  # [steps + 1] acceleration at the ends of steps [mm/s2], linear between
+    dt: float  # of the steps [s]
+    ambient: float  # temperature [degC]
+    # [p, n] displacements to watch besides bearings and hinges, per coordinate; the coordinates
+    # themselves by default. [p] 1 for those that the ground carries, so that its acceleration is
+    # added; 0 (by default) for differences and rotations.
     places: Floats | None = None
     carried: Floats | None = None
-    method: Method = "average-acceleration"
+    method: Method = "average-acceleration"  # of Newmark
 
 
 class RunPeaks(NamedTuple):
-    """What a run came to.
-
-    Largest numbers are those at the ends of all steps that were done, and at the start.
-    """
+    """Peaks of a run, at the start and at the ends of all steps that were done."""
 
     outcome: str
     steps: int
@@ -96,7 +82,7 @@ class RunPeaks(NamedTuple):
 
 
 class Left(NamedTuple):
-    """What a run left behind, with arrays of its own."""
+    """Records at the end of a run, with arrays of its own."""
 
     bearings: Bearings
     books: Rows[MotionBooks]  # [1]
@@ -106,19 +92,14 @@ class Left(NamedTuple):
 
 
 def _no_rows(system: System, bearings: Bearings, count: int = 0) -> MotionRows:
-    """No room (or room for `count` rows), in double precision so that it can be room for lanes."""
+    """Return room for `count` rows in double precision, as lanes need it."""
     none = room_for(system, bearings, count)
     cells: Any = tuple(np.zeros((count, len(kind.lines), 0)) for kind in bearings)
     return none._replace(cells=cells)
 
 
-def list_all_bearings(run: Run) -> Bearings:
-    """The bearings of a run at its start."""
-    return build_bearings(*_start_arguments(run))
-
-
 def _start_arguments(run: Run) -> tuple[Any, ...]:
-    """Arguments of `build_bearings` and `start_states`."""
+    """Return the arguments of `build_bearings` and `start_states`."""
     lines = run.lines
     return (
         [line.constants for line in lines],
@@ -128,8 +109,8 @@ def _start_arguments(run: Run) -> tuple[Any, ...]:
     )
 
 
-def watched(run: Run) -> tuple[Floats, Floats]:
-    """Which displacements are watched, and which of them the ground carries."""
+def _watched(run: Run) -> tuple[Floats, Floats]:
+    """Return the watched displacements, and which of them the ground carries."""
     places = np.eye(len(run.prepared.matrices.load)) if run.places is None else run.places
     carried = np.zeros(len(places)) if run.carried is None else run.carried
     return (
@@ -139,8 +120,7 @@ def watched(run: Run) -> tuple[Floats, Floats]:
 
 
 def _empty_peaks(run: Run, system: System) -> Peaks:
-    """Nothing noted yet."""
-    places, carried = watched(run)
+    places, carried = _watched(run)
     peaks = Peaks(
         places=places,
         carried=carried,
@@ -153,19 +133,12 @@ def _empty_peaks(run: Run, system: System) -> Peaks:
     return peaks
 
 
-def _build_shaking_record(run: Run) -> Shaking:
-    """What the structure is exposed to; no step is kept."""
-    steps = len(run.ground) - 1
-    return Shaking(run.ground, float(run.dt), np.full(steps, run.ambient), _none_kept(run))
-
-
 def _none_kept(run: Run) -> NDArray[np.bool_]:
-    """No step is kept."""
     return np.zeros(len(run.ground) - 1, dtype=np.bool_)
 
 
 def _stored_in(kinds: Sequence[tuple[Ints, Any]], lines: int) -> Floats:
-    """Energy stored in the bearings of all lines [b], from lines and states of each kind."""
+    """Return the energy stored in the bearings of all lines [b]."""
     found = np.zeros(lines)
     for numbers, states in kinds:
         found[numbers] = states.books["recoverable"][:, 0]
@@ -173,7 +146,7 @@ def _stored_in(kinds: Sequence[tuple[Ints, Any]], lines: int) -> Floats:
 
 
 def _modelled_books(bearings: Bearings, lines: int) -> Rows[Books]:
-    """Books of the modelled bearings of all lines [b]."""
+    """Return the records of the modelled bearings of all lines [b]."""
     found = rows(Books, lines)
     for kind in bearings:
         for m, line in enumerate(kind.lines):
@@ -182,12 +155,12 @@ def _modelled_books(bearings: Bearings, lines: int) -> Rows[Books]:
 
 
 def _build_scheme(run: Run, halvings: int) -> Scheme:
-    """How time is integrated."""
     return Scheme(BETA[run.method], GAMMA, TOLERANCE, ITERATIONS, halvings)
 
 
-def told(left: Left, recoverable: Floats, steps: int, outcome: int, *, alone: bool) -> RunPeaks:
-    """What a run left, named."""
+def _peaks_of(
+    left: Left, recoverable: Floats, steps: int, outcome: int, *, alone: bool
+) -> RunPeaks:
     named = OUTCOMES[outcome]
     if named == "completed" and not all_physical(left.bearings, recoverable):
         named = NOT_PHYSICAL
@@ -206,18 +179,21 @@ def told(left: Left, recoverable: Floats, steps: int, outcome: int, *, alone: bo
 
 
 def run_peaks(run: Run) -> RunPeaks:
-    """Shake one structure; always returns what was reached, with a typed outcome.
+    """Integrate one structure alone: the steps of `run_structure`, bit for bit, without its rows.
 
-    The same steps as `run_structure`, bit for bit, without its rows. A run that ends early has the
-    energies and bearings of its last whole step, as rows have: the halves of a step that were done
-    before it ended are in no row, so that the steps up to there are done again.
+    A run that ends early has the energies and bearings of its last whole step, as rows have: the
+    halves of a step that were done before it ended are in no row, so that the steps up to there are
+    done again.
     """
     _check_method(run)
     left, stored, done, outcome, _ = _marched(run, 0)
-    found = told(left, stored, done, outcome, alone=True)
+    found = _peaks_of(left, stored, done, outcome, alone=True)
     if outcome == COMPLETED:
         return found
-    books, ended = rows(MotionBooks, 1), _modelled_books(list_all_bearings(run), len(run.lines))
+    books, ended = (
+        rows(MotionBooks, 1),
+        _modelled_books(build_bearings(*_start_arguments(run)), len(run.lines)),
+    )
     if done > 0:
         kept = _marched(run, done)[-1]
         books = kept.books
@@ -227,13 +203,11 @@ def run_peaks(run: Run) -> RunPeaks:
 
 
 def _marched(run: Run, kept: int) -> tuple[Left, Floats, int, int, MotionRows]:
-    """What a run left, what its bearings had stored, steps, outcome; one row of step `kept`."""
-    system, bearings = build_system(run.prepared, run.lines), list_all_bearings(run)
-    motion, peaks, shaking = (
-        new_motion(system),
-        _empty_peaks(run, system),
-        _build_shaking_record(run),
-    )
+    """Return the end of a run, the energy stored at its start, steps, outcome, row of `kept`."""
+    system, bearings = build_system(run.prepared, run.lines), build_bearings(*_start_arguments(run))
+    motion, peaks = new_motion(system), _empty_peaks(run, system)
+    air = np.full(len(run.ground) - 1, run.ambient)
+    shaking = Shaking(run.ground, float(run.dt), air, _none_kept(run))
     stored = _stored_in([(kind.lines, kind.states) for kind in bearings], len(run.lines))
     room = _no_rows(system, bearings, min(kept, 1))
     if kept:
@@ -246,7 +220,6 @@ def _marched(run: Run, kept: int) -> tuple[Left, Floats, int, int, MotionRows]:
 
 
 def _check_method(run: Run) -> None:
-    """Only Newmark's method notes peaks."""
     if run.method not in ("average-acceleration", "linear-acceleration"):
         raise ValueError(f"{run.method}: peaks are those of Newmark's method")
 
@@ -254,8 +227,8 @@ def _check_method(run: Run) -> None:
 T = TypeVar("T")
 
 
-def choices(constants: Constants) -> tuple[bool, ...]:
-    """Where kernels go one way for all runs in lockstep."""
+def _choices(constants: Constants) -> tuple[bool, ...]:
+    """Return the choices that kernels make once for all runs in lockstep."""
     rubber, lead = constants.rubber, constants.lead
     return (
         rubber.unloading_curvature > 0.0,
@@ -267,8 +240,8 @@ def choices(constants: Constants) -> tuple[bool, ...]:
     )
 
 
-def constants_shape(constants: Constants) -> Any:
-    """What bearings in lockstep have in common: shapes, whole numbers and choices."""
+def _constants_shape(constants: Constants) -> Any:
+    """Return what bearings in lockstep have in common: shapes, whole numbers and choices."""
     rubber = constants.rubber
     cells: Any = constants.layer_cells
     ends: Any = constants.lead_cells
@@ -288,12 +261,12 @@ def constants_shape(constants: Constants) -> Any:
         rubber.virgin,
         constants.lead.published,
         constants.viscous.heats,
-        *choices(constants),
+        *_choices(constants),
     )
 
 
 def _likeness(run: Run) -> Any:
-    """Runs in one lockstep have the same."""
+    """Return what runs in one lockstep have in common."""
     _check_method(run)
     structure, constants = run.prepared.structure, [line.constants for line in run.lines]
     sizes = len(run.ground), len(run.prepared.matrices.load)
@@ -303,22 +276,16 @@ def _likeness(run: Run) -> Any:
     for numbers in line_kinds(constants):
         one = constants[numbers[0]]
         heat = b"".join(array.tobytes() for array in one.cells)
-        kinds.append((tuple(numbers), constants_shape(one), heat))
+        kinds.append((tuple(numbers), _constants_shape(one), heat))
     return sizes, len(structure.hinges), watched, run.dt, run.method, moving, *kinds
 
 
 def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
-    """Shake many structures, WIDTH in lockstep where they are alike.
+    """Return the peaks of runs in their order, WIDTH in lockstep where they are alike.
 
-    Parameters
-    ----------
-    runs : of any shapes; those of one shape, with bearings that are alike in capacities and
-        conductances of their cells, are put together in their order.
-
-    Returns
-    -------
-    What each came to, in their order. A number may differ from that of `run_peaks` by rounding
-    (1e-12 of the largest), and never by what else is run.
+    Runs of one shape, with bearings that are alike in capacities and conductances of their cells,
+    are put together. A number may differ from that of `run_peaks` by rounding (1e-12 of the
+    largest), and never by the other runs.
     """
     companies: dict[Any, Company] = {}
     waiting: dict[Any, list[int]] = {}
@@ -341,19 +308,19 @@ def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
 
 
 def with_shared_cells(constants: Constants) -> Constants:
-    """For a lockstep of bearings that are alike in their heat."""
+    """Return constants for a lockstep of bearings with the same cells."""
     return constants._replace(cells=SharedCells(*constants.cells))
 
 
 class Company:
     """Runs of one shape in lockstep, WIDTH at a time.
 
-    What is the same in several lots of runs is put side by side once, and scratch is copied.
+    Inputs that several lots share are put side by side once, and scratch is copied.
     """
 
     def __init__(self, run: Run) -> None:
         system = build_system(run.prepared, run.lines)
-        self.keep, self.bearings = _none_kept(run), list_all_bearings(run)
+        self.keep, self.bearings = _none_kept(run), build_bearings(*_start_arguments(run))
         self.motion, self.peaks = new_motion(system), _empty_peaks(run, system)
         work = tuple(
             (one.durations, one.work, one.elastic, one.hysteretic) for one in self.bearings
@@ -364,11 +331,11 @@ class Company:
         self._made: dict[Any, tuple[Sequence[Any], Any]] = {}
 
     def shake(self, runs: Sequence[Run]) -> list[RunPeaks]:
-        """At most WIDTH runs; empty lanes repeat the last."""
+        """Return the peaks of at most WIDTH runs; empty lanes repeat the last."""
         filled = [*runs, *[runs[-1]] * (WIDTH - len(runs))]
         starts = [start_states(*_start_arguments(run)) for run in filled]
         work, motion, peaks = twin(self.scratch)
-        places, carried = side_by_side([watched(run) for run in filled])
+        places, carried = side_by_side([_watched(run) for run in filled])
         bearings = self._bearings(filled, starts, work)
         outcomes = aligned((1, WIDTH), np.float64)
         done = lanes_march(
@@ -384,21 +351,20 @@ class Company:
         made = tuple(kind.states for kind in bearings), motion.books, peaks[2:]
         each = each_lane(made, (starts[0], self.motion.books, self.peaks[2:]))
         return [
-            self._told(run, starts[lane], *each[lane], int(done))
+            self._peaks(run, starts[lane], *each[lane], int(done))
             if outcomes[0, lane] == COMPLETED
             else run_peaks(run)
             for lane, run in enumerate(runs)
         ]
 
     def _shaking(self, runs: Sequence[Run]) -> Shaking:
-        """What they are exposed to; the air of a run stays as it is."""
         ground, dt = side_by_side([(run.ground, float(run.dt)) for run in runs])
         ambient = aligned((len(self.keep), WIDTH), np.float64)
         ambient[:] = [run.ambient for run in runs]
         return Shaking(ground, dt, ambient, self.keep)
 
     def _bearings(self, runs: Sequence[Run], starts: Sequence[Any], work: Any) -> Any:
-        """Bearings of some runs as one, with their states at the start."""
+        """Return the bearings of some runs as one, with their states at the start."""
         found = []
         for k, kind in enumerate(self.bearings):
             line = int(kind.lines[0])
@@ -409,7 +375,7 @@ class Company:
         return tuple(found)
 
     def _system(self, run: Run) -> System:
-        """The structure of a run; those with the same one and the same lines share it."""
+        """Return the structure of a run; runs with the same one and the same lines share it."""
         lines = tuple((line.speed, line.warmer, id(line.begun)) for line in run.lines)
         key = id(run.prepared), lines
         if key not in self._systems:
@@ -417,7 +383,7 @@ class Company:
         return self._systems[key]
 
     def _once(self, given: Sequence[T], change: Callable[[T], T] | None = None) -> T:
-        """Things that are only read, side by side; the same ones are not put there again."""
+        """Return inputs that are only read, side by side; made once for the same ones."""
         key = tuple(map(id, given))
         if key not in self._made:
             parts = [change(one) for one in given] if change else given
@@ -425,14 +391,13 @@ class Company:
         made: T = self._made[key][1]
         return made
 
-    def _told(
+    def _peaks(
         self, run: Run, start: Any, states: Any, books: Any, noted: Any, steps: int
     ) -> RunPeaks:
-        """What a run left in its lane."""
         ended = tuple(
             kind._replace(constants=run.lines[int(kind.lines[0])].constants, states=state)
             for kind, state in zip(self.bearings, states, strict=True)
         )
         lines = [kind.lines for kind in self.bearings]
         stored = _stored_in(list(zip(lines, start, strict=True)), len(run.lines))
-        return told(Left(ended, books, *noted), stored, steps, COMPLETED, alone=False)
+        return _peaks_of(Left(ended, books, *noted), stored, steps, COMPLETED, alone=False)

@@ -1,4 +1,11 @@
-"""From bodies and connections to matrices and periods."""
+"""From bodies and connections to matrices, natural modes and viscous damping.
+
+The damping matrix is that of the structure without its bearings, whose hysteresis is their
+damping. What only bearings hold (the deck) then moves freely, without a dashpot to the ground;
+every other motion has the ratios of its parts weighted with strain energy. The exceptions are
+`source`: Rayleigh damping through modes 1 and 2 of the whole structure, whose mass term holds
+the deck too; and `element`, where bearings with a ratio have a dashpot across them.
+"""
 
 from dataclasses import dataclass
 
@@ -7,13 +14,12 @@ from scipy.linalg import LinAlgError, eigh
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
-from thermobearing.structure.model import (
-    GROUND,
-    Body,
-    MassModel,
-    Spring,
-    Structure,
-)
+from thermobearing.structure.model import GROUND, Body, Damping, MassModel, Spring, Structure
+
+DAMPED_MODES = 2  # that Rayleigh damping fits
+NO_STIFFNESS = 1e-12  # of the largest squared frequency: rounding leaves 1e-16 of it
+NEGATIVE = -1e-9  # of the largest damping: what is below feeds energy in, beyond rounding
+Part = tuple[float, Floats]  # damping ratio, stiffness [n, n]
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,7 @@ class Modes:
 
 
 def coordinates(structure: Structure) -> list[str]:
-    """Names of the coordinates, body by body."""
+    """Return the names of the coordinates, body by body."""
     names = []
     for body in structure.bodies:
         names += [f"{body.name} x"] * body.moves + [f"{body.name} rotation"] * body.rotates
@@ -59,7 +65,7 @@ def coordinates(structure: Structure) -> list[str]:
 
 
 def unit(structure: Structure, name: str) -> Floats:
-    """Row of a coordinate by its name."""
+    """Return the row of a coordinate by its name."""
     names = coordinates(structure)
     row = np.zeros(len(names))
     row[names.index(name)] = 1.0
@@ -67,7 +73,7 @@ def unit(structure: Structure, name: str) -> Floats:
 
 
 def rotation_row(structure: Structure, name: str) -> Floats:
-    """Absolute rotation of a body per coordinate; one that does not rotate follows its carrier."""
+    """Return the absolute rotation of a body, or of its carrier, per coordinate."""
     if name == GROUND:
         return np.zeros(len(coordinates(structure)))
     body = structure.body(name)
@@ -77,7 +83,7 @@ def rotation_row(structure: Structure, name: str) -> Floats:
 
 
 def displacement_row(structure: Structure, name: str, height: float) -> Floats:
-    """Sideways motion, relative to the ground, of the point of a body at a height [mm]."""
+    """Return the sideways motion of a body at a height [mm], relative to the ground."""
     if name == GROUND:
         return np.zeros(len(coordinates(structure)))
     body = structure.body(name)
@@ -89,7 +95,7 @@ def displacement_row(structure: Structure, name: str, height: float) -> Floats:
 
 
 def mean_height(structure: Structure, name: str) -> float:
-    """Where the masses of a body are in the mean [mm]; its base if it has none."""
+    """Return the mean height of the masses of a body [mm]; its base if it has none."""
     mine = [mass for mass in structure.masses if mass.body == name]
     whole = sum(mass.mass for mass in mine)
     if not mine:
@@ -98,15 +104,12 @@ def mean_height(structure: Structure, name: str) -> float:
 
 
 def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -> Matrices:
-    """Matrices of a structure.
+    """Return the matrices of a structure.
 
-    Parameters
-    ----------
-    structure : from `load_structure`.
-    mass_model : "consistent": kinetic energy of every mass, and the ground pushes every mass.
-        "published" (Eq. 6.4-6.7): a body that moves has its mass on that coordinate, one that is
-        carried has only its inertia about its base, without coupling, and the ground pushes
-        the moving ones.
+    `mass_model` "consistent": kinetic energy of every mass, and the ground pushes every mass.
+    "published" (Eq. 6.4-6.7): a body that moves has its mass on that coordinate, one that is
+    carried has only its inertia about its base, without coupling, and the ground pushes
+    the moving ones.
     """
     names = coordinates(structure)
     n = len(names)
@@ -128,35 +131,35 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
     hinges = [
         rotation_row(structure, h.body) - rotation_row(structure, h.base) for h in structure.hinges
     ]
-    lines = [difference(structure, b.body, b.base, b.height) for b in structure.bearings]
+    lines = [_difference(structure, b.body, b.base, b.height) for b in structure.bearings]
     return Matrices(
         names, mass, load, springs, np.reshape(hinges, (len(hinges), n)), np.array(lines)
     )
 
 
 def spring_matrix(structure: Structure, spring: Spring) -> Floats:
-    """[n, n] stiffness of one spring."""
+    """Return the stiffness [n, n] of one spring."""
     if spring.stiffness is not None:
-        row = difference(structure, spring.body, spring.base, spring.height)
+        row = _difference(structure, spring.body, spring.base, spring.height)
         return np.asarray(spring.stiffness * np.outer(row, row))
     row = rotation_row(structure, spring.body) - rotation_row(structure, spring.base)
     return np.asarray((spring.rotational_stiffness or 0.0) * np.outer(row, row))
 
 
-def difference(structure: Structure, body: str, base: str, height: float) -> Floats:
-    """Sideways motion of `body` less that of `base`, at one height."""
+def _difference(structure: Structure, body: str, base: str, height: float) -> Floats:
+    """Return the sideways motion of `body` less that of `base`, at one height."""
     return displacement_row(structure, body, height) - displacement_row(structure, base, height)
 
 
 def _own_motion(structure: Structure, body: Body, height: float) -> Floats:
-    """Motion of a mass as the published mass matrix has it."""
+    """Return the motion of a mass as the published mass matrix has it."""
     if body.moves:
         return unit(structure, f"{body.name} x")
     return (height - body.base_height) * rotation_row(structure, body.name)
 
 
 def _check_mass(mass: Floats, names: list[str], where: str) -> None:
-    """Every coordinate needs mass, or time integration has nothing to divide by."""
+    """Refuse a coordinate without mass: time integration divides by it."""
     for name, value in zip(names, np.diag(mass), strict=True):
         if value <= 0.0:
             raise InputError(
@@ -165,17 +168,15 @@ def _check_mass(mass: Floats, names: list[str], where: str) -> None:
 
 
 def hinge_stiffness(structure: Structure, matrices: Matrices) -> Floats:
-    """[n, n] initial stiffness of the hinges."""
+    """Return the initial stiffness [n, n] of the hinges."""
     values = np.array([hinge.stiffness for hinge in structure.hinges])
     return np.asarray(matrices.hinge_rows.T @ (values[:, None] * matrices.hinge_rows))
 
 
 def line_stiffness(structure: Structure, matrices: Matrices, each: Floats | None = None) -> Floats:
-    """[n, n] stiffness of the bearing lines.
+    """Return the stiffness [n, n] of the bearing lines.
 
-    Parameters
-    ----------
-    each : stiffness of ONE bearing of each line [kN/mm]; the equivalent one by default.
+    `each` is that of ONE bearing of each line [kN/mm]; the equivalent stiffness by default.
     """
     lines = structure.bearings
     one = np.array([line.equivalent_stiffness for line in lines]) if each is None else each
@@ -184,12 +185,7 @@ def line_stiffness(structure: Structure, matrices: Matrices, each: Floats | None
 
 
 def find_modes(mass: Floats, stiffness: Floats, where: str = "structure") -> Modes:
-    """All natural modes, longest period first.
-
-    Raises
-    ------
-    InputError : the structure is a mechanism: some motion meets no stiffness.
-    """
+    """Return all natural modes, longest period first; InputError for a mechanism."""
     try:
         values, shapes = eigh(stiffness, mass)
     except LinAlgError:
@@ -201,3 +197,157 @@ def find_modes(mass: Floats, stiffness: Floats, where: str = "structure") -> Mod
     if values[0] <= 1e-12 * values[-1]:
         raise InputError("is a mechanism: some motion meets no stiffness", where)
     return Modes(np.sqrt(values), shapes)
+
+
+def own_parts(structure: Structure, matrices: Matrices) -> list[Part]:
+    """Return damping ratio and stiffness of springs and hinges."""
+    parts = [(one.damping_ratio, spring_matrix(structure, one)) for one in structure.springs]
+    for hinge, row in zip(structure.hinges, matrices.hinge_rows, strict=True):
+        parts.append((hinge.damping_ratio, hinge.stiffness * np.outer(row, row)))
+    return parts
+
+
+def line_parts(structure: Structure, matrices: Matrices) -> list[Part]:
+    """Return those of bearing lines with their equivalent stiffness."""
+    lines = zip(structure.bearings, matrices.line_rows, strict=True)
+    return [
+        (line.damping_ratio, line.count * line.equivalent_stiffness * np.outer(row, row))
+        for line, row in lines
+    ]
+
+
+def _energies(part: Part, shapes: Floats) -> Floats:
+    """Return twice the strain energy of a part in each mode."""
+    return np.asarray(np.einsum("ik,ij,jk->k", shapes, part[1], shapes))
+
+
+def weighed_ratios(parts: list[Part], modes: Modes) -> Floats:
+    """Return the damping ratio of each mode, weighted with the strain energy of the parts."""
+    stored = np.array([_energies(part, modes.shapes) for part in parts])
+    ratios = np.array([ratio for ratio, _ in parts])
+    return np.asarray(ratios @ stored / stored.sum(axis=0))
+
+
+def bare_modes(structure: Structure, matrices: Matrices) -> Modes:
+    """Return the modes without the bearings that have stiffness, longest period first."""
+    stiffness = matrices.springs + hinge_stiffness(structure, matrices)
+    values, shapes = eigh(stiffness, matrices.mass)
+    held = (values > 0.0) & (values > NO_STIFFNESS * values[-1])
+    return Modes(np.sqrt(values[held]), shapes[:, held])
+
+
+def mode_damping(matrix: Floats, modes: Modes) -> Floats:
+    """Return the damping ratio that a damping matrix gives each mode."""
+    modal = np.einsum("ik,ij,jk->k", modes.shapes, matrix, modes.shapes)
+    return np.asarray(modal / (2.0 * modes.frequencies))
+
+
+def _from_ratios(mass: Floats, modes: Modes, ratios: Floats) -> Floats:
+    """Return C = M sum_k 2 xi_k omega_k phi_k phi_k^T M: these ratios, nothing elsewhere."""
+    pushed = mass @ modes.shapes
+    return np.asarray((pushed * (2.0 * ratios * modes.frequencies)) @ pushed.T)
+
+
+def _rayleigh_ratios(damping: Damping, modes: Modes, wanted: Floats, where: str) -> Floats:
+    """Return xi_k = a/(2 omega_k) + b omega_k/2 through the chosen modes; b alone of one."""
+    count = len(modes.frequencies)
+    numbers = damping.modes or tuple(range(1, min(DAMPED_MODES, count) + 1))
+    if max(numbers) > count:
+        raise InputError(
+            f"damping.modes: there is no mode {max(numbers)}; without its bearings the structure "
+            f"has {count}",
+            where,
+        )
+    chosen = np.array(numbers) - 1
+    aim = wanted[chosen] if damping.ratios is None else np.array(damping.ratios)
+    if len(aim) != len(chosen):
+        raise InputError(
+            f"damping.ratios: {len(aim)} numbers for {len(chosen)} mode(s); see damping.modes",
+            where,
+        )
+    w = modes.frequencies
+    columns = np.column_stack([0.5 / w, 0.5 * w])[:, DAMPED_MODES - len(chosen) :]
+    factors = np.linalg.lstsq(columns[chosen], aim)[0]
+    return np.asarray(columns @ factors)
+
+
+def _dashpots(parts: list[Part], modes: Modes) -> Floats:
+    """Return C = sum 2 xi_e/omega_e K_e, omega_e of the mode that stores most in the part.
+
+    Of springs and hinges these are c_2 and c_3 of Eq. 6.5-6.7 (c_3 once for each ground spring),
+    of the bearings c_1 of Eq. 6.4-6.7, zero in Table 6.2.
+    """
+    matrix = np.zeros((len(modes.shapes), len(modes.shapes)))
+    for part in parts:
+        share = _energies(part, modes.shapes) / modes.frequencies**2
+        matrix += 2.0 * part[0] / modes.frequencies[int(np.argmax(share))] * part[1]
+    return matrix
+
+
+def _modal_ratios(damping: Damping, wanted: Floats, where: str) -> Floats:
+    """Return a ratio for each mode, or one for all; by default those of the parts."""
+    if damping.ratios is None:
+        return wanted
+    if len(damping.ratios) not in (1, len(wanted)):
+        raise InputError(
+            f"damping.ratios: {len(damping.ratios)} numbers, but without its bearings the "
+            f"structure has {len(wanted)} mode(s); give one for each, or one for all",
+            where,
+        )
+    return np.full(len(wanted), damping.ratios)
+
+
+def _source_matrix(structure: Structure, matrices: Matrices, modes: Modes) -> Floats:
+    """Return C = a M + b K', K' the stiffness without the bearings, through modes 1 and 2.
+
+    a and b give these modes of the whole structure the ratios of all parts, or the given ones.
+    """
+    parts = [*own_parts(structure, matrices), *line_parts(structure, matrices)]
+    wanted = structure.damping.ratios or tuple(weighed_ratios(parts, modes))[:DAMPED_MODES]
+    stiffness = matrices.springs + hinge_stiffness(structure, matrices)
+    modal = _energies((0.0, stiffness), modes.shapes)
+    count = min(DAMPED_MODES, len(modes.frequencies))
+    equations = np.column_stack([np.ones(count), modal[:count]])
+    right = 2.0 * np.array(wanted[:count]) * modes.frequencies[:count]
+    a, b = np.linalg.lstsq(equations, right)[0]
+    return np.asarray(a * matrices.mass + b * stiffness)
+
+
+def build_damping(structure: Structure, matrices: Matrices, modes: Modes) -> Floats:
+    """Return the damping matrix [n, n]; `modes` are with the equivalent stiffness of bearings.
+
+    InputError: ratios or modes that the structure does not have, or damping that would feed
+    energy into a mode.
+    """
+    damping, parts, where = structure.damping, own_parts(structure, matrices), structure.name
+    if damping.kind == "source":
+        matrix = _source_matrix(structure, matrices, modes)
+    elif damping.kind == "none":
+        matrix = np.zeros_like(matrices.mass)
+    elif damping.kind == "element":
+        matrix = _dashpots(parts, bare_modes(structure, matrices))
+        matrix += _dashpots(line_parts(structure, matrices), modes)
+    else:
+        bare = bare_modes(structure, matrices)
+        if not len(bare.frequencies):  # everything stands on bearings
+            return np.zeros_like(matrices.mass)
+        wanted = weighed_ratios(parts, bare)
+        if damping.kind == "modal":
+            matrix = _from_ratios(matrices.mass, bare, _modal_ratios(damping, wanted, where))
+        else:
+            ratios = _rayleigh_ratios(damping, bare, wanted, where)
+            matrix = _from_ratios(matrices.mass, bare, ratios)
+    _check_sign(matrix, matrices.mass, damping, where)
+    return matrix
+
+
+def _check_sign(matrix: Floats, mass: Floats, damping: Damping, where: str) -> None:
+    """Refuse damping that feeds energy in: a line through two ratios may be negative elsewhere."""
+    values = eigh(matrix, mass, eigvals_only=True)
+    if values[0] < NEGATIVE * abs(values[-1]):
+        raise InputError(
+            f'damping.kind = "{damping.kind}" feeds energy into some motion: what gives two modes '
+            "these ratios gives others a negative one; choose other modes or ratios, or "
+            'kind = "modal"',
+            where,
+        )

@@ -7,9 +7,8 @@ bearing lines connect two bodies, or a body and the ground.
 """
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
@@ -148,11 +147,10 @@ class Damping(Strict):
 
 
 class Reported(Strict):
-    """What the tables call deck and pier: bodies, and the height of the pier top.
+    """Bodies that tables call deck and pier, and the height of the pier top.
 
     `line` is the bearing line of histories and the table of peaks; by default the first between
-    deck and pier. Every line and every pier has a row of its own besides. A deck on bearings that
-    stand on the ground has no pier, and both keys are left out.
+    deck and pier. A deck on bearings that stand on the ground has no pier; both keys are left out.
     """
 
     deck: Name
@@ -162,7 +160,7 @@ class Reported(Strict):
 
     @property
     def has_pier(self) -> bool:
-        """Whether there is one to tell of."""
+        """Whether there is a pier."""
         return self.pier != GROUND
 
     line: Name | None = None
@@ -235,12 +233,8 @@ class Structure(Sourced):
                 "Only a deck whose bearings all stand on the ground needs none"
             )
         used = [mass.body for mass in self.masses]
-        connections: list[Spring | Hinge | BearingLine] = [
-            *self.springs,
-            *self.hinges,
-            *self.bearings,
-        ]
-        for part in connections:
+        parts: tuple[Spring | Hinge | BearingLine, ...] = (*self.springs, *self.hinges)
+        for part in (*parts, *self.bearings):
             used += [part.body, part.base]
         used += [self.report.deck, self.report.pier, self.report.pier_base]
         for name in dict.fromkeys(used):
@@ -251,7 +245,7 @@ class Structure(Sourced):
         return self
 
     def body(self, name: str) -> Body:
-        """The body of that name."""
+        """Return the body of that name."""
         return next(body for body in self.bodies if body.name == name)
 
 
@@ -259,7 +253,7 @@ STRUCTURES = Library("structure", "structures")
 
 
 def list_structures() -> list[str]:
-    """Names of the built-in structures.
+    """Return the names of the built-in structures.
 
     Examples
     --------
@@ -270,15 +264,17 @@ def list_structures() -> list[str]:
 
 
 def load_structure(name_or_path: str | Path) -> Structure:
-    """A structure of the library by name, or one of your own from a TOML file.
+    """Return a structure of the library by name, or one of your own from a TOML file.
 
     Parameters
     ----------
-    name_or_path : a name of `list_structures()`, or a path to your own file.
+    name_or_path : str or Path
+        A name of `list_structures()`, or a path to your own file.
 
     Raises
     ------
-    InputError : no such structure, or faults in the file.
+    InputError
+        No such structure, or faults in the file.
 
     Examples
     --------
@@ -288,68 +284,44 @@ def load_structure(name_or_path: str | Path) -> Structure:
     return STRUCTURES.load(Structure, name_or_path)
 
 
-@dataclass(frozen=True)
-class Pier:
-    """A pier as the tables have it.
+class Pier(NamedTuple):
+    """A pier of the tables."""
 
-    Attributes
-    ----------
-    name : of its body.
-    base : body that it stands on; its displacement is relative to that.
-    top : height of its top [mm].
-    hinge : number of its hinge in the structure; None without one.
-    height : from the base of its body to its top [mm].
-    """
-
-    name: str
-    base: str
-    top: float
-    hinge: int | None
-    height: float
+    name: str  # of its body
+    base: str  # body that it stands on; its displacement is relative to that
+    top: float  # height of its top [mm]
+    hinge: int | None  # number of its hinge in the structure; None without one
+    height: float  # from the base of its body to its top [mm]
 
 
 def reported_line(structure: Structure, own: Collection[str] = ()) -> int:
-    """Number of the bearing line that histories and the table of peaks are about.
+    """Return the number of the bearing line of histories and of the table of peaks.
 
     The one that `report.line` names; or the first between deck and pier of the report, if it can
     be one without a bearing of its `own`; or the first.
-
-    Examples
-    --------
-    >>> from thermobearing.structure.model import load_structure
-    >>> reported_line(load_structure("pier-p1"))
-    0
     """
     lines, report = structure.bearings, structure.report
     names = [line.name for line in lines]
     if report.line is not None:
         return names.index(report.line)
     between = [k for k, b in enumerate(lines) if {b.body, b.base} == {report.deck, report.pier}]
-    for chosen in (between, range(len(lines))):
-        for k in chosen:
-            if names[k] not in own:
-                return k
-    return between[0] if between else 0
+    usual = [k for k in (*between, *range(len(lines))) if names[k] not in own]
+    found: int = [*usual, *between, 0][0]
+    return found
 
 
 def first_hinge(structure: Structure, pier: str) -> int | None:
-    """Number of the first hinge at a body: below it, or else on it."""
+    """Return the number of the first hinge at a body: below it, or else on it."""
     below = [k for k, hinge in enumerate(structure.hinges) if hinge.body == pier]
     on = [k for k, hinge in enumerate(structure.hinges) if hinge.base == pier]
     return next(iter([*below, *on]), None)
 
 
 def list_piers(structure: Structure) -> list[Pier]:
-    """The pier of the report, then every other body that carries a bearing line or has a hinge.
+    """Return the pier of the report, then other bodies that carry a bearing line or have a hinge.
 
-    The top of another pier is where its bearing lines are, or its highest mass; its base is what
-    its hinge or the body itself stands on.
-
-    Examples
-    --------
-    >>> from thermobearing.structure.model import load_structure
-    >>> [(pier.name, pier.base, pier.hinge) for pier in list_piers(load_structure("pier-p1"))]
-    [('pier', 'footing', 0)]
+    The top of another pier is at its bearing lines, or its highest mass; its base is the body under
+    its hinge or under itself.
     """
     report = structure.report
     foot = structure.body(report.pier).base_height if report.has_pier else report.pier_top
@@ -375,7 +347,6 @@ def list_piers(structure: Structure) -> list[Pier]:
 
 
 def _rotates(structure: Structure, name: str) -> bool:
-    """Whether a body, or what carries it, has a coordinate."""
     while name != GROUND:
         body = structure.body(name)
         if body.moves or body.rotates:
@@ -385,26 +356,10 @@ def _rotates(structure: Structure, name: str) -> bool:
 
 
 def fixed_base(structure: Structure) -> Structure:
-    """The structure without its foundation springs: what carries other bodies on springs is held.
+    """Return the structure without its foundation springs: bodies that stand on them are held.
 
-    Parameters
-    ----------
-    structure : with a body that stands on springs to the ground and carries another.
-
-    Returns
-    -------
-    Structure : that body does not move; its springs are left out. The name says so.
-
-    Raises
-    ------
-    InputError : no body stands on springs and carries another, or what is left cannot be.
-
-    Examples
-    --------
-    >>> from thermobearing.structure.matrices import coordinates
-    >>> from thermobearing.structure.model import load_structure
-    >>> coordinates(fixed_base(load_structure("pier-p1")))
-    ['deck x', 'pier rotation']
+    These are bodies that stand on springs to the ground and carry others. The name says so.
+    InputError: there is no such body, or what is left cannot be.
     """
     carriers = {body.on for body in structure.bodies}
     springs = {spring.body for spring in structure.springs if spring.base == GROUND}

@@ -1,17 +1,13 @@
-"""What documents say of a structure: its table of inputs, and itself before it is shaken."""
+"""Report of a structure: its inputs as a table, and the document of `structures show`."""
 
 from collections.abc import Mapping
 from typing import Any
 
 from thermobearing.border.toml import read_toml, split_sources
-from thermobearing.report.content import (
-    COLUMNS,
-    key_words,
-    make_table,
-    saved_figures,
-    value_and_unit,
-)
-from thermobearing.report.pieces import Pieces, ReportTable
+from thermobearing.quantities.tables import Table
+from thermobearing.report import content
+from thermobearing.report.content import COLUMNS, key_words, saved_figures, value_and_unit
+from thermobearing.report.pieces import Pieces
 from thermobearing.report.words import counted, identity_rows, percent, tidy
 from thermobearing.results.directory import RESOLVED
 from thermobearing.results.saved import SavedResult
@@ -31,12 +27,7 @@ ASSUMPTIONS = [
 
 
 def build_pieces(saved: SavedResult) -> Pieces:
-    """Everything that the document of `structures show` says.
-
-    Parameters
-    ----------
-    saved : as `load_result` gives it.
-    """
+    """Return the content of the document of `structures show`, from its directory."""
     summary = saved.summary
     name, modes = str(summary["structure"]), summary["modes"]
     text = (saved.path / RESOLVED).read_text(encoding="utf-8")
@@ -50,11 +41,11 @@ def build_pieces(saved: SavedResult) -> Pieces:
         f"All masses together are {summary['mass_t']:.4g} t ({summary['mass_model']} mass); "
         f"viscous damping: {summary['damping']}.",
     ]
-    tables = {n: make_table(n, saved[n]) for n in ("parts", "periods")}
+    tables = {n: content.make_table(n, saved[n]) for n in ("parts", "periods")}
     return Pieces(
         command="structures show",
         title=f"Structure {name}",
-        question=f"What is {name} made of, and how does it swing before it is shaken? {about}.",
+        question=f"What is {name} made of, and what are its modes? {about}.",
         answer=answer,
         inputs={"structure": structure_table(case, sources)},
         tables=tables,
@@ -67,15 +58,10 @@ def build_pieces(saved: SavedResult) -> Pieces:
     )
 
 
-def structure_table(
-    structure: Mapping[str, Any], own: Mapping[str, str] | None = None
-) -> ReportTable:
-    """Masses, springs, hinges and bearing lines, each value with unit and source.
+def structure_table(structure: Mapping[str, Any], own: Mapping[str, str] | None = None) -> Table:
+    """Return masses, springs, hinges and bearing lines, each value with unit and source.
 
-    Parameters
-    ----------
-    structure : table of a resolved case.
-    own : sources of its file, by dotted key.
+    `structure` is that of a resolved case; `own` are the sources of its file, by dotted key.
     """
     sources = STRUCTURES.sources(Structure, structure) | dict(own or {})
     rows: list[tuple[Any, ...]] = []
@@ -96,4 +82,4 @@ def structure_table(
         str(structure[key]).rstrip(".") for key in ("description", "citation") if structure.get(key)
     ]
     note = ". ".join(about) + "." if about else ""
-    return ReportTable(f"Structure: {structure['name']}", COLUMNS, rows, note=note)
+    return Table(f"Structure: {structure['name']}", COLUMNS, rows, note=note)

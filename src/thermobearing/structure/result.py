@@ -1,21 +1,26 @@
-"""A structure looked at before it is shaken: what it is made of, its periods and mode shapes.
+"""A structure before it is shaken: its parts, periods and mode shapes, and implausible numbers.
 
-As bearing/plausible.py for bearings; the usual ranges are in data/plausible/structure.toml.
+The usual ranges are in data/plausible/structure.toml, as those of bearings (bearing/plausible.py).
 """
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any, get_args
 
 import numpy as np
 import pandas as pd
 
 import thermobearing
 from thermobearing.bearing.plausible import sentence, usual_values
-from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError
+from thermobearing.border.toml import sourced_toml
 from thermobearing.border.units import parse_quantity
 from thermobearing.core.records import Floats
+from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.results.base import COMPLETED, Result
+from thermobearing.results.directory import PERIODS, RESOLVED, STRUCTURE_PARTS
+from thermobearing.results.screen import print_warnings, say, show_table
+from thermobearing.results.writing import write_csv
 from thermobearing.structure.model import (
     DampingKind,
     MassModel,
@@ -27,30 +32,15 @@ from thermobearing.structure.model import (
 )
 from thermobearing.structure.run import Prepared, prepare_structure
 
-if TYPE_CHECKING:
-    from thermobearing.structure.figures import StructureFigures
-
 TONNES = 1e3  # in kN s2/mm
+KN_MM_PER_KN_M = 1e3
 GRAVITY = parse_quantity("1 standard_gravity", "mm/s^2")
 
 
 def implausible_structure(structure: Structure, prepared: Prepared | None = None) -> list[str]:
-    """A sentence for each number of a structure that usual ones do not have.
+    """Return a sentence for each unusual number, with the usual range and its source.
 
-    Parameters
-    ----------
-    structure : any; one whose bearings are specimens at a scale is not judged.
-    prepared : its matrices and modes, if they are there.
-
-    Returns
-    -------
-    list of str : what, value, usual range and its source, what is often behind it.
-
-    Examples
-    --------
-    >>> from thermobearing.structure.model import load_structure
-    >>> implausible_structure(load_structure("pier-p1"))
-    []
+    A structure whose bearings are specimens at a scale is not judged.
     """
     if any(line.scale != 1.0 for line in structure.bearings):
         return []
@@ -64,7 +54,7 @@ def implausible_structure(structure: Structure, prepared: Prepared | None = None
 
 
 def _derived(structure: Structure, prepared: Prepared) -> list[tuple[str, str, float]]:
-    """Key, whose it is, and value in the unit of the key."""
+    """Return key, name of the part, and value in the unit of the key."""
     deck = sum(item.mass for item in structure.masses if item.body == structure.report.deck)
     weight = GRAVITY * sum(item.mass for item in structure.masses)
     found = [
@@ -83,31 +73,23 @@ def _derived(structure: Structure, prepared: Prepared) -> list[tuple[str, str, f
     return found
 
 
-KN_MM_PER_KN_M = 1e3
-
-
-@dataclass(frozen=True)
-class StructureResult:
+class StructureResult(Result):
     """What is known about a structure without an earthquake.
 
     Attributes
     ----------
-    prepared : matrices, modes with the equivalent stiffness of the bearings, damping.
-    mass_model : "consistent" or "published".
+    prepared : Prepared
+        Matrices, modes with the equivalent stiffness of the bearings, damping.
+    mass_model : str
+        "consistent" or "published".
     """
 
-    prepared: Prepared
-    mass_model: MassModel
+    _figures = "StructureFigures"
 
-    @property
-    def structure(self) -> Structure:
-        """What was looked at."""
-        return self.prepared.structure
-
-    @property
-    def mass(self) -> float:
-        """All masses [kN s2/mm]."""
-        return sum(item.mass for item in self.structure.masses)
+    def __init__(self, prepared: Prepared, mass_model: MassModel) -> None:
+        self.prepared, self.mass_model = prepared, mass_model
+        self.structure = prepared.structure
+        self.mass = sum(item.mass for item in self.structure.masses)  # [kN s2/mm]
 
     @property
     def effective_masses(self) -> Floats:
@@ -121,18 +103,15 @@ class StructureResult:
         modes = self.prepared.modes
         farthest = np.abs(modes.shapes).argmax(axis=0)
         shapes = modes.shapes / modes.shapes[farthest, np.arange(len(farthest))]
-        frame = pd.DataFrame(
-            {
-                "mode": np.arange(1, len(modes.frequencies) + 1),
-                "period_s": modes.periods,
-                "frequency_Hz": 1.0 / modes.periods,
-                "damping_ratio": self.prepared.ratios,
-                "effective_mass": self.effective_masses,
-            }
-        )
-        for name, values in zip(self.prepared.matrices.coordinates, shapes, strict=True):
-            frame[name] = values
-        return frame
+        columns = {
+            "mode": np.arange(1, len(modes.frequencies) + 1),
+            "period_s": modes.periods,
+            "frequency_Hz": 1.0 / modes.periods,
+            "damping_ratio": self.prepared.ratios,
+            "effective_mass": self.effective_masses,
+        }
+        names = self.prepared.matrices.coordinates
+        return pd.DataFrame(columns | dict(zip(names, shapes, strict=True)))
 
     @property
     def parts(self) -> pd.DataFrame:
@@ -166,8 +145,29 @@ class StructureResult:
         """Numbers that usual structures do not have."""
         return implausible_structure(self.structure, self.prepared)
 
+    def tables(self) -> dict[str, Table]:
+        """Return the parts and the modes."""
+        height = Quantity("Height", "mm", "g", "height_mm")
+        parts = make_table(self.parts, ["part", "name", "body", "base", height, "size"], keys=4)
+        shapes = [Quantity(name, "", ".3g", name) for name in self.prepared.matrices.coordinates]
+        period = quantity("period_s", form=".3f")
+        names: list[str | Quantity] = ["mode", period, "damping_ratio", "effective_mass", *shapes]
+        return {"parts": parts, "periods": make_table(self.table, names)}
+
+    def show(self) -> None:
+        """Print what the model is made of, and its modes."""
+        structure, found = self.structure, self.tables()
+        say(f"{structure.name}: {structure.description}", "bold")
+        show_table(found["parts"])
+        say(
+            f"\n{TONNES * self.mass:g} t in all, {self.mass_model} mass, damping "
+            f"{structure.damping.kind}; bearings with their equivalent stiffness"
+        )
+        show_table(found["periods"])
+        print_warnings(self.warnings)
+
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json."""
+        """Return the content of summary.json."""
         structure = self.structure
         return {
             "command": "structures show",
@@ -175,7 +175,7 @@ class StructureResult:
             "description": structure.description,
             "citation": structure.citation,
             "version": thermobearing.__version__,
-            "outcome": "completed",
+            "outcome": COMPLETED,
             "warnings": self.warnings,
             "mass_t": TONNES * self.mass,
             "mass_model": self.mass_model,
@@ -194,24 +194,11 @@ class StructureResult:
             "modes": self.table.to_dict("records"),
         }
 
-    @property
-    def plot(self) -> "StructureFigures":
-        """Figures: `result.plot.model()`, `.modes()`."""
-        from thermobearing.structure.figures import StructureFigures
-
-        return StructureFigures(self)
-
-    @renamed(force="overwrite")
-    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
-        """Write summary.json, parts.csv, periods.csv and figures.
-
-        Raises
-        ------
-        OutputError : see `write_directory`; nothing is left.
-        """
-        from thermobearing.structure.output import save_structure
-
-        return save_structure(self, Path(directory), overwrite=overwrite, figures=figures)
+    def _write(self, folder: Path) -> None:
+        write_csv(folder / STRUCTURE_PARTS, self.parts)
+        write_csv(folder / PERIODS, self.table)
+        text = sourced_toml(self.structure, self.structure.sources)
+        (folder / RESOLVED).write_text(text, encoding="utf-8")
 
 
 def examine_structure(
@@ -221,14 +208,18 @@ def examine_structure(
     mass: MassModel = "consistent",
     damping: DampingKind | None = None,
 ) -> StructureResult:
-    """Look at a structure: parts, periods, damping, mode shapes, a drawing of the model.
+    """Examine a structure: parts, periods, damping, mode shapes, a drawing of the model.
 
     Parameters
     ----------
-    structure : a Structure, a name of `list_structures()`, or a TOML file.
-    fixed : leave out the springs of the foundation.
-    mass : "consistent" (default) or "published".
-    damping : another kind than the structure's.
+    structure : Structure, str or Path
+        A Structure, a name of `list_structures()`, or a TOML file.
+    fixed : bool
+        Leave out the springs of the foundation.
+    mass : str
+        "consistent" (default) or "published".
+    damping : str, optional
+        Another kind than the structure's.
 
     Returns
     -------
@@ -236,7 +227,8 @@ def examine_structure(
 
     Raises
     ------
-    InputError : no such structure, faults in the file, or a mechanism.
+    InputError
+        No such structure, faults in the file, or a mechanism.
 
     Examples
     --------

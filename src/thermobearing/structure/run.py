@@ -3,23 +3,24 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from thermobearing.core.records import Floats, Rows, rows, unset
 from thermobearing.core.types import Books, Constants, State
 from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL, PIER_BEYOND_LIMIT, is_physical
-from thermobearing.structure.damping import build_damping, mode_damping
 from thermobearing.structure.forces import Bearings, build_bearings, keep_motion
 from thermobearing.structure.matrices import (
     Matrices,
     Modes,
+    build_damping,
     build_matrices,
     displacement_row,
     find_modes,
     hinge_stiffness,
     line_stiffness,
+    mode_damping,
     unit,
 )
 from thermobearing.structure.model import (
@@ -55,42 +56,13 @@ from thermobearing.structure.types import (
 )
 
 
-@dataclass(frozen=True)
-class Reported:
-    """Deck and pier of the report; rows are displacements per coordinate, relative to the ground.
+class Reported(NamedTuple):
+    """Displacements of deck and pier per coordinate, relative to the ground."""
 
-    Attributes
-    ----------
-    deck, top, base : [n] of the deck, the pier top, and the pier top if only its base moves.
-    hinge : number of the pier's hinge; None without one.
-    yield_rotation : of that hinge [rad]; NaN without one.
-    """
-
-    deck: Floats
-    top: Floats
-    base: Floats
-    hinge: int | None
-    yield_rotation: float
-
-
-def _reported_place(structure: Structure) -> Reported:
-    """Of what a structure says in its `report`.
-
-    Examples
-    --------
-    >>> from thermobearing.structure.model import load_structure
-    >>> round(_reported_place(load_structure("pier-p1")).yield_rotation, 5)
-    0.00309
-    """
-    report = structure.report
-    hinge = first_hinge(structure, report.pier)
-    return Reported(
-        deck=unit(structure, f"{report.deck} x"),
-        top=displacement_row(structure, report.pier, report.pier_top),
-        base=displacement_row(structure, report.pier_base, report.pier_top),
-        hinge=hinge,
-        yield_rotation=np.nan if hinge is None else structure.hinges[hinge].yield_rotation,
-    )
+    deck: Floats  # [n]
+    top: Floats  # [n] of the pier
+    base: Floats  # [n] of the pier top if only its base moves
+    hinge: int | None  # number of the pier's hinge; None without one
 
 
 Method = Literal["average-acceleration", "linear-acceleration", "predictor-corrector"]
@@ -123,24 +95,15 @@ SENTENCES = {
 
 @dataclass(frozen=True)
 class Line:
-    """What a bearing line is made of in one run.
+    """A bearing line in one run."""
 
-    Attributes
-    ----------
-    constants : of the modelled bearing.
-    temperature : of its cells at the start [degC].
-    lead : temperature of its lead at the start [degC]; None for that of the cells beside it.
-    speed : of its actuator [mm/s], if it lives on its own clock; 0 for earthquake time.
-    warmer : the air around this line than that of the run [K].
-    begun : where an earlier test left it (its temperatures count then); None for a virgin one. The
-        structure is straight and in balance with the force that it has there.
-    """
-
-    constants: Constants
-    temperature: Floats
-    lead: float | None = None
-    speed: float = 0.0
-    warmer: float = 0.0
+    constants: Constants  # of the modelled bearing
+    temperature: Floats  # of its cells at the start [degC]
+    lead: float | None = None  # temperature of its lead at the start [degC]; None: of the cells
+    speed: float = 0.0  # of its actuator [mm/s], if it has its own clock; 0: earthquake time
+    warmer: float = 0.0  # ambient temperature of this line less that of the run [K]
+    # Where an earlier test left it (its temperatures count then); None: virgin. The structure is
+    # straight and in balance with the force that the bearing has there.
     begun: State | None = None
 
 
@@ -156,36 +119,33 @@ class StructureHistory:
     substeps: int = 0
 
     def bearing(self, line: int = 0) -> Rows[Books]:
-        """Books of the modelled bearing of a line."""
+        """Return the energies and forces of the modelled bearing of a line."""
         return self.rows.bearings[:, line]
 
     def layers(self, line: int = 0) -> Floats:
-        """Temperatures of the rubber layers of the modelled bearing of a line [degC]."""
+        """Return the temperatures of its rubber layers [degC]."""
         kind, place = self._where(line)
         return np.asarray(self.rows.layers[kind][:, place])
 
     def cells(self, line: int = 0) -> Floats:
-        """Temperatures of the cells of the modelled bearing of a line [degC], if kept."""
+        """Return the temperatures of its cells [degC], if they are kept."""
         kind, place = self._where(line)
         return np.asarray(self.rows.cells[kind][:, place])
 
     def _where(self, line: int) -> tuple[int, int]:
-        """Number of the kind of bearing that a line has, and of the line in it."""
+        """Return the number of the kind of bearing that a line has, and its place in it."""
         for number, kind in enumerate(self.bearings):
             if line in kind.lines:
                 return number, list(kind.lines).index(line)
         raise IndexError(line)
 
     def end(self, line: int = 0) -> State:
-        """Where the modelled bearing of a line is at the end."""
-        for kind in self.bearings:
-            if line in kind.lines:
-                m = list(kind.lines).index(line)
-                return State(*[array[m] for array in kind.states])
-        raise IndexError(line)
+        """Return the state of the modelled bearing of a line at the end."""
+        kind, place = self._where(line)
+        return State(*[array[place] for array in self.bearings[kind].states])
 
     def hinge(self, number: int = 0) -> Rows[Bend]:
-        """Rotation and moment of a hinge."""
+        """Return rotation and moment of a hinge."""
         return self.rows.hinges[:, number]
 
 
@@ -202,8 +162,14 @@ class Prepared:
 
     @cached_property
     def reported(self) -> Reported:
-        """Where its peaks are looked at; of a structure that says so."""
-        return _reported_place(self.structure)
+        """Deck and pier whose peaks are reported."""
+        structure, report = self.structure, self.structure.report
+        return Reported(
+            deck=unit(structure, f"{report.deck} x"),
+            top=displacement_row(structure, report.pier, report.pier_top),
+            base=displacement_row(structure, report.pier_base, report.pier_top),
+            hinge=first_hinge(structure, report.pier),
+        )
 
     @cached_property
     def piers(self) -> list[tuple[Pier, Floats, Floats]]:
@@ -224,13 +190,9 @@ def prepare_structure(
     mass_model: MassModel = "consistent",
     damping: DampingKind | None = None,
 ) -> Prepared:
-    """Matrices, modes and damping of a structure.
+    """Return matrices, modes and damping of a structure.
 
-    Parameters
-    ----------
-    structure : from `load_structure`.
-    mass_model : see `build_matrices`.
-    damping : another kind than the structure's, with the defaults of that kind.
+    `damping` is another kind than the structure's, with the defaults of that kind.
     """
     if damping is not None and damping != structure.damping.kind:
         structure = structure.model_copy(update={"damping": Damping(kind=damping)})
@@ -244,7 +206,7 @@ def prepare_structure(
 
 
 def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
-    """The structure as the compiled integration wants it."""
+    """Return the structure as the compiled integration takes it."""
     structure, matrices = prepared.structure, prepared.matrices
     hinges = rows(Hinge, len(structure.hinges))
     for h, hinge in enumerate(structure.hinges):
@@ -274,7 +236,7 @@ def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
 
 
 def new_motion(system: System) -> Motion:
-    """At rest, hinges never bent."""
+    """Return a structure at rest, its hinges never bent."""
     n = len(system.load)
     return Motion(
         points=rows(Coordinate, n),
@@ -289,7 +251,7 @@ def new_motion(system: System) -> Motion:
 
 
 def _no_peaks(system: System) -> Peaks:
-    """For a run whose rows are kept."""
+    """Return no room for peaks: the rows are kept."""
     return Peaks(
         places=np.zeros((0, len(system.load))),
         carried=np.zeros(0),
@@ -302,7 +264,7 @@ def _no_peaks(system: System) -> Peaks:
 def room_for(
     system: System, bearings: Bearings, count: int, *, keep_cells: bool = False
 ) -> MotionRows:
-    """Rows to keep states of a structure and its bearings in; `keep_motion` writes all of a row."""
+    """Return rows for states of a structure and its bearings, not filled."""
     n = len(system.load)
     return MotionRows(
         books=unset(MotionBooks, count),
@@ -325,9 +287,9 @@ def room_for(
 
 
 def all_physical(bearings: Bearings, recoverable: Floats) -> bool:
-    """Whether every bearing ended in a possible state.
+    """Return whether every bearing ended in a possible state.
 
-    `recoverable` [b] is what each line had stored at the start [kN mm].
+    `recoverable` [b] is the energy that each line had stored at the start [kN mm].
     """
     return all(
         is_physical(
@@ -353,7 +315,7 @@ def run_structure(
     delay: float = 0.0,
     keep_cells: bool = False,
 ) -> StructureHistory:
-    """Shake a structure; always returns what was computed, with a typed outcome.
+    """Integrate the motion of a structure; a failed run has an outcome and its rows until then.
 
     Parameters
     ----------
@@ -362,12 +324,10 @@ def run_structure(
     ground : [steps + 1] ground acceleration at the ends of steps [mm/s2], linear between.
     dt : of the steps [s].
     ambient : [steps] mean ambient temperature of each step [degC].
-    method : Newmark with constant mean or linear acceleration, or the source's
-        predictor-corrector (Eq. 3.8-3.16).
+    method : Newmark with constant mean or linear acceleration, or the predictor-corrector of
+        Shen (2023), Eq. 3.8-3.16, which alone takes `noise` [steps], the error of the measured
+        force of the modelled bearing [kN], and `delay` of the actuator [s].
     keep_every : keep every n-th step; the start and the last step besides.
-    noise : [steps] error of the measured force of the modelled bearing [kN]; only with the
-        predictor-corrector.
-    delay : of the actuator [s], >= 0; likewise.
     keep_cells : keep the temperatures of the cells too, in single precision.
     """
     system = build_system(prepared, lines)
