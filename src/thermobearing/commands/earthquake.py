@@ -145,4 +145,4 @@ def show(
 
     end.check()
     result = examine_structure(structure, fixed=fixed_base, **given)
-    return end.save_if_asked(result, result.show)
+    return end.save_if_asked(result)

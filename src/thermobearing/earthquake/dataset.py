@@ -227,20 +227,14 @@ def _asked_of_rig(case: EarthquakeCase, tasks: Sequence["Task"], traces: Traces)
     return found
 
 
-def label_study(
-    case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
-) -> EarthquakeResult:
-    """Return the result of an analysis: peaks from every step, histories every `keep_every`-th."""
-    tasks = tasks[: len(histories)]
-    runs = list(zip(tasks, histories, strict=True))
-    traces = [history_traces(task, history) for task, history in runs]
-    numbers = [
-        compute_measures(task, history, trace)
-        for (task, history), trace in zip(runs, traces, strict=True)
-    ]
-    loops = [loop_measures(task, trace) for task, trace in zip(tasks, traces, strict=True)]
+Runs = Sequence[tuple["Task", StructureHistory]]
+
+
+def _label_histories(
+    case: EarthquakeCase, runs: Runs, traces: Traces, length: int
+) -> dict[str, Any]:
+    """Return the histories of all runs as variables: scalars, layers, bodies, cells."""
     every = case.analysis.keep_every
-    length = max((len(trace["time"][::every]) for trace in traces), default=0)
     slow = ["bearing_clock"] if "pd" in case.modes else []
     data: dict[str, Any] = {
         name: (
@@ -261,7 +255,24 @@ def label_study(
         about = CELLS if name == "temperature" else quantity(name).attributes
         data[name] = (("run", "step", dimension), wide, about)
     if "temperature" in across:
-        data |= _stacks(tasks, data["temperature"][1].shape[2])
+        data |= _stacks([task for task, _ in runs], data["temperature"][1].shape[2])
+    return data
+
+
+def label_study(
+    case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+) -> EarthquakeResult:
+    """Return the result of an analysis: peaks from every step, histories every `keep_every`-th."""
+    tasks = tasks[: len(histories)]
+    runs = list(zip(tasks, histories, strict=True))
+    traces = [history_traces(task, history) for task, history in runs]
+    numbers = [
+        compute_measures(task, history, trace)
+        for (task, history), trace in zip(runs, traces, strict=True)
+    ]
+    loops = [loop_measures(task, trace) for task, trace in zip(tasks, traces, strict=True)]
+    length = max((len(trace["time"][:: case.analysis.keep_every]) for trace in traces), default=0)
+    data = _label_histories(case, runs, traces, length)
     parts_data, parts_coords = _label_parts(tasks, histories, length)
     data |= parts_data
     ended = np.array([row["outcome"] for row in numbers], dtype=str)
