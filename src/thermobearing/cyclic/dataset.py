@@ -34,6 +34,7 @@ from thermobearing.model.earlier import BLIND
 from thermobearing.model.handover import PREFIX, memory_attributes, memory_dimension, state_memory
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
+from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import find_cycles
 from thermobearing.results.ranges import Row, asked_of_tests, outside_tests, reached_by
 from thermobearing.results.writing import as_attribute
@@ -44,28 +45,6 @@ GROUPS = {
     "layer_displacement": ("layer_displacement", "layer"),
     "hysteretic": ("hysteretic_variable", "layer"),
     "cells": ("temperature", "cell"),
-}
-ATTRIBUTES = {  # unit and meaning of the variables that are no energies or forces of `Books`
-    "ambient": ("degC", "ambient temperature at the start"),
-    "layer": ("", "rubber layer, 1 outer"),
-    "cell": ("", "cell, 1 at the face"),
-    "cell_thickness": ("mm", "thickness of the cell"),
-    "part": ("", "what the cell is"),
-    "strain": ("1", "average shear strain of the rubber"),
-    "stress": ("MPa", "force over gross plan area"),
-    "rubber_temperature": ("degC", "temperature at mid-thickness of the layer"),
-    "layer_displacement": ("mm", "shear displacement of the layer"),
-    "hysteretic_variable": ("mm", "Z of the layer"),
-    "temperature": ("degC", "temperature of the cell"),
-    "segment": ("1", "step of the test, from 0"),
-    "cycle": ("1", "cycle in the step, 0 outside"),
-    "initial_temperature": ("degC", "temperature of the cell at the start"),
-    "final_temperature": ("degC", "temperature of the cell at the end"),
-    "final_lead_temperature": ("degC", "temperature of the lead cores at the end"),
-    "outcome": ("", "what ended the run"),
-    "steps": ("1", "steps of the run"),
-    "softened_steps": ("1", "steps in which layers soften"),
-    "layer_force_mismatch_max": ("kN", "largest layer force mismatch of the run"),
 }
 PADDING = {"segment": -1, "cycle": 0}  # after the end of a shorter run; else NaN
 
@@ -209,9 +188,12 @@ def _build_dataset(
         coordinates["time"] = ("time", clock[0], meanings["clock"])
     plain = {key: as_attribute(value) for key, value in attributes.items()}
     dataset = xr.Dataset(data, coords=coordinates, attrs=plain)
-    for name in ATTRIBUTES.keys() & dataset.variables.keys():
-        unit, meaning = ATTRIBUTES[name]
-        dataset[name].attrs = ({"units": unit} if unit else {}) | {"long_name": meaning}
+    for name, variable in dataset.variables.items():
+        if not variable.attrs:
+            about = quantity(str(name))
+            variable.attrs = {
+                k: v for k, v in about.attributes.items() if k != "units" or about.stored
+            }
     return dataset
 
 
