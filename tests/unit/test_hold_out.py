@@ -12,8 +12,8 @@ import pytest
 import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.validate.hold_out import CrossValidation, cross_validate, make_hold_out_case
-from thermobearing.validate.result import BEYOND, WITHIN
+from thermobearing.validate.hold_out import cross_validate, make_hold_out_case
+from thermobearing.validate.result import BEYOND, WITHIN, CrossValidation
 
 HDR = "shen-hdr-specimen"
 TEST = tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None)
@@ -221,7 +221,7 @@ def test_command(tmp_path: Path, good: list[TestRecord], faulty: TestRecord) -> 
     done = command("identify", *files[:2], "--hold-out", files[2], *fit, "-o", out, "--no-figures")
     assert done.exit_code == 0, done.output
     shown = " ".join(done.output.split())
-    assert shown.index("verdict: within") < shown.index("tests held out") < shown.index("beyond (!")
+    assert shown.index("fitted to") < shown.index("test held out") < shown.index("verdict: beyond")
     told = json.loads((out / "summary.json").read_text())
     assert told["command"] == "identify"
     assert told["held_out"]["verdict"] == "beyond"

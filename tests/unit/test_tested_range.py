@@ -20,7 +20,6 @@ from thermobearing.earthquake.dataset import reached
 from thermobearing.earthquake.run import Device
 from thermobearing.identify.uncertainty.posterior import forecast
 from thermobearing.results.ranges import REST, compared, cycles_in_a_row, largest_speed
-from thermobearing.validate.output import print_validation
 
 
 def test_ranges_of_the_specimens() -> None:
@@ -231,7 +230,7 @@ def test_a_validation_says_what_a_bearing_was_not_tested_at(tmp_path: Path) -> N
     assert (folder / "tested_range.csv").exists()
     assert [t.get_text() for t in found.plot.loops().axes[0].texts] == ["shaded: not tested"]
     with contextlib.redirect_stdout(io.StringIO()) as screen:
-        print_validation(found)
+        found.show()
     assert "above the 250 % tested" in screen.getvalue()
 
 

@@ -12,7 +12,6 @@ import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.validate.output import print_validation
 
 BEARING = "shen-hdr-specimen"
 
@@ -41,7 +40,7 @@ def test_beside_the_model(
     else:
         found = tb.validate_bearing(BEARING, record)
         found.save(tmp_path / "out")
-        print_validation(found)
+        found.show()
         listed = found.summary()["comparisons"][0]
     assert listed["unused_columns"] == ["counter"]
     (row,) = pd.read_csv(tmp_path / "out" / "thermocouples.csv").to_dict("records")

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
     from thermobearing.identify.records.record import TestRecord
     from thermobearing.identify.result import Identification
-    from thermobearing.validate.hold_out import CrossValidation
+    from thermobearing.validate.result import CrossValidation
 
 TESTS = Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOML sidecars.")]
 
@@ -173,12 +173,11 @@ def _forecast(
 
 def _show(found: "Identification | CrossValidation", drawn: Any) -> None:
     from thermobearing.identify.result import Identification
-    from thermobearing.validate.output import print_cross_validation
 
     if isinstance(found, Identification):
         replace(found, forecast=drawn).show()
     else:
-        print_cross_validation(found, drawn)
+        found.predict(drawn).show()
 
 
 def _limits(given: Sequence[str] | None) -> dict[str, float]:
@@ -228,7 +227,6 @@ def validate(
 ) -> int:
     """Validate a bearing with tests it was not fitted to; nothing is fitted."""
     from thermobearing.validate.case import make_validate_case
-    from thermobearing.validate.output import print_validation
     from thermobearing.validate.run import run_validate
 
     case = make_validate_case(
@@ -240,4 +238,4 @@ def validate(
     target = end.target(f"validate-{case.bearings[0].name}")
     announce_compiling(end.quiet)
     found = run_validate(case)
-    return end.save(found, target, lambda: print_validation(found))
+    return end.save(found, target)

@@ -1,6 +1,6 @@
-"""Figures of a validation."""
+"""Figures of a validation, and of a fit with tests held out."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -12,10 +12,9 @@ from matplotlib.ticker import MaxNLocator
 
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.results import drawing
-from thermobearing.validate.hold_out import CrossValidation
-from thermobearing.validate.result import RATIOS, Comparison, Validation
+from thermobearing.validate.result import RATIOS, Comparison, CrossValidation, Validation
 
-TEST = "#8a8f98"
+TEST, FOLD = "#8a8f98", "#CC3311"
 BINS = 3000
 SPREAD = 0.2  # of the room of a test: between two models
 LEAST_SPAN = 2.0  # of an axis of errors, to either side of none [%]
@@ -23,37 +22,29 @@ WORDS = {"K_eq": "stiffness K_eq", "h_eq": "damping h_eq"}
 
 
 class ValidationFigures:
-    """Figures of a validation: `found.plot.loops()` and so on, each a matplotlib Figure.
-
-    Parameters
-    ----------
-    found : from `validate`.
-    """
+    """Figures of a validation: `found.plot.loops()` and so on, each a matplotlib Figure."""
 
     def __init__(self, found: Validation) -> None:
-        self._found = found
-        done = [item for item in found.comparisons if item.prediction is not None]
-        self._done = done
-        self._names = list(dict.fromkeys(_name(item) for item in done))
+        self._limits = found.limits
+        self._done = [item for item in found.comparisons if item.prediction is not None]
+        self._names = list(dict.fromkeys(_name(item) for item in self._done))
         colours = drawing.ordered_colours(max(len(self._names), 1), "turbo")
         self._colours = dict(zip(self._names, colours, strict=False))
-        self._records: list[TestRecord] = []
-        for item in found.comparisons:
-            if not any(item.record is record for record in self._records):
-                self._records.append(item.record)
+        self._records = list({id(item.record): item.record for item in found.comparisons}.values())
 
-    def _of(self, record: TestRecord) -> list[Comparison]:
-        return [item for item in self._done if item.record is record]
+    def _of(self, record: TestRecord) -> list[tuple[Comparison, str]]:
+        """Return the comparisons of a test with a model that completed it, and their colours."""
+        return [(c, self._colours[_name(c)]) for c in self._done if c.record is record]
 
-    def _handles(self, *, test: bool = True) -> list[Line2D]:
-        lines = [Line2D([], [], color=TEST, linewidth=2.0, label="test")] if test else []
-        return lines + [
-            Line2D([], [], color=self._colours[name], linewidth=2.0, label=name)
-            for name in self._names
-        ]
+    def _legend(self, figure: Figure, *, test: bool = False, limits: bool = False) -> None:
+        shown = ({"test": TEST} if test else {}) | self._colours
+        handles = [Line2D([], [], color=c, linewidth=2.0, label=name) for name, c in shown.items()]
+        if limits and self._limits:
+            handles.append(Line2D([], [], label="within the limit", color=drawing.PALE, lw=7.0))
+        drawing.legend_below(figure, handles)
 
     def loops(self) -> Figure:
-        """Loops of each test, those of the models over them."""
+        """Draw the loops of each test, those of the models over them."""
         columns = min(len(self._records), 3)
         rows = -(-len(self._records) // columns)
         size = (max(5.5, 1.0 + 3.4 * columns), 0.9 + 3.6 * rows)
@@ -61,47 +52,45 @@ class ValidationFigures:
         for ax, record in zip(axes, self._records, strict=False):
             x = record.displacement
             spans = float(np.ptp(x)), float(np.ptp(record.force))
-            kept = drawing.thin_loops(x, record.force, *spans)
-            ax.plot(x[kept], record.force[kept], color=TEST, linewidth=1.0)
-            for item in self._of(record):
-                assert item.prediction is not None
-                force = item.prediction.force
+            lines = [(record.force, TEST, 1.0)]
+            lines += [(c.prediction.force, k, 0.7) for c, k in self._of(record) if c.prediction]
+            for force, colour, width in lines:
                 kept = drawing.thin_loops(x, force, *spans)
-                ax.plot(x[kept], force[kept], color=self._colours[_name(item)], linewidth=0.7)
+                ax.plot(x[kept], force[kept], color=colour, linewidth=width)
             drawing.name_axes(ax, "displacement [mm]", "force [kN]", _title(record))
             end = self._tested_to(record)
             drawing.shade_untested([ax], [(-end, end)])
         for ax in axes[len(self._records) :]:
             ax.set_visible(False)
-        drawing.legend_below(figure, self._handles())
+        self._legend(figure, test=True)
         return figure
 
     def _tested_to(self, record: TestRecord) -> float:
-        """Displacement [mm] of the largest tested strain that a test goes beyond; else infinite."""
+        """Return the displacement [mm] of the largest tested strain that a test goes beyond."""
         ends = [
             row["largest"] / row["asked"] * record.peak_displacement
-            for item in self._of(record)
+            for item, _ in self._of(record)
             for row in item.asked
             if row["limit"] == "strain" and row["passed"] and row["asked"] > row["largest"]
         ]
         return min(ends, default=np.inf)
 
     def ratios(self) -> Figure:
-        """How far models are off the largest loop: a column for each measure (Figs. 5.11, 5.14)."""
+        """Draw the error of the largest loop: a column for each measure (Figs. 5.11, 5.14)."""
         count = len(self._records)
         size = (drawing.WIDEST, 1.3 + max(0.22 * len(self._names), 0.35) * count)
         title = "largest loop: model off the test"
         figure, axes = drawing.panels(1, len(RATIOS), size, title)
         for ax, measure in zip(axes, RATIOS, strict=True):
             for place, record in enumerate(self._records):
-                for item in self._of(record):
+                for item, colour in self._of(record):
                     if item.largest is None:
                         continue
                     number = self._names.index(_name(item))
                     at = place + (number - 0.5 * (len(self._names) - 1)) * SPREAD
-                    off = 100.0 * (item.largest.ratios[measure] - 1.0)
-                    look: drawing.Look = {"color": self._colours[_name(item)], "linewidth": 1.4}
-                    ax.plot([0.0, off], [at, at], marker="o", markevery=[1], ms=4.5, **look)
+                    off = [0.0, 100.0 * (item.largest.ratios[measure] - 1.0)]
+                    look: drawing.Look = {"color": colour, "linewidth": 1.4, "ms": 4.5}
+                    ax.plot(off, [at, at], marker="o", markevery=[1], **look)
             self._shade_limit(ax, measure, "x")
             widest = max(LEAST_SPAN, *(abs(v) for v in (*ax.get_xlim(), *ax.dataLim.intervalx)))
             ax.set_xlim(-1.1 * widest, 1.1 * widest)
@@ -111,33 +100,28 @@ class ValidationFigures:
             drawing.name_axes(ax, "off [%]")
         drawing.head_grid(axes, [WORDS.get(name, name) for name in RATIOS], [])
         axes[0].set_yticks(range(count), [_title(r).replace(", ", "\n") for r in self._records])
-        drawing.legend_below(figure, [*self._handles(test=False), *self._limit_handles()])
+        self._legend(figure, limits=True)
         return figure
 
     def _shade_limit(self, ax: Axes, measure: str, along: Literal["x", "y"]) -> None:
-        """The limit of a measure as a band around no error, where there is one."""
-        limit = self._found.limits.get("force" if measure[0] == "F" else measure)
+        """Draw the limit of a measure as a band around no error, where there is one."""
+        limit = self._limits.get("force" if measure[0] == "F" else measure)
         span, line = (ax.axvspan, ax.axvline) if along == "x" else (ax.axhspan, ax.axhline)
         if limit is not None:
             span(-100.0 * limit, 100.0 * limit, color=drawing.PALE, zorder=0.1, linewidth=0)
         line(0.0, color=drawing.INK, linewidth=0.8, zorder=1.2)
 
-    def _limit_handles(self) -> list[Line2D]:
-        """Legend entry of the bands, if any measure has a limit."""
-        look: drawing.Look = {"color": drawing.PALE, "linewidth": 7.0}
-        return [Line2D([], [], label="within the limit", **look)] if self._found.limits else []
-
     def cycles(self) -> Figure:
-        """How far models are off every cycle: a column for each test, a row for each measure."""
+        """Draw the error of every cycle: a column for each test, a row for each measure."""
         columns = len(self._records)
         size = (max(5.0, 1.0 + 2.6 * columns), 1.2 + 1.3 * len(RATIOS))
         title = "every cycle: model off the test"
         figure, axes = drawing.panels(len(RATIOS), columns, size, title, share="col")
         for number, ax in enumerate(axes):
             measure, record = RATIOS[number // columns], self._records[number % columns]
-            for item in self._of(record):
+            for item, colour in self._of(record):
                 off = [100.0 * (loop.ratios[measure] - 1.0) for loop in item.loops]
-                look: drawing.Look = {"color": self._colours[_name(item)], "linewidth": 0.9}
+                look: drawing.Look = {"color": colour, "linewidth": 0.9}
                 ax.plot([loop.cycle for loop in item.loops], off, marker=".", **look)
             low, high = ax.dataLim.intervaly
             widest = max(LEAST_SPAN, abs(low), abs(high)) if np.isfinite([low, high]).all() else 1.0
@@ -149,64 +133,47 @@ class ValidationFigures:
             drawing.name_axes(ax, "cycle" if foot else "", name if side else "")
         drawing.head_grid(axes, [_title(record) for record in self._records], [])
         figure.align_ylabels()
-        drawing.legend_below(figure, [*self._handles(test=False), *self._limit_handles()])
+        self._legend(figure, limits=True)
         return figure
 
     def temperatures(self) -> Figure:
-        """Thermocouples of the tests, and the models at their places, in time."""
+        """Draw the thermocouples of the tests, and the models at their places, in time."""
         some = [record for record in self._records if record.temperatures]
-        size = (9.0, 0.9 + 3.0 * len(some))
-        figure, axes = drawing.panels(len(some), 1, size, "temperatures")
+        figure, axes = drawing.panels(len(some), 1, (9.0, 0.9 + 3.0 * len(some)), "temperatures")
         for ax, record in zip(axes, some, strict=True):
             for title, values in record.temperatures.items():
                 ax.plot(record.time, values, color=TEST, linewidth=1.2)
                 ax.annotate(title, (record.time[-1], values[-1]), fontsize=drawing.SMALL)
-                for item in self._of(record):
+                for item, colour in self._of(record):
                     assert item.prediction is not None
                     model = item.prediction.temperatures[title]
-                    ax.plot(record.time, model, color=self._colours[_name(item)], linewidth=0.8)
+                    ax.plot(record.time, model, color=colour, linewidth=0.8)
             drawing.name_axes(ax, "time [s]", "temperature [degC]", _title(record))
-        drawing.legend_below(figure, self._handles())
+        self._legend(figure, test=True)
         return figure
 
     def residuals(self) -> Figure:
-        """Model less test over the samples, relative to the largest force of the test."""
-        size = (9.0, 0.9 + 2.2 * len(self._records))
-        figure, axes = drawing.panels(len(self._records), 1, size, "residuals")
+        """Draw model less test over the samples, relative to the largest force of the test."""
+        count = len(self._records)
+        figure, axes = drawing.panels(count, 1, (9.0, 0.9 + 2.2 * count), "residuals")
         for ax, record in zip(axes, self._records, strict=True):
-            for item in self._of(record):
+            for item, colour in self._of(record):
                 assert item.prediction is not None
                 off = 100.0 * (item.prediction.force - record.force) / record.peak_force
                 kept = drawing.thin(off, BINS)
-                ax.plot(kept, off[kept], color=self._colours[_name(item)], linewidth=0.5)
+                ax.plot(kept, off[kept], color=colour, linewidth=0.5)
             ax.axhline(0.0, color=drawing.INK, linewidth=0.8)
             drawing.name_axes(ax, "sample", "model - test [% of peak]", _title(record))
-        drawing.legend_below(figure, self._handles(test=False))
+        self._legend(figure)
         return figure
 
     def save_all(self, folder: Path, prefix: str = "") -> list[Path]:
-        """Every figure, as PNG.
-
-        Parameters
-        ----------
-        folder : where to; made if it does not exist.
-        prefix : of the names of the files.
-
-        Returns
-        -------
-        list of the files written.
-        """
-        figures: dict[str, Callable[[], Figure]] = {
-            "loops": self.loops,
-            "ratios": self.ratios,
-            "cycles": self.cycles,
-            "residuals": self.residuals,
-        }
+        """Write every figure as PNG and SVG; `prefix` begins the names of the files."""
+        views = [self.loops, self.ratios, self.cycles, self.residuals]
         if any(record.temperatures for record in self._records):
-            figures["temperatures"] = self.temperatures
-        return drawing.save_figures(
-            {prefix + name: draw for name, draw in figures.items()}, folder, vector=True
-        )
+            views.append(self.temperatures)
+        named = {prefix + view.__name__: view for view in views}
+        return drawing.save_figures(named, folder, vector=True)
 
 
 def _name(item: Comparison) -> str:
@@ -217,22 +184,14 @@ def _title(record: TestRecord) -> str:
     return f"{record.name}, {drawing.degrees(record.ambient)}"
 
 
-FINAL, FOLD = "#8a8f98", "#CC3311"
-
-
 class CrossValidationFigures:
-    """Figures of a fit with tests held out: `found.plot.folds()`, a matplotlib Figure.
-
-    Parameters
-    ----------
-    found : from `cross_validate`.
-    """
+    """Figures of a fit with tests held out: `found.plot.folds()`, a matplotlib Figure."""
 
     def __init__(self, found: CrossValidation) -> None:
         self._found = found
 
     def folds(self) -> Figure:
-        """Each free parameter without each group of tests, over that of the fit to all of them."""
+        """Draw each free parameter without each group of tests, over that of the fit to all."""
         found = self._found
         table, symbols = found.parameters, list(found.free)
         title = f"{found.final.bearing.name}: parameters without each group of tests"
@@ -241,9 +200,8 @@ class CrossValidationFigures:
         for place, symbol in enumerate(symbols):
             values = table[symbol].to_numpy(float)
             whole = abs(values[0]) or 1.0  # some may be zero
-            error = table[f"{symbol}_stderr"].to_numpy(float)[0] / whole
-            error = error if np.isfinite(error) else 0.0
-            ax.errorbar(place, 0.0, 100.0 * error, color=FINAL, capsize=6, linewidth=2.0)
+            error = np.nan_to_num(table[f"{symbol}_stderr"].to_numpy(float)[0] / whole, posinf=0.0)
+            ax.errorbar(place, 0.0, 100.0 * error, color=TEST, capsize=6, linewidth=2.0)
             off = 100.0 * (values[1:] - values[0]) / whole
             at = place + np.linspace(-0.25, 0.25, len(off))
             ax.plot(at, off, "o", color=FOLD, markersize=4)
@@ -252,29 +210,16 @@ class CrossValidationFigures:
         ax.axhline(0.0, color=drawing.INK, linewidth=0.8)
         ax.set_xticks(range(len(symbols)), symbols)
         drawing.name_axes(ax, y="off the fit to all tests [%]")
-        lines = [
-            Line2D([], [], color=FINAL, linewidth=2.0, label="standard error of the fit to all"),
-            Line2D(
-                [], [], color=FOLD, marker="o", linestyle="", label="without a fold, its number"
-            ),
-        ]
-        drawing.legend_below(figure, lines)
+        error_bar = Line2D([], [], color=TEST, lw=2.0, label="standard error of the fit to all")
+        dots: drawing.Look = {"color": FOLD, "marker": "o", "linestyle": ""}
+        dot = Line2D([], [], label="without a fold, its number", **dots)
+        drawing.legend_below(figure, [error_bar, dot])
         return figure
 
     def save_all(self, folder: Path) -> list[Path]:
-        """Every figure, as PNG: parameters by fold, and tests of both kinds.
-
-        Parameters
-        ----------
-        folder : where to; made if it does not exist.
-
-        Returns
-        -------
-        list of the files written.
-        """
-        written = (
-            drawing.save_figures({"folds": self.folds}, folder, vector=True)
-            if self._found.folds
-            else []
-        )
-        return written + self._found.judged.plot.save_all(folder, "held_out_")
+        """Write the figures of the final fit, of the folds, and of tests of both kinds."""
+        found = self._found
+        views = {"folds": self.folds} if found.folds else {}
+        written: Sequence[Path] = found.final.plot.save_all(folder)
+        folds = drawing.save_figures(views, folder, vector=True) if views else []
+        return [*written, *folds, *found.judged.plot.save_all(folder, "held_out_")]

@@ -7,7 +7,6 @@ from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_a
 from thermobearing.identify.report import error_check, loop_trace
 from thermobearing.identify.tables import (
     cycles_table,
-    errors_table,
     tests_table,
     thermocouples_table,
 )
@@ -16,6 +15,7 @@ from thermobearing.report import content
 from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import counted, degrees, joined, percent, tidy
 from thermobearing.results.saved import SavedResult
+from thermobearing.validate.result import errors_of_tests
 
 Summary = Mapping[str, Any]
 CAPTIONS = {
@@ -103,32 +103,14 @@ def _whose(item: Mapping[str, Any], items: list[Mapping[str, Any]]) -> str:
 
 def _report_tables(saved: SavedResult) -> dict[str, Table]:
     """Return the errors of each test, its cycles, its thermocouples."""
-    items = saved.summary["comparisons"]
-    tests = [
-        {
-            **{k: item[k] for k in ("test", "bearing", "model", "ambient_degC", "R2")},
-            **{f"{n}_error": one["error"] for n, one in item["errors"].items()},
-            **{f"{n}_verdict": one["verdict"] for n, one in item["errors"].items()},
-            "beyond_tested": beyond,
-        }
-        for item, beyond in zip(items, _beyond(saved, len(items)), strict=True)
-    ]
-    keys = ["test"] + [k for k in ("bearing", "model") if len({str(i[k]) for i in items}) > 1]
-    rows = [{"test": _whose(item, items), **row} for item in items for row in item["thermocouples"]]
-    found = {
-        "errors": errors_table("Largest errors of the model in each test", tests, keys),
-    }
+    caption = "Largest errors of the model in each test"
+    found = {"errors": errors_of_tests(saved["table"], caption)}
     if "cycles" in saved.tables:
         found["cycles"] = cycles_table(saved["cycles"])
+    items = saved.summary["comparisons"]
+    rows = [{"test": _whose(item, items), **row} for item in items for row in item["thermocouples"]]
     found["thermocouples"] = thermocouples_table(rows)
     return {name: table for name, table in found.items() if table.rows}
-
-
-def _beyond(saved: SavedResult, count: int) -> list[str]:
-    """Quantities in which each comparison leaves the tested range."""
-    if "table" not in saved.tables or "beyond_tested" not in saved["table"]:
-        return [""] * count
-    return [str(value) for value in saved["table"]["beyond_tested"].fillna("")]
 
 
 def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:

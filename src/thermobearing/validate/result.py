@@ -1,101 +1,169 @@
-"""What a validation found: each test beside each bearing and model, ratios, verdicts."""
+"""What a validation found: tests compared with bearings and models, verdicts, fits by fold."""
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 import thermobearing
 from thermobearing.border.deprecated import renamed
-from thermobearing.border.showing import Shown
+from thermobearing.border.errors import printable
+from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import Prediction
+from thermobearing.identify.output import write_identification
 from thermobearing.identify.records.cycles import Loop
 from thermobearing.identify.records.record import TestRecord, record_conditions
+from thermobearing.identify.result import Identification
+from thermobearing.identify.tables import errors_table, thermocouples_table
 from thermobearing.identify.uncertainty.agreement import thermocouple_rows
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
+from thermobearing.results.base import COMPLETED, Result
+from thermobearing.results.directory import FIT_TABLE, FOLDS, TABLE, THERMOCOUPLES
+from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
 from thermobearing.results.ranges import Row
-from thermobearing.results.writing import limits_summary
+from thermobearing.results.writing import limits_summary, without_formulas, write_csv
 from thermobearing.validate.case import QUANTITIES
 
 if TYPE_CHECKING:
-    from thermobearing.validate.figures import ValidationFigures
+    from thermobearing.identify.uncertainty.posterior import Forecast
 
-Floats = NDArray[np.float64]
-
-SENTENCES = {
-    "partly": "The model did not get through every test; see the outcome of each in the table. "
-    "Smaller strains, a warmer start or another model would.",
-}
+PARTLY = (
+    "The model did not complete every test; see the outcome of each in the table. Smaller strains, "
+    "a warmer start or another model would."
+)
+OF_A_FOLD = "The fit of a fold stopped before it converged. Give more --starts."
 RATIOS = ("F+", "F-", "K_eq", "h_eq", "energy")  # of the largest loop, model over test
 WITHIN, BEYOND, TOLD = "within", "beyond", "told"
+FITTED, HELD_OUT = "fitted", "held out"
+NAN = float("nan")
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """One test beside one bearing and model.
+    """One test compared with one bearing and model.
 
     Attributes
     ----------
-    bearing, model : names.
-    record : the test.
-    prediction : force and temperatures at its samples; None where the model did not get through.
-    R2 : coefficient of determination of the force, Eq. 4.38.
-    NRMSE : root mean square error of the force over the largest force of the test.
-    loops : full cycles.
-    largest : the loop that holds the largest displacement, one of `loops` or not; None where none
-        does.
-    temperature_errors : error of the temperature rise in time over the largest rise of the test,
-        by thermocouple.
-    outcome : of the model's run, as of a cyclic test.
-    asked : what the test asks of the range that the bearing was tested in, rows of `compared`.
-    rubber : total thickness of the bearing [mm]; 0 where nobody said it.
+    bearing, model : str
+        Names.
+    record : TestRecord
+        The test.
+    outcome : str
+        Of the model's run, as of a cyclic test.
+    asked : list of dict
+        What the test asks of the range that the bearing was tested in, rows of `compared`.
+    rubber : float
+        Total thickness of the bearing's rubber [mm].
+    prediction : Prediction, optional
+        Force and temperatures at the samples; None where the model did not complete the test.
+    R2, NRMSE : float
+        Coefficient of determination of the force (Eq. 4.38), and its root mean square error over
+        the largest force of the test.
+    loops : list of Loop
+        Full cycles.
+    largest : Loop, optional
+        The loop with the largest displacement, one of `loops` or not.
+    temperature_errors : dict
+        Error of the temperature rise in time over the largest rise of the test, by thermocouple.
     """
 
     bearing: str
     model: str
     record: TestRecord
-    prediction: Prediction | None
-    R2: float
-    NRMSE: float
-    loops: list[Loop]
-    largest: Loop | None
-    temperature_errors: dict[str, Floats]
-    outcome: str = "completed"
+    outcome: str = COMPLETED
     asked: list[Row] = field(default_factory=list)
     rubber: float = 0.0
+    prediction: Prediction | None = None
+    R2: float = NAN
+    NRMSE: float = NAN
+    loops: list[Loop] = field(default_factory=list)
+    largest: Loop | None = None
+    temperature_errors: dict[str, Floats] = field(default_factory=dict)
 
     @property
     def errors(self) -> dict[str, float]:
         """Largest error of each quantity over the cycles (or samples), signed; nan without any."""
-        found = {}
-        for name in ("K_eq", "h_eq", "energy"):
-            found[name] = _worst([loop.ratios[name] - 1.0 for loop in self.loops])
-        sides = [loop.ratios[side] - 1.0 for loop in self.loops for side in ("F+", "F-")]
-        found["force"] = _worst(sides)
+        names = {"K_eq": ("K_eq",), "h_eq": ("h_eq",), "energy": ("energy",), "force": ("F+", "F-")}
+        found = {
+            name: _worst([loop.ratios[side] - 1.0 for loop in self.loops for side in sides])
+            for name, sides in names.items()
+        }
         warm = [np.zeros(0), *self.temperature_errors.values()]
         found["temperature"] = _worst(np.concatenate(warm).tolist())
-        found["NRMSE"] = self.NRMSE
-        return found
+        return found | {"NRMSE": self.NRMSE}
+
+    @property
+    def names(self) -> dict[str, Any]:
+        """What begins the row of a table."""
+        whose = {"test": self.record.name, "ambient_degC": self.record.ambient}
+        return whose | {"bearing": self.bearing, "model": self.model}
+
+    def thermocouples(self) -> list[dict[str, Any]]:
+        """Return rows of thermocouples in the test and in the model."""
+        return thermocouple_rows(self.record, self.prediction) if self.prediction else []
+
+    def summary(self, limits: Mapping[str, float]) -> dict[str, Any]:
+        """Return what summary.json holds of it."""
+        top = self.largest
+        largest = top and {
+            "cycle": top.cycle or None,
+            "D+_mm": top.displacement_max,
+            "D-_mm": top.displacement_min,
+            "test": top.test,
+            "model": top.model,
+            "ratio": top.ratios,
+        }
+        errors = {
+            name: {
+                "what": QUANTITIES[name],
+                "error": error if np.isfinite(error) else None,
+                "limit": limits.get(name),
+                "verdict": _verdict(limits, name, error),
+            }
+            for name, error in self.errors.items()
+        }
+        return self.names | {
+            "file": self.record.file,
+            "conditions": record_conditions(self.record, self.rubber),
+            "unused_columns": list(self.record.unused),
+            "thermocouples": self.thermocouples(),
+            "outcome": self.outcome,
+            "R2": self.R2 if np.isfinite(self.R2) else None,
+            "errors": errors,
+            "largest_loop": largest,
+        }
 
 
 def _worst(errors: list[float]) -> float:
-    return max(errors, key=abs) if errors else float("nan")
+    return max(errors, key=abs) if errors else NAN
+
+
+def _verdict(limits: Mapping[str, float], name: str, error: float) -> str:
+    if name not in limits or not np.isfinite(error):
+        return TOLD
+    return WITHIN if abs(error) <= limits[name] else BEYOND
 
 
 @dataclass(frozen=True, repr=False)
-class Validation(Shown):
-    """What a validation found.
+class Validation(Result):
+    """The result of a validation.
 
     Attributes
     ----------
-    comparisons : of every test with every bearing and model.
-    limits : largest relative error by quantity.
-    warnings : what a reader must know.
-    inputs : bearings as tables, by name, with the sources of their numbers; for documents.
+    comparisons : list of Comparison
+        Of every test with every bearing and model.
+    limits : dict
+        Largest relative error by quantity.
+    warnings : list of str
+        What a reader must know.
+    inputs : dict
+        Bearings as tables, by name, with the sources of their numbers; for reports.
 
     Examples
     --------
@@ -107,6 +175,9 @@ class Validation(Shown):
     'within'
     """
 
+    _figures = "ValidationFigures"
+    _report_of_files = True
+
     comparisons: list[Comparison]
     limits: dict[str, float]
     warnings: list[str] = field(default_factory=list)
@@ -117,24 +188,18 @@ class Validation(Shown):
         """What it is, in a line."""
         return f"Validation: {len(self.comparisons)} comparisons, {self.verdict}, {self.outcome}"
 
-    def show(self) -> None:
-        """Print the tables that the command prints."""
-        from thermobearing.validate.output import print_validation
-
-        print_validation(self)
-
     @property
     def outcome(self) -> str:
-        """Whether every model got through every test: "completed" or "partly"."""
+        """Whether every model completed every test: "completed" or "partly"."""
         done = all(item.prediction is not None for item in self.comparisons)
-        return "completed" if done else "partly"
+        return COMPLETED if done else "partly"
 
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try; empty when it completed."""
-        ended = [item.outcome for item in self.comparisons if item.outcome != "completed"]
-        why = [OUTCOMES[name] for name in dict.fromkeys(ended) if name in OUTCOMES]
-        return " ".join([SENTENCES[self.outcome], *why]) if self.outcome in SENTENCES else ""
+        ended = dict.fromkeys(item.outcome for item in self.comparisons)
+        why = [OUTCOMES[name] for name in ended if name != COMPLETED and name in OUTCOMES]
+        return "" if self.outcome == COMPLETED else " ".join([PARTLY, *why])
 
     @property
     def tested_range(self) -> pd.DataFrame:
@@ -146,78 +211,81 @@ class Validation(Shown):
         """One row for each test, bearing and model: R2, largest errors, verdicts, largest loop."""
         rows = []
         for item in self.comparisons:
-            row: dict[str, Any] = {
-                "test": item.record.name,
-                "ambient_degC": item.record.ambient,
-                "bearing": item.bearing,
-                "model": item.model,
-                "outcome": item.outcome,
-                "R2": item.R2,
-            }
+            row = item.names | {"outcome": item.outcome, "R2": item.R2}
             for name, error in item.errors.items():
                 row[f"{name}_error"] = error
-                row[f"{name}_verdict"] = self._verdict(name, error)
+                row[f"{name}_verdict"] = _verdict(self.limits, name, error)
             row["beyond_tested"] = " ".join(r["limit"] for r in item.asked if r["passed"])
             ratios = item.largest.ratios if item.largest else {}
-            row |= {f"{name}_ratio": ratios.get(name, float("nan")) for name in RATIOS}
-            rows.append(row)
+            rows.append(row | {f"{name}_ratio": ratios.get(name, NAN) for name in RATIOS})
         return pd.DataFrame(rows)
 
     @cached_property
     def cycles(self) -> pd.DataFrame:
         """One row for each cycle of each test, bearing and model: test, model and ratios."""
-        rows = []
-        for item in self.comparisons:
-            for loop in item.loops:
-                whose = {
-                    "test": item.record.name,
-                    "ambient_degC": item.record.ambient,
-                    "bearing": item.bearing,
-                    "model": item.model,
-                }
-                rows.append(whose | loop.row(largest=loop is item.largest))
+        rows = [
+            item.names | loop.row(largest=loop is item.largest)
+            for item in self.comparisons
+            for loop in item.loops
+        ]
         return pd.DataFrame(rows)
 
     @cached_property
     def thermocouples(self) -> pd.DataFrame:
         """One row for each thermocouple of each test, bearing and model: test, model, errors."""
-        return pd.DataFrame(
-            [
-                {
-                    "test": item.record.name,
-                    "ambient_degC": item.record.ambient,
-                    "bearing": item.bearing,
-                    "model": item.model,
-                    **row,
-                }
-                for item in self.comparisons
-                if item.prediction is not None
-                for row in thermocouple_rows(item.record, item.prediction)
-            ]
-        )
+        rows = [item.names | row for item in self.comparisons for row in item.thermocouples()]
+        return pd.DataFrame(rows)
 
-    def _verdict(self, name: str, error: float) -> str:
-        if name not in self.limits or not np.isfinite(error):
-            return TOLD
-        return WITHIN if abs(error) <= self.limits[name] else BEYOND
+    @property
+    def samples(self) -> pd.DataFrame:
+        """Tests and models sample by sample: force [kN], temperatures [degC]."""
+        frames = []
+        for item in self.comparisons:
+            record, model = item.record, item.prediction
+            columns: dict[str, Any] = {
+                "test": record.name,
+                "bearing": item.bearing,
+                "model": item.model,
+                "time_s": record.time,
+                "displacement_mm": record.displacement,
+                "force_kN": record.force,
+                "model_force_kN": model.force if model else NAN,
+            }
+            for title, values in record.temperatures.items():
+                columns[title] = values
+                columns[f"model_{title}"] = model.temperatures[title] if model else NAN
+            frames.append(pd.DataFrame(columns))
+        return pd.concat(frames, ignore_index=True)
 
     @property
     def verdict(self) -> str:
-        """Of all: "beyond" if a limit is passed or a model did not get through, else "within"."""
-        told = [
-            self._verdict(name, error)
+        """Of all: "beyond" if a limit is passed or a test is not completed, else "within"."""
+        beyond = any(
+            _verdict(self.limits, name, error) == BEYOND
             for item in self.comparisons
             for name, error in item.errors.items()
+        )
+        return BEYOND if beyond or self.outcome != COMPLETED else WITHIN
+
+    def tables(self) -> dict[str, Table]:
+        """Tables of the largest errors of each test, and of thermocouples."""
+        found = {"errors": errors_of_tests(self.table, "Largest errors of the model in each test")}
+        if len(self.thermocouples):
+            found["thermocouples"] = thermocouples_table(self.thermocouples.to_dict("records"))
+        return found
+
+    def notes(self) -> list[str]:
+        """Columns of the tests that are not used, and the limits with the verdict."""
+        unused = [
+            printable(f"{item.record.name}: columns not used: {', '.join(item.record.unused)}")
+            for item in self.comparisons
+            if item.record.unused
         ]
-        return BEYOND if BEYOND in told or self.outcome != "completed" else WITHIN
+        limits = ", ".join(f"{name} {limit:.0%}" for name, limit in self.limits.items())
+        return [*dict.fromkeys(unused), f"limits: {limits}; verdict: {self.verdict}"]
 
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json.
-
-        Returns
-        -------
-        dict : limits, verdicts and measures of each comparison, its largest loop.
-        """
+        """Return the content of summary.json: limits, verdicts and measures of each comparison."""
         return {
             "command": "validate",
             "version": thermobearing.__version__,
@@ -228,73 +296,233 @@ class Validation(Shown):
             "limits": self.limits,
             "warnings": self.warnings,
             **limits_summary(pd.DataFrame(), self.tested_range),
-            "comparisons": [self._told(item) for item in self.comparisons],
+            "comparisons": [item.summary(self.limits) for item in self.comparisons],
         }
 
-    def _told(self, item: Comparison) -> dict[str, Any]:
-        largest = item.largest
-        errors = item.errors
-        return {
-            "test": item.record.name,
-            "file": item.record.file,
-            "ambient_degC": item.record.ambient,
-            "bearing": item.bearing,
-            "model": item.model,
-            "conditions": record_conditions(item.record, item.rubber) if item.rubber else None,
-            "unused_columns": list(item.record.unused),
-            "thermocouples": []
-            if item.prediction is None
-            else thermocouple_rows(item.record, item.prediction),
-            "outcome": item.outcome,
-            "R2": _number(item.R2),
-            "errors": {
-                name: {
-                    "what": what,
-                    "error": _number(errors[name]),
-                    "limit": self.limits.get(name),
-                    "verdict": self._verdict(name, errors[name]),
-                }
-                for name, what in QUANTITIES.items()
-            },
-            "largest_loop": None
-            if largest is None
-            else {
-                "cycle": largest.cycle or None,
-                "D+_mm": largest.displacement_max,
-                "D-_mm": largest.displacement_min,
-                "test": largest.test,
-                "model": largest.model,
-                "ratio": largest.ratios,
-            },
-        }
+    def _write(self, folder: Path) -> None:
+        tables = {TABLE: self.table, CYCLES: self.cycles, THERMOCOUPLES: self.thermocouples}
+        for name, table in tables.items():
+            if len(table) or name != THERMOCOUPLES:
+                without_formulas(table).to_csv(folder / name, index=False)
+        write_csv(folder / FIT_TABLE, self.samples)
+
+
+def errors_of_tests(table: pd.DataFrame, caption: str) -> Table:
+    """Return the largest errors of each test; bearing and model where there are several."""
+    keys = ["test", *(name for name in ("bearing", "model") if table[name].nunique() > 1)]
+    return errors_table(caption, table.to_dict("records"), keys)
+
+
+@dataclass(frozen=True, repr=False)
+class CrossValidation(Result):
+    """Fits, and tests that each of them has and has not seen.
+
+    Attributes
+    ----------
+    final : Identification
+        The fit to every test that is not held out; with folds to all of them.
+    folds : list of Identification
+        One fit without each group of tests; none where the user said what is held out.
+    groups : list of lists of TestRecord
+        Tests held out, by fold; the one group of the user's without folds.
+    fitted : Validation
+        The final fit compared with its own tests.
+    held_out : Validation
+        Every test held out, compared with the fit that has not seen it.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> tests = [tb.synthetic_record("shen-hdr-specimen", t, test) for t in (23, -9)]
+    >>> fit = {"free": ["K_r"], "starts": 1}
+    >>> found = tb.cross_validate(tests, "shen-hdr-specimen", folds=2, **fit)
+    >>> found.table["role"].tolist()
+    ['fitted', 'fitted', 'held out', 'held out']
+    """
+
+    _figures = "CrossValidationFigures"
+    _report_of_files = True
+
+    final: Identification
+    folds: list[Identification]
+    groups: list[list[TestRecord]]
+    fitted: Validation
+    held_out: Validation
 
     @property
-    def plot(self) -> "ValidationFigures":
-        """Figures: `found.plot.loops()`, `.ratios()`, `.cycles()`, `.temperatures()`."""
-        from thermobearing.validate.figures import ValidationFigures
+    def headline(self) -> str:
+        """What it is, in a line."""
+        return f"{self.final.headline}; tests held out: {self.verdict}"
 
-        return ValidationFigures(self)
+    @property
+    def outcome(self) -> str:
+        """Of the fits, and whether each completed the tests that it had not seen."""
+        fits = [self.final, *self.folds]
+        stopped = (found.outcome for found in fits if found.outcome != COMPLETED)
+        return next(stopped, self.held_out.outcome)
+
+    @property
+    def sentence(self) -> str:
+        """What the outcome means and what to try; empty when it completed."""
+        if self.outcome == self.held_out.outcome:
+            return self.held_out.sentence
+        return self.final.sentence or OF_A_FOLD
+
+    @property
+    def verdict(self) -> str:
+        """On the tests held out: "beyond" if one of them passes a limit, else "within"."""
+        return self.held_out.verdict
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader must know before using the numbers."""
+        return [*self.final.warnings, *self.held_out.warnings]
+
+    @cached_property
+    def judged(self) -> Validation:
+        """Tests of both kinds in one, for figures: the bearing's name says which."""
+        items = [
+            replace(item, bearing=f"{item.bearing}, {role}")
+            for role, found in ((FITTED, self.fitted), (HELD_OUT, self.held_out))
+            for item in found.comparisons
+        ]
+        return Validation(items, self.held_out.limits)
+
+    def find_fold(self, record: TestRecord) -> int:
+        """Return the fold that a test is held out of, from 1; 0 if none."""
+        groups = self.groups if self.folds else []
+        found = (k for k, group in enumerate(groups, 1) if any(record is one for one in group))
+        return next(found, 0)
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """One row for each test in each role: R2, largest errors and verdicts, largest loop."""
+        parts = []
+        for role, found in ((FITTED, self.fitted), (HELD_OUT, self.held_out)):
+            part = found.table.copy()
+            records = [item.record for item in found.comparisons]
+            of_folds = [self.find_fold(record) if role == HELD_OUT else 0 for record in records]
+            part.insert(0, "fold", of_folds)
+            part.insert(0, "role", role)
+            parts.append(part)
+        return pd.concat(parts, ignore_index=True)
+
+    @cached_property
+    def parameters(self) -> pd.DataFrame:
+        """One row for the final fit (fold 0) and one for each fold: values of what any has free."""
+        fits = [self.final, *self.folds]
+        keys = list(dict.fromkeys(key for fit in fits for key in fit.uncertainty.estimates))
+        symbols = {p.kind.key: p.kind.symbol for fit in fits for p in fit.pset.parameters}
+        rows: list[dict[str, Any]] = []
+        for fold, fit in enumerate(fits):
+            row: dict[str, Any] = {"fold": fold, "tests": len(fit.records), "outcome": fit.outcome}
+            for key in keys:
+                item = fit.uncertainty.estimates.get(key)
+                row[symbols[key]] = fit.values.get(key, NAN)
+                row[f"{symbols[key]}_stderr"] = item.stderr if item else NAN
+            rows.append(row)
+        return pd.DataFrame(rows)
+
+    @property
+    def free(self) -> dict[str, str]:
+        """Units of what any fit has free, by symbol."""
+        fits = (self.final, *self.folds)
+        estimates = [item for fit in fits for item in fit.uncertainty.estimates.values()]
+        return {item.parameter.kind.symbol: item.parameter.kind.unit for item in estimates}
+
+    @cached_property
+    def spread(self) -> dict[str, float]:
+        """Standard error of each parameter by the jackknife over folds, by symbol.
+
+        sqrt((K - 1) / K sum (theta_k - mean)^2), theta_k without group k: what the scatter from
+        test to test does to the numbers, which no residual of one fit shows. Empty without folds.
+        """
+        rows = self.parameters.iloc[1:]
+        part = (len(rows) - 1.0) / max(len(rows), 1)
+        return {
+            symbol: float(np.sqrt(part * ((rows[symbol] - rows[symbol].mean()) ** 2).sum()))
+            for symbol in self.free
+            if len(rows)
+        }
+
+    def tables(self) -> dict[str, Table]:
+        """Tables of the final fit, of parameters by fold, and of both kinds of tests."""
+        found = self.final.tables()
+        if self.folds:
+            found["folds"] = self._folds_table()
+        begins = "Largest errors in each test"
+        for role, judged in (("that it is fitted to", self.fitted), (HELD_OUT, self.held_out)):
+            found[role] = errors_of_tests(judged.table, f"{begins} {role}")
+        return found
+
+    def _folds_table(self) -> Table:
+        """Return the parameters without each fold, and their jackknife standard errors."""
+        units = self.free
+        columns = [Quantity("Fold"), Quantity("Held out")]
+        columns += [Quantity(symbol, unit, ".4g") for symbol, unit in units.items()]
+        rows: list[list[Any]] = []
+        for group, row in zip([[], *self.groups], self.parameters.to_dict("records"), strict=True):
+            names = ", ".join(record.name for record in group) or "none"
+            rows.append([str(row["fold"] or "all"), names, *(row[symbol] for symbol in units)])
+        rows.append(["", "jackknife standard error", *(self.spread[symbol] for symbol in units)])
+        return Table("Parameters without each fold", columns, rows, keys=2)
+
+    def notes(self) -> list[str]:
+        """What the final fit notes, and the limits with the verdict on the tests held out."""
+        return [*self.final.notes(), *self.held_out.notes()]
+
+    def summary(self) -> dict[str, Any]:
+        """Return the content of summary.json: that of the final fit, and `held_out`."""
+        held_out = {
+            "verdict": self.verdict,
+            "outcome": self.outcome,
+            "limits": self.held_out.limits,
+            "tests": self.table.to_dict("records"),
+            "folds": self.parameters.to_dict("records") if self.folds else [],
+            "jackknife_stderr": self.spread,
+        }
+        own = {"outcome": self.outcome, "warnings": self.warnings, "held_out": held_out}
+        return self.final.summary() | own
 
     @renamed(force="overwrite")
-    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
-        """Write a result directory; see `save_validation`.
+    def save(
+        self,
+        directory: str | Path,
+        *,
+        overwrite: bool = False,
+        figures: bool = True,
+        forecast: "Forecast | None" = None,
+    ) -> Path:
+        """Write a result directory; see docs/files.md.
 
         Parameters
         ----------
-        directory, force, figures : as in `save_validation`.
+        directory, overwrite, figures
+            As of every result.
+        forecast : Forecast, optional
+            Samples of the posterior of the final fit, and bands.
 
         Returns
         -------
-        Path : the directory.
+        Path
+            The directory.
 
         Raises
         ------
-        OutputError : the directory exists and `force` is False, or it cannot be written.
+        OutputError
+            The directory exists and `overwrite` is False, or it cannot be written; nothing is
+            left.
         """
-        from thermobearing.validate.output import save_validation
+        return Result.save(self.predict(forecast), directory, overwrite=overwrite, figures=figures)
 
-        return save_validation(self, Path(directory), overwrite=overwrite, figures=figures)
+    def predict(self, forecast: "Forecast | None") -> "CrossValidation":
+        """Return the result with a forecast of the final fit."""
+        return replace(self, final=replace(self.final, forecast=forecast)) if forecast else self
 
-
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
+    def _write(self, folder: Path) -> None:
+        write_identification(self.final, folder)
+        write_csv(folder / TABLE, self.table)
+        write_csv(folder / CYCLES, self.judged.cycles)
+        if self.folds:
+            write_csv(folder / FOLDS, self.parameters)

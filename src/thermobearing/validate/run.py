@@ -10,12 +10,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from thermobearing.bearing.exposure import describe_all, exposures
 from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import to_table
+from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.cycles import compare_largest_loops, compare_loops
@@ -32,8 +32,6 @@ from thermobearing.validate.case import (
     possible_models,
 )
 from thermobearing.validate.result import Comparison, Validation
-
-Floats = NDArray[np.float64]
 
 ASSUMED = ("assumed", "rubber")  # checks whose warnings a comparison repeats
 NOT_NEEDED = ("cycles", "sampling")  # checks of a fit that any history may fail
@@ -77,35 +75,14 @@ def validate_bearing(
 
 
 def run_validate(case: ValidateCase) -> Validation:
-    """Carry out a complete case.
-
-    Parameters
-    ----------
-    case : from `make_validate_case`.
-
-    Returns
-    -------
-    Validation
-
-    Raises
-    ------
-    InputError : a test that cannot be used, with the reason.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> record = tb.synthetic_record("shen-hdr-specimen", 23.0, test)
-    >>> run_validate(make_validate_case("shen-hdr-specimen", record)).outcome
-    'completed'
-    """
+    """Run a case from `make_validate_case`; a test that cannot be used is refused."""
     assumed = refuse_unusable(case.records, case.bearings[0])
     found = judge(replace(case, records=[as_fitted(record) for record in case.records]))
     return replace(found, warnings=[*assumed, *found.warnings])
 
 
 def judge(case: ValidateCase) -> Validation:
-    """The same for tests that are looked over and treated already: from `as_fitted`."""
+    """Compare bearings with tests that are checked and treated already (`as_fitted`)."""
     found, said = [], []
     for bearing in case.bearings:
         mine = [
@@ -122,10 +99,9 @@ def judge(case: ValidateCase) -> Validation:
 
 
 def as_fitted(record: TestRecord) -> TestRecord:
-    """A test as a fit sees it: rests held and thinned, what its sidecar says taken out.
+    """Return a test as a fit sees it: rests held and thinned, spikes and drift removed if asked.
 
-    Otherwise a logger that runs through rests would judge a bearing by how its rests relax, and
-    spikes that are taken out of a fit would count against it.
+    Otherwise a bearing would be judged by how logged rests relax, and by spikes.
     """
     found = check_test(record)
     if found.treatment is None:
@@ -136,12 +112,7 @@ def as_fitted(record: TestRecord) -> TestRecord:
 
 
 def refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> list[str]:
-    """Return what had to be assumed about tests; refuse those that no model can be judged by.
-
-    Raises
-    ------
-    InputError : what is wrong with each of them.
-    """
+    """Return what had to be assumed about tests; refuse those that no model can be judged by."""
     found = [(one, check_test(one, bearing).findings) for one in records]
     refused = [
         f"{record.file or record.name}: {finding.sentence}"
@@ -167,42 +138,27 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
     reached = reached_in(record, bearing.total_rubber_thickness, record.ambient, lead)
     name = f"{bearing.name}, {model}, {record.name}, {record.ambient:g} degC"
     asked = asked_of_tests(name, reached, calibration_ranges(bearing))
+    rubber = bearing.total_rubber_thickness
+    item = Comparison(bearing.name, model, record, forward.ended, asked, rubber)
     if found is None:
-        nan, ended = float("nan"), forward.ended
-        early = Comparison(bearing.name, model, record, None, nan, nan, [], None, {}, ended, asked)
-        return replace(early, rubber=bearing.total_rubber_thickness)
+        return item
     loops = compare_loops(record, found.force)
-    off = found.force - record.force
-    return Comparison(
-        bearing=bearing.name,
-        model=model,
-        record=record,
+    return replace(
+        item,
         prediction=found,
         R2=determination(record.force, found.force),
-        NRMSE=float(np.sqrt(np.mean(off**2))) / record.peak_force,
+        NRMSE=float(np.sqrt(np.mean((found.force - record.force) ** 2))) / record.peak_force,
         loops=loops,
         largest=compare_largest_loops(record, found.force, loops),
         temperature_errors=rise_errors(record, found),
-        outcome=forward.ended,
-        asked=asked,
-        rubber=bearing.total_rubber_thickness,
     )
 
 
 def rise_errors(record: TestRecord, found: Prediction) -> dict[str, Floats]:
-    """Return the error of the temperature rise in time, relative to the largest rise of the test.
+    """Return the error of the rise in time by thermocouple, relative to the test's largest rise.
 
     Eq. 4.39 with its sign, but its denominator is not the rise so far: half a kelvin at the start
-    of a test would be an error of 50 %.
-
-    Parameters
-    ----------
-    record : a test with thermocouples.
-    found : the model at its samples.
-
-    Returns
-    -------
-    dict : by thermocouple, [sample]; without those that do not rise.
+    of a test would be an error of 50 %. Thermocouples that do not rise are left out.
     """
     rises = {title: values - values[0] for title, values in record.temperatures.items()}
     return {
