@@ -102,3 +102,12 @@ def test_bad_argument_elsewhere(make: Any, pieces: list[str]) -> None:
     with pytest.raises(tb.InputError) as caught:
         make()
     assert_told(str(caught.value), pieces)
+
+
+def test_a_wrong_name_is_told_once_and_the_rest_is_checked() -> None:
+    """Nothing takes the place of what cannot be loaded: only its own fault is reported."""
+    names = ["shen-hdr-brige", "shen-lhdr-bridge"]
+    with pytest.raises(tb.InputError) as caught:
+        tb.bridge(names, "jra-ii-i-1", 500, structure="pier-p9", mass="heavy")
+    starts = [text.split(" ")[0].rstrip(":") for text in caught.value.problems]
+    assert starts == ["structure", "bearings[0]", "ambient[0]", "analysis.mass"]

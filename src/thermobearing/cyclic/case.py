@@ -17,6 +17,7 @@ from pydantic import Field, field_validator
 
 from thermobearing.bearing.library import BEARINGS, as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.cases import absolute, load_all, read_case
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library, Sourced, sources_to_keep
 from thermobearing.border.schema import (
@@ -26,7 +27,6 @@ from thermobearing.border.schema import (
     overridden,
     said_with_unit,
     updated,
-    validated,
 )
 from thermobearing.border.toml import split_sources, to_table, to_toml
 from thermobearing.climate.readers import read_air
@@ -341,18 +341,7 @@ def load_rig(name_or_path: str | Path) -> Rig:
     return RIGS.load(Rig, name_or_path)
 
 
-def settle_rig(table: dict[str, Any], folder: Path) -> list[str]:
-    """Replace the name or file of a rig in the table of a case by the rig; what is wrong."""
-    given = table.get("rig")
-    if not isinstance(given, str | Path):
-        return []
-    own = str(given).endswith(".toml")
-    try:
-        table["rig"] = load_rig(folder / given if own else given)
-    except InputError as error:
-        del table["rig"]
-        return error.lines("rig")
-    return []
+THINGS = {"bearing": load_bearing, "rig": load_rig}  # that a case names
 
 
 def rig_demand(rig: Rig | None, run: str, peaks: Sequence[float]) -> list[Row]:
@@ -514,89 +503,57 @@ def load_case(path: str | Path, **overrides: Any) -> Case:
     >>> load_case(file, ambient=[0.0, 23.0]).ambient
     [0.0, 23.0]
     """
-    path = Path(path)
-    table = case_table(path)
-    _make_absolute(table, path.parent)
-    bearing = table.get("bearing")
-    if isinstance(bearing, str) and bearing.endswith(".toml") and overrides.get("bearing") is None:
-        table["bearing"] = str(path.parent / bearing)
-    return make_case(table, str(path), **overrides)
+    return make_case(case_table(Path(path)), str(path), Path(path).parent, **overrides)
 
 
-def _make_absolute(table: dict[str, Any], folder: Path) -> None:
-    """Paths of files, so that the resolved case finds them from wherever it is saved."""
-    test = table.get("test")
-    steps = test.get("steps") if isinstance(test, dict) else None
-    named = [(step, "file") for step in steps] if isinstance(steps, list) else []
-    for holder, key in [*named, (table, "ambient_series"), (table, "initial_result")]:
-        if isinstance(holder, dict) and isinstance(holder.get(key), str) and holder[key]:
-            holder[key] = str((folder / holder[key]).absolute())
-    if str(table.get("rig", "")).endswith(".toml"):
-        table["rig"] = str((folder / table["rig"]).absolute())
+def make_case(table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any) -> Case:
+    """Check a case from a table and overrides, with the defaults filled in.
 
+    Numbers of the table have a unit as text; those of `overrides`, keys of `Case` or `Analysis`,
+    may be plain: in degC, and in s (`dt`, which goes to the test). None leaves the table's value.
+    `where` names the file in messages; paths in the table are relative to `folder`.
 
-def make_case(table: dict[str, Any], where: str, **overrides: Any) -> Case:
-    """A checked case from a table and overrides, with the defaults filled in.
-
-    Parameters
-    ----------
-    table : keys of `Case`; as in a file, every number says its unit.
-    where : names the file in messages.
-    overrides : values that replace those of the table, by key of `Case` or `Analysis`; plain
-        numbers are in degC (`ambient`, `initial`, `initial_lead`, `initial_profile`) and in s
-        (`dt`, which goes to the test); None leaves the table's.
-
-    Returns
-    -------
-    Case
-
-    Raises
-    ------
-    InputError : all faults in one message.
-
-    Examples
-    --------
     >>> case = make_case({"ambient": ["-20 degC"]}, "example", dt=0.01)
     >>> case.bearing.name, case.test.dt
     ('shen-hdr-specimen', 0.01)
     """
     dt = overrides.pop("dt", None)
-    table = overridden(table, overrides, Case, {"analysis": Analysis})
-    if overrides.get("ambient") is not None:
+    table = {"bearing": DEFAULT_BEARING} | table
+    table, given, faults = load_all(table, overrides, THINGS, folder)
+    for holder, key in _files(table):
+        absolute(holder, key, folder)
+    table = overridden(table, given, Case, {"analysis": Analysis})
+    if "ambient" in given:
         table.pop("ambient_series", None)
-    _make_absolute(table, Path())
-    problems, earlier = settle_start(table, WAYS)
-    problems += settle_rig(table, Path())
-    if "ambient" in table and table.get("ambient_series") is not None:
-        problems.append("give ambient or ambient_series, not both")
+    more, earlier = settle_start(table, WAYS)
+    faults += more
     told: dict[str, str] = {}
-    bearing = table.setdefault("bearing", DEFAULT_BEARING)
-    if isinstance(bearing, str | Path):
-        try:
-            table["bearing"] = load_bearing(bearing)
-        except InputError as error:
-            problems += error.lines("bearing")
-            table["bearing"] = load_bearing(DEFAULT_BEARING)  # to find what else is wrong
-    elif isinstance(bearing, dict):
-        table["bearing"], told = split_sources(bearing)
+    if isinstance(table["bearing"], dict):
+        table["bearing"], told = split_sources(table["bearing"])
+    if "ambient" in table and table.get("ambient_series") is not None:
+        faults.append("give ambient or ambient_series, not both")
     _fill_defaults(table)
     table["test"] = updated(table["test"], overridden({}, {"dt": dt}, CyclicTest))
-    try:
-        case = validated(Case, table, where)
-    except InputError as error:
-        raise InputError([*problems, *error.problems], where) from None
-    if earlier is not None and not problems:
+    case = read_case(Case, table, where, faults)
+    if earlier is not None:
         state = left_by(earlier, case.bearing, case.ambient, where)
         case = case.model_copy(update={"initial_state": state})
-    problems += case.faults() if not problems else []
-    if problems:
-        raise InputError(problems, where)
+    if faults := case.faults():
+        raise InputError(faults, where)
     bearing = case.bearing.with_sources(told | case.bearing.sources)
     rig = [(RIGS, case.rig)] if case.rig else []
     sources = sources_to_keep([(BEARINGS, bearing), *rig], case.sources)
     return case.model_copy(
         update={"analysis": case.analysis.settled(case.bearing), "sources": sources}
     )
+
+
+def _files(table: dict[str, Any]) -> list[tuple[Any, str]]:
+    """Tables with a file, and its key."""
+    test = table.get("test")
+    steps = test.get("steps") if isinstance(test, dict) else None
+    named = [(step, "file") for step in steps] if isinstance(steps, list) else []
+    return [*named, (table, "ambient_series"), (table, "initial_result")]
 
 
 def _fill_defaults(table: dict[str, Any]) -> None:

@@ -104,25 +104,11 @@ class DesignCase(Strict):
 def make_design_case(
     table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
 ) -> DesignCase:
-    """A checked design case; the bridge of section 6.2 by default.
+    """Check a design case; the bridge of section 6.2 by default.
 
-    Parameters
-    ----------
-    table : keys of `DesignCase`; structure and motions as in an earthquake case.
-    where : names the file in messages.
-    folder : paths in the table are relative to it.
-    overrides : values that replace those of the table; plain numbers in mm, kN and s.
+    Structure and motions as in an earthquake case; paths in the table are relative to `folder`.
+    Plain numbers of `overrides` are in mm, kN and s.
 
-    Returns
-    -------
-    DesignCase
-
-    Raises
-    ------
-    InputError : all faults in one message.
-
-    Examples
-    --------
     >>> make_design_case({"compound": "G10"}, "example", start=150).start
     150.0
     """
@@ -147,23 +133,6 @@ def make_design_case(
 def settle_groups(given: Sequence[LineGroup], structure: Structure, where: str) -> list[LineGroup]:
     """Return groups that hold every line once: those given, then the other lines by their kind.
 
-    Parameters
-    ----------
-    given : groups of a case.
-    structure : with the lines.
-    where : names the file in messages.
-
-    Returns
-    -------
-    list of LineGroup : each with a name.
-
-    Raises
-    ------
-    InputError : a line that the structure does not have or that is in two groups, or two groups
-        of one name.
-
-    Examples
-    --------
     >>> from thermobearing.structure.model import load_structure
     >>> [group.name for group in settle_groups([], load_structure("pier-p1"), "example")]
     ['G1-G5']
@@ -193,50 +162,16 @@ def settle_groups(given: Sequence[LineGroup], structure: Structure, where: str) 
 
 
 def load_design_case(path: str | Path, **overrides: Any) -> DesignCase:
-    """A design case from TOML.
-
-    Parameters
-    ----------
-    path : the file; see `DesignCase` for its keys.
-    overrides : values that replace those of the file; plain numbers in mm, kN and s.
-
-    Returns
-    -------
-    DesignCase
-
-    Raises
-    ------
-    InputError : the file cannot be read, or all its faults in one message.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "case.toml"
-    ...     _ = file.write_text('compound = "G10"')
-    ...     load_design_case(file, start=150.0).compound
-    'G10'
-    """
-    path = Path(path)
-    table = case_table(path)
-    return make_design_case(table, str(path), path.parent, **overrides)
+    """Read a design case from TOML; overrides as of `make_design_case`."""
+    return make_design_case(case_table(Path(path)), str(path), Path(path).parent, **overrides)
 
 
 def bearing_weight(case: DesignCase, group: LineGroup | None = None) -> float:
     """Return the vertical load of one bearing of a group [kN].
 
-    Parameters
-    ----------
-    case : what is designed.
-    group : of `case.groups`; by default the first.
+    That of the group or of the case; otherwise the weight of the body that the lines carry, in
+    equal parts on all the bearings below it; of several bodies the largest.
 
-    Returns
-    -------
-    float : that of the group or of the case; otherwise the weight of the body that the lines
-        carry, in equal parts on all the bearings below it; of several bodies the largest. [kN]
-
-    Examples
-    --------
     >>> round(bearing_weight(make_design_case({}, "example")), 1)
     784.5
     """

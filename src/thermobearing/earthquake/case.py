@@ -7,12 +7,13 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, field_validator
 
-from thermobearing.bearing.bilinear import BILINEAR, load_bilinear, load_device
+from thermobearing.bearing.bilinear import BILINEAR, load_device
 from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.cases import absolute, load_all, load_things, read_case
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library, Sourced, sources_to_keep
-from thermobearing.border.schema import Strict, in_unit, overridden, validated
+from thermobearing.border.schema import Strict, in_unit, overridden
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import (
     RIGS,
@@ -20,7 +21,7 @@ from thermobearing.cyclic.case import (
     Temperature,
     each_once,
     left_by,
-    settle_rig,
+    load_rig,
     settle_start,
 )
 from thermobearing.earthquake.inputs import (
@@ -44,7 +45,6 @@ from thermobearing.structure.model import (
     MassModel,
     Structure,
     fixed_base,
-    list_structures,
     load_structure,
     reported_line,
 )
@@ -68,6 +68,11 @@ DEFAULTS: dict[str, dict[str, Any]] = {
     },
 }
 WAYS = ("initial_result", "initial_state")  # to start
+THINGS = {  # that a case names
+    "structure": load_structure,
+    "bearings": load_device,
+    "rig": load_rig,
+}
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
 Mode = Literal["rt", "pd"]
 ONE_OR_SEVERAL = BeforeValidator(lambda mode: (mode,) if isinstance(mode, str) else mode)
@@ -262,27 +267,13 @@ class EarthquakeCase(Strict):
 def make_earthquake_case(
     table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
 ) -> EarthquakeCase:
-    """A checked case from a table of a file and overrides, defaults filled in.
+    """Check a case from a table of a file and overrides, defaults filled in.
 
-    Parameters
-    ----------
-    table : with the key `command`, "bridge" or "hybrid".
-    where : names the file in messages.
-    folder : paths in the table are relative to it.
-    overrides : values that replace those of the table: structure, bearings, motions, ambient,
-        weather, duration, laboratory, lines, and every key of `analysis`; None leaves the table's.
-        `fixed_base` (of the table too) leaves out the springs of foundations.
+    The table has the key `command`, "bridge" or "hybrid"; paths in it are relative to `folder`.
+    `where` names the file in messages. `overrides` replace values of the table: structure,
+    bearings, motions, ambient, weather, duration, laboratory, lines, and every key of `analysis`;
+    None leaves the table's. `fixed_base` (of the table too) leaves out the springs of foundations.
 
-    Returns
-    -------
-    EarthquakeCase
-
-    Raises
-    ------
-    InputError : all faults in one message.
-
-    Examples
-    --------
     >>> case = make_earthquake_case({"command": "bridge"}, "example", ambient=[-20, 23], dt=0.002)
     >>> case.structure.name, len(case.bearings), case.ambient
     ('pier-p1', 3, [-20.0, 23.0])
@@ -297,29 +288,30 @@ def make_earthquake_case(
     lab = overrides.get("laboratory")
     if isinstance(lab, dict) and isinstance(table.get("laboratory", {}), dict):
         overrides["laboratory"] = overridden(table.get("laboratory", {}), lab, Laboratory)
-    table = overridden(table, overrides, EarthquakeCase, {"analysis": EarthquakeAnalysis})
+    table, given, faults = load_all(table, overrides, THINGS, folder)
+    table = overridden(table, given, EarthquakeCase, {"analysis": EarthquakeAnalysis})
     fixed = table.pop("fixed_base", False)
     if found := too_many(table):
         raise InputError(found, where)
-    problems, motions = _settle(table, command, folder)
+    more, motions = _settle(table, command, folder)
+    faults += more
     if not isinstance(fixed, bool):
-        problems.append(f"fixed_base = {fixed!r}: must be true or false")
-    faults, earlier = settle_start(table, WAYS)
-    problems += faults
+        faults.append(f"fixed_base = {fixed!r}: must be true or false")
+    more, earlier = settle_start(table, WAYS)
+    faults += more
+    case = read_case(EarthquakeCase, table, where, faults)
     try:
-        case = validated(EarthquakeCase, table, where)
         case = _with_structure(case, fixed=fixed is True)
     except InputError as error:
-        raise InputError([*problems, *error.problems], where) from None
-    if earlier is not None and not problems:
+        raise InputError(error.problems, where) from None
+    if earlier is not None:
         one = case.bearings[0]
         if len(case.bearings) > 1 or not isinstance(one, Bearing):
             raise InputError("initial_result: is of one bearing, and none that is bilinear", where)
         state = left_by(earlier, one, case.ambient, where)
         case = case.model_copy(update={"initial_state": state})
-    problems += [*case.faults(), *case.length_faults(motions)] if not problems else []
-    if problems:
-        raise InputError(problems, where)
+    if faults := [*case.faults(), *case.length_faults(motions)]:
+        raise InputError(faults, where)
     devices = [*case.bearings, *(line.bearing for line in case.lines)]
     things: list[tuple[Library, Sourced]] = [(STRUCTURES, case.structure)]
     things += [(BEARINGS if isinstance(x, Bearing) else BILINEAR, x) for x in devices if x]
@@ -335,32 +327,8 @@ def _with_structure(case: EarthquakeCase, *, fixed: bool) -> EarthquakeCase:
 
 
 def load_earthquake_case(path: str | Path, **overrides: Any) -> EarthquakeCase:
-    r"""A case from TOML; names of bearings, motions and structures, files beside it, or tables.
-
-    Parameters
-    ----------
-    path : the case file.
-    overrides : as of `make_earthquake_case`.
-
-    Returns
-    -------
-    EarthquakeCase
-
-    Raises
-    ------
-    InputError : all faults of the file in one message.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> file = Path(tempfile.mkdtemp()) / "case.toml"
-    >>> _ = file.write_text('motions = ["jra-ii-i-1"]\nduration = "5 s"')
-    >>> load_earthquake_case(file).duration
-    5.0
-    """
-    path = Path(path)
-    table = case_table(path)
-    return make_earthquake_case(table, str(path), path.parent, **overrides)
+    """Read a case from TOML; overrides as of `make_earthquake_case`."""
+    return make_earthquake_case(case_table(Path(path)), str(path), Path(path).parent, **overrides)
 
 
 def in_weather(table: Mapping[str, Any]) -> bool:
@@ -380,57 +348,26 @@ def settle_surroundings(table: dict[str, Any]) -> None:
 def _settle(
     table: dict[str, Any], command: str, folder: Path
 ) -> tuple[list[str], list[GroundMotion]]:
-    """Defaults, and names replaced by what they name; returns what is wrong, and the motions."""
-    problems: list[str] = []
+    """Fill in defaults and load what has a name; return what is wrong, and the motions."""
+    faults: list[str] = []
     if "ambient" in table and table.get("weather") is not None:
-        problems.append("give ambient or weather, not both")
-    if table.get("weather") is not None and isinstance(table["weather"], str):
-        table["weather"] = str((folder / table["weather"]).absolute())
+        faults.append("give ambient or weather, not both")
+    if isinstance(table.get("weather"), str):
+        absolute(table, "weather", folder)
         table.setdefault("ambient", ["0 degC"])  # not used
     if in_weather(table):
         settle_surroundings(table)
-    if isinstance(table.get("initial_result"), str) and table["initial_result"]:
-        table["initial_result"] = folder / table["initial_result"]
-    problems += settle_rig(table, folder)
-    problems += settle_lines(table, folder)
-    for key, value in DEFAULTS[command].items():
-        table.setdefault(key, value)
+    absolute(table, "initial_result", folder)
+    faults += settle_lines(table, folder)
+    usual = {key: value for key, value in DEFAULTS[command].items() if key not in table}
+    faults += [fault for key, load in THINGS.items() for fault in load_things(usual, key, load)]
+    table |= usual
     if command == "hybrid":
         table.setdefault("laboratory", {})
-        analysis = table.get("analysis", {})
-        if isinstance(analysis, dict):
+        if isinstance(analysis := table.get("analysis", {}), dict):
             table["analysis"] = {"method": "predictor-corrector", **analysis}
     for key in ("bearings", "motions", "ambient"):
         if not isinstance(table[key], list | tuple):
             table[key] = [table[key]]
-    structure = table["structure"]
-    if isinstance(structure, str | Path):
-        table["structure"] = _named(
-            problems, "structure", load_structure, structure, folder, list_structures()
-        )
-    table["bearings"] = [
-        _named(problems, f"bearings[{k}]", load_device, item, folder, [])
-        if isinstance(item, str | Path)
-        else item
-        for k, item in enumerate(table["bearings"])
-    ]
     table["motions"], motions, found = settle_motions(table["motions"], folder)
-    return [*problems, *found], motions
-
-
-def _named(
-    problems: list[str], key: str, load: Any, item: str | Path, folder: Path, known: list[str]
-) -> Any:
-    """What a name or path stands for; a fault leaves the default in place to go on checking."""
-    text = str(item)
-    if text.endswith(".toml") and text not in known:
-        item = folder / text
-    try:
-        return load(item)
-    except InputError as error:
-        problems.extend(error.lines(key))
-        return (
-            load_structure("pier-p1")
-            if key == "structure"
-            else load_bilinear("shen-bilinear-bridge")
-        )
+    return [*faults, *found], motions

@@ -9,6 +9,7 @@ from pydantic import Field
 
 from thermobearing.bearing.bilinear import BilinearBearing, load_device
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.cases import absolute, load_things
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.schema import Name, OneLine, Strict, in_unit, validated
 from thermobearing.border.units import with_unit
@@ -204,28 +205,16 @@ class OnLine(Strict):
 
 
 def settle_lines(table: dict[str, Any], folder: Path) -> list[str]:
-    """Replace names and files of lines of their own in the table of a case; what is wrong."""
-    given = table.get("lines")
-    if not isinstance(given, list | tuple):
+    """Load the bearings of lines of their own in the table of a case; return what is wrong."""
+    if not isinstance(table.get("lines"), list | tuple):
         return []
-    problems: list[str] = []
-    settled = []
-    for number, item in enumerate(given):
-        line = dict(item) if isinstance(item, dict) else item
+    faults: list[str] = []
+    table["lines"] = [dict(line) if isinstance(line, dict) else line for line in table["lines"]]
+    for number, line in enumerate(table["lines"]):
         if isinstance(line, dict):
-            bearing = line.get("bearing")
-            if isinstance(bearing, str | Path):
-                own = str(bearing).endswith(".toml")
-                try:
-                    line["bearing"] = load_device(folder / bearing if own else bearing)
-                except InputError as error:
-                    problems += error.lines(f"lines[{number}].bearing")
-                    del line["bearing"]
-            if isinstance(line.get("weather"), str | Path) and str(line["weather"]):
-                line["weather"] = str((folder / line["weather"]).absolute())
-        settled.append(line)
-    table["lines"] = settled
-    return problems
+            faults += load_things(line, "bearing", load_device, folder, before=f"lines[{number}].")
+            absolute(line, "weather", folder)
+    return faults
 
 
 def lines_faults(lines: Sequence[OnLine], structure: Structure) -> list[str]:

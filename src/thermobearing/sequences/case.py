@@ -9,10 +9,11 @@ from pydantic import Field
 
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.cases import absolute, load_all, load_things, read_case
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, in_unit, overridden, validated
+from thermobearing.border.schema import Strict, in_unit, overridden
 from thermobearing.border.toml import to_toml
-from thermobearing.cyclic.case import DEFAULT_BEARING, Analysis, Case, Rig, Temperature, settle_rig
+from thermobearing.cyclic.case import DEFAULT_BEARING, Analysis, Case, Rig, Temperature, load_rig
 from thermobearing.cyclic.protocol import (
     Cycles,
     CyclicTest,
@@ -35,10 +36,11 @@ from thermobearing.model.effort import too_much
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelOptions
 from thermobearing.report.title import case_table
-from thermobearing.structure.model import Structure, list_structures, load_structure
+from thermobearing.structure.model import Structure, load_structure
 from thermobearing.structure.run import Method
 
 MOST_PARTS = 50
+THINGS = {"bearing": load_bearing, "rig": load_rig}  # that a case names
 OWN = {"bearing", "bearings"}  # keys that belong to the specimen, not to a part
 Name = Annotated[str, Field(max_length=60)]
 
@@ -213,111 +215,54 @@ def end_state_at(test: CyclicTest, rubber: float, at: float) -> float:
 def make_sequence_case(
     table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
 ) -> SequenceCase:
-    """A checked case from a table of a file and overrides, defaults filled in.
+    """Check a case from a table of a file and overrides, defaults filled in.
 
-    Parameters
-    ----------
-    table : keys of `SequenceCase`; every number says its unit.
-    where : names the file in messages.
-    folder : paths in the table are relative to it.
-    overrides : values that replace those of the table, by key of `SequenceCase` or of its
-        analysis; None leaves the table's.
+    Numbers of the table have a unit as text; `overrides` are values by key of `SequenceCase` or of
+    its analysis, None leaves the table's. Paths in the table are relative to `folder`.
 
-    Returns
-    -------
-    SequenceCase
-
-    Raises
-    ------
-    InputError : all faults in one message.
-
-    Examples
-    --------
     >>> parts = [{"part": "hybrid", "duration": "2 s"}, {"part": "rest", "duration": "1 h"}]
     >>> case = make_sequence_case({"parts": parts, "ambient": "-20 degC"}, "example")
     >>> [case.label(k) for k in range(2)]
     ['01-hybrid', '02-rest']
     """
-    table = overridden(table, overrides, SequenceCase, {"analysis": SequenceAnalysis})
-    problems: list[str] = []
-    table.setdefault("ambient", "23 degC")
-    bearing = table.setdefault("bearing", DEFAULT_BEARING)
-    if isinstance(bearing, str | Path):
-        try:
-            own = str(bearing).endswith(".toml")
-            table["bearing"] = load_bearing(folder / bearing if own else bearing)
-        except InputError as error:
-            problems += error.lines("bearing")
-            table["bearing"] = load_bearing(DEFAULT_BEARING)  # to find what else is wrong
-    problems += settle_rig(table, folder)
+    table = {"ambient": "23 degC", "bearing": DEFAULT_BEARING} | table
+    table, given, faults = load_all(table, overrides, THINGS, folder)
+    table = overridden(table, given, SequenceCase, {"analysis": SequenceAnalysis})
     if isinstance(table.get("parts"), list):
         table["parts"] = [
-            _settle_part(problems, f"parts[{k}]", part, folder)
+            _settle_part(faults, f"parts[{k}]", part, folder)
             for k, part in enumerate(table["parts"])
         ]
-    try:
-        case = validated(SequenceCase, table, where)
-    except InputError as error:
-        raise InputError([*problems, *error.problems], where) from None
-    problems += case.faults() if not problems else []
-    if problems:
-        raise InputError(problems, where)
-    options = case.analysis.settled(case.bearing)
-    return case.model_copy(update={"analysis": options})
+    case = read_case(SequenceCase, table, where, faults)
+    if faults := case.faults():
+        raise InputError(faults, where)
+    return case.model_copy(update={"analysis": case.analysis.settled(case.bearing)})
 
 
 def load_sequence_case(path: str | Path, **overrides: Any) -> SequenceCase:
-    r"""A case from TOML; the bearing, structures, motions and rig by name, file or table.
-
-    Parameters
-    ----------
-    path : the case file.
-    overrides : as of `make_sequence_case`.
-
-    Raises
-    ------
-    InputError : all faults of the file in one message.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> file = Path(tempfile.mkdtemp()) / "case.toml"
-    >>> _ = file.write_text('parts = [{ part = "rest", duration = "1 h" }]')
-    >>> load_sequence_case(file).parts[0].part
-    'rest'
-    """
-    path = Path(path)
-    table = case_table(path)
-    return make_sequence_case(table, str(path), path.parent, **overrides)
+    """Read a case from TOML; overrides as of `make_sequence_case`."""
+    return make_sequence_case(case_table(Path(path)), str(path), Path(path).parent, **overrides)
 
 
-def _settle_part(problems: list[str], key: str, part: Any, folder: Path) -> Any:
-    """A part with defaults, names replaced by what they name, and its files absolute."""
+def _settle_part(faults: list[str], key: str, part: Any, folder: Path) -> Any:
+    """Return a part with defaults, its structure and motion loaded, its files absolute."""
     if not isinstance(part, dict):
         return part
     for name in sorted(OWN & set(part)):
-        problems.append(
+        faults.append(
             f"{key}.{name} = {part[name]!r}: one specimen goes through all parts; say the bearing "
             "once, beside the parts, or run tests of other bearings by themselves"
         )
     part = {name: value for name, value in part.items() if name not in OWN}
     steps = part.get("steps")
     for step in steps if isinstance(steps, list) else []:
-        if isinstance(step, dict) and isinstance(step.get("file"), str) and step["file"]:
-            step["file"] = str((folder / step["file"]).absolute())
+        absolute(step, "file", folder)
     if part.get("part") != "hybrid":
         return part
     usual = DEFAULTS["hybrid"]
-    part = {"structure": usual["structure"], "motion": usual["motions"][0]} | part
-    part.setdefault("duration", usual["duration"])
-    structure = part["structure"]
-    if isinstance(structure, str):
-        own = structure.endswith(".toml") and structure not in list_structures()
-        try:
-            part["structure"] = load_structure(folder / structure if own else structure)
-        except InputError as error:
-            problems += error.lines(f"{key}.structure")
-            part["structure"] = load_structure(usual["structure"])
+    part = {"motion": usual["motions"][0], "duration": usual["duration"]} | part
+    faults += load_things(part, "structure", load_structure, folder, before=f"{key}.")
+    part.setdefault("structure", load_structure(usual["structure"]))
     (motion, *_), _, found = settle_motions([part["motion"]], folder, f"{key}.motion")
-    problems += found
+    faults += found
     return part | {"motion": motion}

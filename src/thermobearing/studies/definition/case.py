@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from thermobearing.border.cases import absolute, load_things, unlike
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.library import Library, is_path
 from thermobearing.border.schema import Strict, validated
@@ -89,24 +90,8 @@ def load_study(name_or_path: str | Path) -> Study:
 
 
 def make_study(table: dict[str, Any], where: str, folder: Path = Path()) -> Study:
-    """A checked study from the table of a file.
+    """Check a study from the table of a file; paths in it are relative to `folder`.
 
-    Parameters
-    ----------
-    table : as in the file.
-    where : names the file in messages.
-    folder : paths in the table are relative to it.
-
-    Returns
-    -------
-    Study
-
-    Raises
-    ------
-    InputError : all faults in one message.
-
-    Examples
-    --------
     >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
     >>> make_study({"kind": "study", "name": "p1", "factors": factors}, "example").design.kind
     'factorial'
@@ -202,39 +187,28 @@ def _checked(model: type[M], table: Any, key: str, faults: list[str]) -> M | Non
     try:
         return validated(model, table, "")
     except InputError as error:
-        faults += [
+        found = [
             f"{key}.{text}" if KEY.match(text) else f"{key}: {text}" for text in error.problems
         ]
+        faults += unlike(found, faults)
         return None
 
 
 def _settle_structures(table: dict[str, Any], folder: Path, faults: list[str]) -> None:
-    """Names and files of structures replaced by what they stand for."""
-    levels = table.get("levels")
-    if not isinstance(levels, list):
+    """Load the structures that have a name or a file."""
+    if not isinstance(table.get("levels"), list):
         return
-    settled = []
-    for number, item in enumerate(levels):
-        try:
-            own = isinstance(item, str) and item.endswith(".toml")
-            named = isinstance(item, str | Path)
-            settled.append(load_structure(folder / item if own else item) if named else item)
-        except InputError as error:
-            faults += error.lines(f"factors.structure.levels[{number}]")
-    # Something in the place of what is told already, so that the checks go on to the rest.
-    table["levels"] = settled or [load_structure(DEFAULT)] if levels else settled
-    names = [getattr(item, "name", "") for item in settled]
+    faults += load_things(table, "levels", load_structure, folder, before="factors.structure.")
+    names = [getattr(item, "name", "") for item in table["levels"]]
     twice = dict.fromkeys(name for name in names if name and names.count(name) > 1)
     faults += [f'factors.structure.levels: two are called "{name}"' for name in twice]
 
 
 def _settle_weather(table: dict[str, Any], folder: Path) -> None:
-    """Files of weather and of a climate of one's own, from wherever the study is started."""
-    weather, climate = table.get("weather"), table.get("climate")
-    if isinstance(weather, str) and weather:
-        table["weather"] = str((folder / weather).absolute())
-    if isinstance(climate, str) and is_path(climate):
-        table["climate"] = str((folder / climate).absolute())
+    """Make the paths of weather and of a climate of one's own absolute."""
+    absolute(table, "weather", folder)
+    if is_path(table.get("climate") or ""):
+        absolute(table, "climate", folder)
 
 
 def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> list[GroundMotion]:

@@ -1,0 +1,85 @@
+"""Cases of analyses as tables: what they name is loaded, then all is checked in one go."""
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict, validated
+
+M = TypeVar("M", bound=Strict)
+KEY = re.compile(r"[\w.\[\]]+")  # what a fault begins with
+
+
+def load_things(
+    table: dict[str, Any],
+    key: str,
+    load: Callable[[Any], Any],
+    folder: Path = Path(),
+    *,
+    known: Iterable[str] = (),
+    before: str = "",
+) -> list[str]:
+    """Replace a name or a file in a table, or each in a list, by what `load` makes of it.
+
+    Files are relative to `folder`, unless the name is a `known` one. What cannot be loaded stays as
+    it is; the faults returned begin with its key, after `before`.
+    """
+    if key not in table:
+        return []
+    given, faults, loaded = table[key], [], []
+    several = isinstance(given, list | tuple)
+    for number, item in enumerate(given if several else [given]):
+        if isinstance(item, str | Path):
+            own = str(item).endswith(".toml") and str(item) not in known
+            try:
+                item = load(folder / item if own else item)
+            except InputError as error:
+                faults += error.lines(before + (f"{key}[{number}]" if several else key))
+        loaded.append(item)
+    table[key] = loaded if several else loaded[0]
+    return faults
+
+
+def load_all(
+    table: dict[str, Any],
+    overrides: Mapping[str, Any],
+    loads: Mapping[str, Callable[[Any], Any]],
+    folder: Path,
+) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
+    """Return a table and what replaces some of its values, their names loaded, and the faults.
+
+    Files that the table names are relative to its folder, those of `overrides` to the current one.
+    """
+    table, given = dict(table), {k: v for k, v in overrides.items() if v is not None}
+    faults: list[str] = []
+    for key, load in loads.items():
+        if key in given:
+            faults += load_things(given, key, load)
+        else:
+            faults += load_things(table, key, load, folder)
+    return table, given, faults
+
+
+def unlike(faults: Sequence[str], known: Sequence[str]) -> list[str]:
+    """Return the faults of other keys than those that have a fault already."""
+    keys = {match[0] for match in map(KEY.match, known) if match}
+    return [text for text in faults if (match := KEY.match(text)) is None or match[0] not in keys]
+
+
+def read_case(model: type[M], table: dict[str, Any], where: str, faults: Sequence[str] = ()) -> M:
+    """Check the table of a case whose names are loaded; raise with the `faults` found before."""
+    try:
+        case = validated(model, table, where)
+    except InputError as error:
+        raise InputError([*faults, *unlike(error.problems, faults)], where) from None
+    if faults:
+        raise InputError(faults, where)
+    return case
+
+
+def absolute(table: Any, key: str, folder: Path) -> None:
+    """Make the path under a key absolute, so that a case finds it from wherever it is saved."""
+    if isinstance(table, dict) and isinstance(table.get(key), str | Path) and str(table[key]):
+        table[key] = str((folder / table[key]).absolute())
