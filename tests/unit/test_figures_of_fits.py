@@ -41,10 +41,10 @@ def test_cycles_of_a_fit_are_absolute(fit: tb.Identification) -> None:
     # The band is as far from the line as the title and the table say: noise does not raise it.
     drawn = np.asarray(modulus.get_lines()[0].get_ydata(), dtype=float)
     line = np.asarray(modulus.get_lines()[1].get_ydata(), dtype=float)
-    told = [cycle.G_eq_error for cycle in fit.fits[0].cycles]
+    told = [cycle.errors["G_eq_error"] for cycle in fit.fits[0].loops]
     assert (line / drawn - 1.0)[np.isfinite(line)] == pytest.approx(told, abs=1e-12)
     assert np.nanmax(test) == pytest.approx(fit.records[1].force.max(), rel=0.07)
-    errors = [cycle.energy_error for one in fit.fits for cycle in one.cycles]
+    errors = [cycle.errors["energy_error"] for one in fit.fits for cycle in one.loops]
     text = f"model off by {100.0 * min(errors):+.1f} to {100.0 * max(errors):+.1f} %"
     assert text.replace("-", "−") in energy.get_title(loc="left")
 

@@ -19,11 +19,11 @@ from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.uncertainty.posterior import (
+    _laplace_samples,
+    _posterior_samples,
+    _predictive_band,
     forecast,
-    laplace_samples,
     posterior_effort,
-    posterior_samples,
-    predictive_band,
 )
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -192,13 +192,13 @@ def test_chosen_bounds_hold(name: str, blind: bool) -> None:
 
 
 def test_laplace_samples_have_the_covariance(found: Identification) -> None:
-    draws = laplace_samples(found, 4000).cube
+    draws = _laplace_samples(found, 4000).cube
     spread = np.sqrt(np.diag(found.uncertainty.covariance))
     np.testing.assert_allclose(draws.std(axis=0), spread, rtol=0.1)
 
 
 def test_band_at_a_temperature_that_was_not_tested(found: Identification) -> None:
-    band = predictive_band(found, laplace_samples(found), -20.0)
+    band = _predictive_band(found, _laplace_samples(found), -20.0)
     truth = ForwardModel(found.records[0], HDR, fine=True, ambient=-20.0).run(HDR)
     assert truth is not None
     assert band.peak_lower < np.abs(truth.force).max() < band.peak_upper
@@ -210,7 +210,7 @@ def test_posterior_agrees_with_the_normal_distribution() -> None:
     """Of three parameters, for which walkers enough are half as many as for all."""
     records = [synthetic_record(HDR, at, SHORT, sampling=25.0) for at in AMBIENTS]
     found = identify_bearing(records, HDR, free=["K_r", "d_y", "n_T"], starts=1)
-    samples = posterior_samples(found, steps=150, burn=100)
+    samples = _posterior_samples(found, steps=150, burn=100)
     spread = np.sqrt(np.diag(found.uncertainty.covariance))
     assert 0.2 < samples.acceptance < 0.8
     np.testing.assert_allclose(samples.cube.std(axis=0), spread, rtol=0.5)
@@ -224,13 +224,13 @@ def test_what_a_posterior_takes_is_told_before(
     runs, seconds = posterior_effort(found, steps=8, burn=2)
     assert seconds > 0.0
     before = found.problem.evaluations
-    posterior_samples(found, steps=8, burn=2)
+    _posterior_samples(found, steps=8, burn=2)
     used = (found.problem.evaluations - before - 1) * len(AMBIENTS)  # one for the variance
     assert 0.6 * runs < used <= runs  # those beyond a bound are not run
     monkeypatch.setattr("thermobearing.identify.run.run_identify", lambda case: found)
     monkeypatch.setattr(
-        "thermobearing.identify.uncertainty.posterior.posterior_samples",
-        lambda given, seed: laplace_samples(given, 50, seed=seed),
+        "thermobearing.identify.uncertainty.posterior._posterior_samples",
+        lambda given, seed: _laplace_samples(given, 50, seed=seed),
     )
     write(tmp_path, found.records[0], "cold")
     words = (tmp_path / "cold.csv", "--posterior", "--no-figures", "-o", tmp_path / "out")
@@ -246,7 +246,7 @@ def test_what_a_posterior_takes_is_told_before(
 def test_posterior_without_emcee(found: Identification, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "emcee", None)
     with pytest.raises(InputError, match="thermobearing\\[bayes\\]"):
-        posterior_samples(found)
+        _posterior_samples(found)
 
 
 def test_a_missing_emcee_is_told_before_the_fit(

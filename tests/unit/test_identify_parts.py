@@ -10,12 +10,13 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.border.errors import InputError
-from thermobearing.identify.fit.forward import ForwardModel, turning_points
-from thermobearing.identify.fit.parameters import KINDS, full_key, parameter_set
+from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.fit.parameters import KINDS, _full_key, parameter_set
 from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.search import krill_herd
 from thermobearing.identify.fit.start import loop_start
 from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
+from thermobearing.identify.records.cycles import turning_points
 from thermobearing.identify.uncertainty.covariance import effective_samples
 
 HDR, LHDR = tb.load_bearing("shen-hdr-specimen"), tb.load_bearing("shen-lhdr-specimen")
@@ -24,10 +25,10 @@ SHORT = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, rest=600.0)
 
 def test_symbols_and_keys_name_the_same() -> None:
     for kind in KINDS:
-        assert full_key(kind.symbol) == full_key(kind.key) == kind.key
-    assert full_key("Q_l") == "lead.yield_stress"
+        assert _full_key(kind.symbol) == _full_key(kind.key) == kind.key
+    assert _full_key("Q_l") == "lead.yield_stress"
     with pytest.raises(InputError, match="K_r"):
-        full_key("Kr")
+        _full_key("Kr")
 
 
 def test_values_come_back_from_the_cube() -> None:

@@ -10,9 +10,15 @@ from thermobearing.identify.figures import check_figure
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.synthetic import synthetic_record
 from thermobearing.identify.records.checks import CheckReport, check_test
-from thermobearing.identify.records.noise import estimate_noise, find_spikes
+from thermobearing.identify.records.cycles import estimate_noise
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.records.treatment import find_rests, thin_rests, to_be_treated, treat
+from thermobearing.identify.records.treatment import (
+    _find_rests,
+    _find_spikes,
+    _thin_rests,
+    to_be_treated,
+    treat,
+)
 from thermobearing.identify.run import identify_bearing
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -58,7 +64,7 @@ def test_noise_is_measured_beside_the_motion(points: int) -> None:
 
 
 def test_rests_are_where_nothing_moves(record: TestRecord) -> None:
-    (rest,) = find_rests(record)
+    (rest,) = _find_rests(record)
     begin, end = record.time[rest[0]], record.time[rest[1]]
     clean = synthetic_record(HDR, 23.0, TEST, noise=0.0)
     moved = np.flatnonzero(np.abs(np.diff(clean.displacement)) > 1e-9)
@@ -72,14 +78,14 @@ def test_slow_turns_are_no_rests(period: float) -> None:
     t = np.linspace(0.0, 4.0, 4001) * period
     x = 50.0 * np.sin(2.0 * np.pi * t / period)
     x = x + np.random.default_rng(0).normal(0.0, JITTER, len(t))
-    assert find_rests(tb.record_from_arrays(t, x, 2.0 * x, 23.0)) == []
+    assert _find_rests(tb.record_from_arrays(t, x, 2.0 * x, 23.0)) == []
 
 
 def test_a_slow_creep_is_not_held_as_one_rest() -> None:
     t = np.linspace(0.0, 1000.0, 10001)
     x = np.where(t < 20.0, 50.0 * np.sin(np.pi * t / 5.0), 0.005 * (t - 20.0))
     record = tb.record_from_arrays(t, x, 2.0 * x, 23.0)
-    assert all(np.ptp(x[a : b + 1]) <= 0.004 * 50.0 + 1e-9 for a, b in find_rests(record))
+    assert all(np.ptp(x[a : b + 1]) <= 0.004 * 50.0 + 1e-9 for a, b in _find_rests(record))
 
 
 def test_a_fit_sees_a_rest_as_a_gap(record: TestRecord) -> None:
@@ -97,8 +103,8 @@ def test_a_fit_sees_a_rest_as_a_gap(record: TestRecord) -> None:
 def test_thermocouples_of_a_rest_are_kept(record: TestRecord) -> None:
     """Cooling is what a rest tells."""
     cooling = replace(record, temperatures={"T": 23.0 + 9.0 * np.exp(-record.time / 100.0)})
-    rests = find_rests(record)
-    short, kept, resting = thin_rests(cooling, rests)
+    rests = _find_rests(record)
+    short, kept, resting = _thin_rests(cooling, rests)
     assert 15 <= int(resting.sum()) <= 20
     assert np.abs(short.temperatures["T"] - cooling.temperatures["T"][kept]).max() < 0.5
 
@@ -115,7 +121,7 @@ def test_jitter_does_not_walk_the_force_down(fine: bool) -> None:
     loading = np.abs(np.gradient(clean.displacement)) > 0.5
     off = np.abs(forces[0] - forces[1]).max(where=loading, initial=0.0)
     assert off < 0.03 * clean.peak_force
-    ((first, last),) = find_rests(noisy)
+    ((first, last),) = _find_rests(noisy)
     middle = slice(first + 20, last - 20)
     assert np.ptp(forces[0][middle]) < 0.01 * clean.peak_force
 
@@ -201,4 +207,4 @@ def test_detrend_takes_known_words_only(record: TestRecord) -> None:
 
 
 def test_a_flat_signal_has_no_spikes() -> None:
-    assert not find_spikes(np.ones(50)).any()
+    assert not _find_spikes(np.ones(50)).any()

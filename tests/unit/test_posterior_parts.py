@@ -36,8 +36,8 @@ def test_posterior_is_tempered_by_what_the_samples_are_worth(
     class Sampler:
         acceptance_fraction = np.array([0.4])
 
-        def __init__(self, walkers: int, dimensions: int, log_probability: Any) -> None:
-            asked.append(log_probability)
+        def __init__(self, walkers: int, dimensions: int, _log_probability: Any) -> None:
+            asked.append(_log_probability)
             self.shape = walkers, dimensions
 
         def run_mcmc(self, start: np.ndarray, steps: int, **_: Any) -> None:
@@ -55,13 +55,13 @@ def test_posterior_is_tempered_by_what_the_samples_are_worth(
     residual = np.full(200, 0.1)
     problem = SimpleNamespace(parts=lambda u, *, fine: [residual * (1.0 + u[0])])
     found = fit_with(problem, np.array([0.0, 0.5]))
-    assert posterior.posterior_samples(found).source == "emcee"
-    log_probability = asked[0]
+    assert posterior._posterior_samples(found).source == "emcee"
+    _log_probability = asked[0]
     variance = 200 * 0.01 / 198  # of the residuals at the best place
     for place in (0.0, 0.5):
         wanted = -0.5 * 0.25 * 200 * 0.01 * (1.0 + place) ** 2 / variance
-        assert log_probability(np.array([place, 0.5])) == pytest.approx(wanted)
-    assert log_probability(np.array([0.5, 1.1])) == -np.inf
+        assert _log_probability(np.array([place, 0.5])) == pytest.approx(wanted)
+    assert _log_probability(np.array([0.5, 1.1])) == -np.inf
 
 
 def test_band_is_that_of_95_percent_of_the_draws(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -78,7 +78,7 @@ def test_band_is_that_of_95_percent_of_the_draws(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(posterior, "ForwardModel", Model)
     cube = np.column_stack([np.linspace(0.5, 1.5, 101), np.zeros(101)])
     draws = posterior.Samples(cube, "laplace")
-    band = posterior.predictive_band(fit_with(None, cube[0]), draws, -30.0, count=400, seed=3)
+    band = posterior._predictive_band(fit_with(None, cube[0]), draws, -30.0, count=400, seed=3)
     sizes = cube[np.random.default_rng(3).choice(101, size=400), 0]
     low, high = np.quantile(sizes, [0.025, 0.975])
     assert asked == [-30.0]

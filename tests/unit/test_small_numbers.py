@@ -14,7 +14,7 @@ from thermobearing.design.case import make_design_case
 from thermobearing.design.factors import scaled_bearing
 from thermobearing.design.run import one_turn
 from thermobearing.design.sizing import design_values, load_curves, load_rubber
-from thermobearing.identify.fit.problem import ROBUST_SCALE, robust_weights, sample_weights
+from thermobearing.identify.fit.problem import ROBUST_SCALE, _robust_weights, _sample_weights
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
 from thermobearing.motions.measures import significant_interval
@@ -79,12 +79,12 @@ def test_weights_are_roots() -> None:
     """They multiply residuals, which are squared: a weight of 4 counts four times."""
     record = sines([10.0, 10.0, 20.0], weight=4.0, first_cycle_weight=0.25)
     expected = np.repeat([2.0 * 0.5, 2.0, 2.0 * 0.5], 40)
-    assert_allclose(sample_weights(record)[:-1], expected, rtol=tol.ROUNDING)
+    assert_allclose(_sample_weights(record)[:-1], expected, rtol=tol.ROUNDING)
 
 
 def test_balanced_cycles_count_by_their_own_peak() -> None:
     record = sines([10.0, 20.0], cycle_balance=1.0)
-    assert_allclose(sample_weights(record)[:-1], np.repeat([2.0, 1.0], 40), rtol=tol.ROUNDING)
+    assert_allclose(_sample_weights(record)[:-1], np.repeat([2.0, 1.0], 40), rtol=tol.ROUNDING)
 
 
 LOSSES = {  # rho(z) as scipy documents them
@@ -99,7 +99,7 @@ LOSSES = {  # rho(z) as scipy documents them
 def test_robust_weights_are_the_slope_of_the_loss(loss: str) -> None:
     z, h = np.array([0.01, 0.5, 2.0, 4.0, 100.0]), 1e-5
     slope = (LOSSES[loss](z + h) - LOSSES[loss](z - h)) / (2.0 * h)
-    weights = robust_weights(ROBUST_SCALE * np.sqrt(z), loss)
+    weights = _robust_weights(ROBUST_SCALE * np.sqrt(z), loss)
     assert_allclose(weights, slope, rtol=tol.LOSS_SLOPE)
 
 

@@ -183,7 +183,7 @@ def test_a_table_in_a_file(tmp_path: Path) -> None:
 
 def test_a_fit_states_the_range_of_its_own_tests() -> None:
     """Of two temperatures where n_T was free; that of the template where it was not."""
-    from thermobearing.identify.output import bearing_table
+    from thermobearing.identify.output import _bearing_table
 
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
     records = [
@@ -191,8 +191,8 @@ def test_a_fit_states_the_range_of_its_own_tests() -> None:
     ]
     options: dict[str, Any] = {"starts": 1, "blind": False}
     free = tb.identify_bearing(records, specimen(), free=["n_T"], **options)
-    law = bearing_table(free)["temperature_law"]
+    law = _bearing_table(free)["temperature_law"]
     assert (law["coldest"]["value"], law["warmest"]["value"]) == ("-10.0 degC", "15.0 degC")
     assert law["warmest"]["source"].startswith("air of the tests")
     held = tb.identify_bearing(records, specimen(), free=["K_r"], **options)
-    assert bearing_table(held)["temperature_law"]["warmest"]["value"] == "34.0 degC"
+    assert _bearing_table(held)["temperature_law"]["warmest"]["value"] == "34.0 degC"

@@ -13,15 +13,20 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.identify.fit.forward import TURN, Prediction, turning_points
+from thermobearing.identify.fit.forward import Prediction
 from thermobearing.identify.records.checks import CheckReport
-from thermobearing.identify.records.cycles import Loop, compare_loops
+from thermobearing.identify.records.cycles import (
+    TURN,
+    Loop,
+    loop_middles,
+    turning_points,
+)
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
-from thermobearing.identify.uncertainty.agreement import CycleErrors, RecordFit
+from thermobearing.identify.uncertainty.agreement import RecordFit
 from thermobearing.identify.uncertainty.posterior import Band
 from thermobearing.results import drawing
-from thermobearing.results.metrics import FEWEST_POINTS, measure_cycle
+from thermobearing.results.metrics import FEWEST_POINTS, CycleMeasures, measure_cycle
 
 TEST, MODEL, REST = "#8a8f98", "#CC3311", "#8a8f98"
 BINS = 3000
@@ -29,49 +34,40 @@ LABELLED = 14  # parameters whose correlation is printed into the squares
 BAND_WIDTH = 4.0  # of a test under the thin line of the model [pt]
 PALE_TEST = "#c3c8d0"
 SMALL_TURN = 0.1  # of the largest displacement: the force at smaller turns is not shown
-MEASURES = {  # of a cycle, by name of its error: name of the panel, unit
-    "G_eq_error": ("equivalent shear modulus G_e", "G_e [MPa]"),
-    "h_eq_error": ("equivalent damping ratio h_eq", "h_eq"),
-    "energy_error": ("energy", "energy [kJ = kN m]"),
-    "force_max_error": ("peak force", "force [kN]"),
+MEASURES: dict[str, tuple[str, str, Callable[[CycleMeasures], float]]] = {
+    # of a cycle, by name of its error: name of the panel, its unit, the measure in it
+    "G_eq_error": ("equivalent shear modulus G_e", "G_e [MPa]", lambda m: m.G_eq_MPa),
+    "h_eq_error": ("equivalent damping ratio h_eq", "h_eq", lambda m: m.h_eq),
+    "energy_error": ("energy", "energy [kJ = kN m]", lambda m: m.energy_kN_mm / 1000.0),
+    "force_max_error": (
+        "peak force",
+        "force [kN]",
+        lambda m: max(m.force_max_kN, -m.force_min_kN),
+    ),
 }
 
 
-class Cycle(NamedTuple):
-    """A full cycle: its errors, and the measures of the model by the names of the errors."""
-
-    loop: Loop
-    errors: CycleErrors
-    model: dict[str, float]
-
-
 class Panel(NamedTuple):
-    """One record for the figures: the test, the force of the model, and full cycles of the two."""
+    """One record for the figures: the test, the model, and the full cycles of the two."""
 
     title: str
     record: TestRecord
     prediction: Prediction
-    cycles: list[Cycle]
-    errors: list[CycleErrors]
+    fit: RecordFit
+    measures: list[tuple[Loop, CycleMeasures]]  # of cycles with samples enough, in the model
 
 
 def _panel(fit: RecordFit, prediction: Prediction, bearing: Bearing) -> Panel:
     record, force = fit.record, prediction.force
     size = {"area": bearing.area, "total_rubber_thickness": bearing.total_rubber_thickness}
-    cycles = []
-    for loop, errors in zip(compare_loops(record, force), fit.cycles, strict=True):
-        rows = slice(loop.first, loop.last + 1)
+    measures = []
+    for loop in fit.loops:
         if loop.last - loop.first + 1 >= FEWEST_POINTS:
+            rows = slice(loop.first, loop.last + 1)
             found = measure_cycle(record.displacement[rows], force[rows], slope=False, **size)
-            model = {
-                "G_eq_error": found.G_eq_MPa,
-                "h_eq_error": found.h_eq,
-                "energy_error": found.energy_kN_mm / 1000.0,
-                "force_max_error": max(found.force_max_kN, -found.force_min_kN),
-            }
-            cycles.append(Cycle(loop, errors, model))
+            measures.append((loop, found))
     title = f"{record.name}, {drawing.degrees(record.ambient)}, R² = {fit.R2:.4f}"
-    return Panel(title, record, prediction, cycles, fit.cycles)
+    return Panel(title, record, prediction, fit, measures)
 
 
 def _draw_loops(ax: Axes, panel: Panel, colour: str) -> None:
@@ -86,10 +82,10 @@ def _draw_loops(ax: Axes, panel: Panel, colour: str) -> None:
 
 def _draw_cycles(ax: Axes, panel: Panel, measure: str, colour: str, marker: str) -> None:
     """Draw one measure of the cycles of a record, each amplitude a line."""
-    loops = [cycle.loop for cycle in panel.cycles]
+    loops, shown = [loop for loop, _ in panel.measures], MEASURES[measure][2]
     first = [k for k, loop in enumerate(loops) if k and loop.number <= loops[k - 1].number]
-    model = np.array([cycle.model[measure] for cycle in panel.cycles], dtype=float)
-    off = np.array([getattr(cycle.errors, measure) for cycle in panel.cycles], dtype=float)
+    model = np.array([shown(found) for _, found in panel.measures], dtype=float)
+    off = np.array([loop.errors[measure] for loop in loops], dtype=float)
     number = np.array([loop.cycle for loop in loops], dtype=float)
     x, test, model = (np.insert(v, first, np.nan) for v in (number, model / (1.0 + off), model))
     ax.plot(x, test, "o-", color=colour, alpha=0.3, linewidth=6.0, markersize=6.0, mew=0.0)
@@ -220,12 +216,13 @@ class IdentificationFigures(drawing.Figures):
         """
         figure, axes = drawing.panels(2, 2, (10.0, 6.4), self._title("test and model, each cycle"))
         colours = drawing.ordered_colours(len(self._panels), "viridis")
-        for ax, (measure, (title, unit)) in zip(axes, MEASURES.items(), strict=True):
+        for ax, (measure, (title, unit, _)) in zip(axes, MEASURES.items(), strict=True):
             for k, (panel, colour) in enumerate(zip(self._panels, colours, strict=True)):
                 _draw_cycles(ax, panel, measure, colour, drawing.MARKERS[k % 8])
             ax.set_ylim(0.0, 1.06 * ax.get_ylim()[1])
             ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-            errors = [100.0 * getattr(e, measure) for panel in self._panels for e in panel.errors]
+            loops = [loop for panel in self._panels for loop in panel.fit.loops]
+            errors = [100.0 * loop.errors[measure] for loop in loops]
             if errors:  # not without a full cycle
                 told = f"model off by {min(errors):+.1f} to {max(errors):+.1f} %"
                 title += ": " + told.replace("-", "\N{MINUS SIGN}")
@@ -245,10 +242,14 @@ class IdentificationFigures(drawing.Figures):
         size = (9.0, 0.9 + 3.0 * max(len(panels), 1))
         title = self._title("thermocouples (full: test, dashed: model)")
         figure, axes = drawing.panels(max(len(panels), 1), 1, size, title)
-        for ax, panel in zip(axes, panels, strict=False):
-            lines = draw_thermocouples(ax, panel.record, panel.prediction)
-            ax.legend(handles=lines, fontsize=drawing.SMALL, frameon=False)
-            drawing.name_axes(ax, title=panel.title)
+        for ax, (name, record, prediction, *_) in zip(axes, panels, strict=False):
+            colours = drawing.ordered_colours(len(record.temperatures), "turbo")
+            for (place, test), colour in zip(record.temperatures.items(), colours, strict=True):
+                label, model = f"{place} ({record.places[place]})", prediction.temperatures[place]
+                ax.plot(record.time, test, color=colour, linewidth=1.4, label=label)
+                ax.plot(record.time, model, color=colour, linewidth=1.0, linestyle="--")
+            ax.legend(fontsize=drawing.SMALL, frameon=False)
+            drawing.name_axes(ax, "time [s]", "temperature [degC]", name)
         return figure
 
     def band(self, band: Band) -> Figure:
@@ -286,19 +287,6 @@ class IdentificationFigures(drawing.Figures):
         return figure
 
 
-def draw_thermocouples(ax: Axes, record: TestRecord, prediction: Prediction) -> list[Line2D]:
-    """Draw measured (full) and modelled (dashed) temperatures; return the lines of a legend."""
-    colours = drawing.ordered_colours(len(record.temperatures), "turbo")
-    lines = []
-    for (title, test), colour in zip(record.temperatures.items(), colours, strict=True):
-        label = f"{title} ({record.places[title]})"
-        lines += ax.plot(record.time, test, color=colour, linewidth=1.4, label=label)
-        model = prediction.temperatures[title]
-        ax.plot(record.time, model, color=colour, linewidth=1.0, linestyle="--")
-    drawing.name_axes(ax, "time [s]", "temperature [degC]")
-    return lines
-
-
 def check_figure(report: CheckReport) -> Figure:
     """Draw a record: histories over samples, loops, middles of the loops, findings."""
     record = report.record
@@ -321,29 +309,24 @@ def check_figure(report: CheckReport) -> Figure:
 def _draw_histories(report: CheckReport, top: Axes, middle: Axes) -> None:
     """Draw displacement and force over samples, cycles, rests, spikes, clipped samples."""
     record = report.record
-    number = np.arange(len(record.time))
+    number, found = np.arange(len(record.time)), report.treatment
     starts = [cycle.first for cycle in report.cycles]
-    for ax, values, name in (
-        (top, record.displacement, "displacement [mm]"),
-        (middle, record.force, "force [kN]"),
-    ):
+    for ax, name, unit in ((top, "displacement", "mm"), (middle, "force", "kN")):
+        values = getattr(record, name)
         kept = drawing.thin(values, BINS)
         ax.plot(number[kept], values[kept], color=drawing.INK, linewidth=0.7)
         ax.plot(starts, np.zeros(len(starts)), "|", color=MODEL, markersize=7)
-        drawing.name_axes(ax, "sample", name)
-    told = "bars: begin of each cycle found"
-    clipped = report.clipped
-    middle.plot(number[clipped], record.force[clipped], "x", color=MODEL, markersize=4)
-    found = report.treatment
-    if found is not None:
-        for ax, name in ((top, "displacement"), (middle, "force")):
+        drawing.name_axes(ax, "sample", f"{name} [{unit}]")
+        if found is not None:
             for first, last in found.rests:
                 ax.axvspan(first, last, color=REST, alpha=0.25, linewidth=0.0)
             bad = found.spikes[name]
-            ax.plot(number[bad], getattr(record, name)[bad], "o", color=MODEL, markersize=4)
-        told += "; grey: rests" if found.rests else ""
-        told += "; dots: spikes" if any(bad.any() for bad in found.spikes.values()) else ""
-    top.set_title(told, fontsize=drawing.NORMAL, loc="left")
+            ax.plot(number[bad], values[bad], "o", color=MODEL, markersize=4)
+    clipped, words = report.clipped, "bars: begin of each cycle found"
+    middle.plot(number[clipped], record.force[clipped], "x", color=MODEL, markersize=4)
+    words += "; grey: rests" if found and found.rests else ""
+    words += "; dots: spikes" if found and any(map(np.any, found.spikes.values())) else ""
+    top.set_title(words, fontsize=drawing.NORMAL, loc="left")
 
 
 def _draw_middles(report: CheckReport, ax: Axes) -> None:
@@ -353,8 +336,7 @@ def _draw_middles(report: CheckReport, ax: Axes) -> None:
     for name, colour in (("displacement", "#0077BB"), ("force", "#EE7733")):
         values = getattr(record, name)
         peak = max(float(np.abs(values).max()), 1e-12)
-        loops = [values[cycle.first : cycle.last + 1] for cycle in full]
-        mids = [50.0 * (loop.max() + loop.min()) / peak for loop in loops]
+        mids = 100.0 * loop_middles(values, full) / peak
         ax.plot(np.arange(1, len(mids) + 1), mids, "o-", color=colour, markersize=3, label=name)
         drift = report.treatment.drifts.get(name) if report.treatment else None
         if drift is not None:

@@ -71,7 +71,7 @@ def write_identification(found: "Identification", folder: Path) -> None:
     if found.forecast is not None:
         samples = _samples_table(found, found.forecast.samples.cube)
         samples.to_csv(folder / SAMPLES, index=False, float_format="%.6g", lineterminator="\n")
-    table = bearing_table(found)
+    table = _bearing_table(found)
     (folder / IDENTIFIED).write_text(tomli_w.dumps(table), encoding="utf-8")
     if found.outcome != "poor_fit":  # nobody should make bearings of it
         compound = compound_of(bearing_from_table(table, "fit"), f"{found.bearing.name}-compound")
@@ -85,7 +85,7 @@ def write_identification(found: "Identification", folder: Path) -> None:
         without_formulas(pd.DataFrame(rows)).to_csv(folder / THERMOCOUPLES, index=False)
 
 
-def bearing_table(found: "Identification") -> dict[str, Any]:
+def _bearing_table(found: "Identification") -> dict[str, Any]:
     """Return the fitted bearing as the table of a library file, each number with its source."""
     bearing, tested = found.bearing, found.bearing.tested_range
     tests = ", ".join(record.name for record in found.records)

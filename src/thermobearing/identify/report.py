@@ -30,6 +30,7 @@ from thermobearing.results.saved import SavedResult
 
 Summary = Mapping[str, Any]
 LOOP_POINTS = 2000  # of a test
+ROLE = ("role", "test")
 CAPTIONS = {
     "loops": "Measured loops (band) and the fitted model (line) of every test.",
     "cycles": "Measures of each cycle in test and model, with the error of each test.",
@@ -63,7 +64,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
         f"{counted(len(tests), 'test')} ({joined(tests)}) at "
         f"{degrees([r['ambient_degC'] for r in summary['records']])}, how well are they known, "
         "and how well does the model agree with the tests?",
-        [*_answer(summary, checks), *_covered(bearing)],
+        _answer(summary, bearing, checks),
         checks=checks,
         judged=False,
         inputs={
@@ -82,15 +83,13 @@ def build_pieces(saved: SavedResult) -> Pieces:
 def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
     """Return the pictures of the directory, and a plot of the loops, one test at a time."""
     found = content.saved_figures(saved, CAPTIONS)
-    names = [str(record["name"]) for record in saved.summary["records"]]
     if "fit" in saved.tables:
-        rows = saved["fit"].groupby("record", sort=False)
         choices = {
-            names[int(str(k))]: [
-                loop_trace("test", mine, "force_kN", "#9aa4b1"),
-                loop_trace("model", mine, "model_force_kN", "#CC3311"),
+            str(saved.summary["records"][int(str(k))]["name"]): [
+                loop_trace("test", rows, "force_kN", "#9aa4b1"),
+                loop_trace("model", rows, "model_force_kN", "#CC3311"),
             ]
-            for k, mine in rows
+            for k, rows in saved["fit"].groupby("record", sort=False)
         }
         plot = Plot("displacement [mm]", "force [kN]", choices)
         found = content.with_plot(found, "loops", plot, CAPTIONS)
@@ -103,68 +102,63 @@ def loop_trace(name: str, rows: pd.DataFrame, column: str, colour: str) -> Trace
     return Trace(name, *path(x, force, LOOP_POINTS), colour)
 
 
-def _answer(summary: Summary, checks: list[Check]) -> list[str]:
+def _answer(summary: Summary, bearing: Summary, checks: list[Check]) -> list[str]:
     """Return sentences on parameters, agreement with the tests, and what is not determined."""
     found = []
     if summary["outcome"] != "completed":
-        sentence = str(summary.get("sentence") or "; ".join(summary["poor"]))
-        found.append(
-            f"The fit is not good enough to be used ({summary['outcome'].replace('_', ' ')}): "
-            f"{tidy(sentence)}"
-        )
+        outcome, sentence = summary["outcome"].replace("_", " "), tidy(summary["sentence"])
+        found.append(f"The fit is not good enough to be used ({outcome}): {sentence}")
+    parameters, records = list(summary["parameters"].values()), summary["records"]
     values = [
         f"{item['symbol']} = {number(item['value'], '.4g')} {item['unit']}".strip()
         + f" ({number(item['lower'], '.4g')} to {number(item['upper'], '.4g')})"
-        for item in summary["parameters"].values()
+        for item in parameters
     ]
     found.append(f"Identified, with 95 % intervals: {joined(values)}.")
-    records = summary["records"]
-    lowest = min(records, key=lambda record: record["R2"])
-    worst = {
-        name: max(
-            (abs(cycle[f"{name}_error"]) for r in records for cycle in r["cycles"]), default=0.0
-        )
-        for name in ("G_eq", "h_eq", "energy")
-    }
-    found.append(
-        f"The model agrees with the tests with R² of {lowest['R2']:.4f} or more (NRMSE at most "
-        f"{percent(max(record['NRMSE'] for record in records), 1)}); single cycles are off by up "
-        f"to {percent(worst['G_eq'], 1)} in G_e, {percent(worst['h_eq'], 1)} in h_eq and "
-        f"{percent(worst['energy'], 1)} in energy."
-    )
-    weak = [
-        p["symbol"] for p in summary["parameters"].values() if grade(p) in (POORLY, AT_BOUND, NOT)
+    cycles = [cycle for record in records for cycle in record["cycles"]]
+    worst = {"G_eq_error": "G_e", "h_eq_error": "h_eq", "energy_error": "energy"}
+    off = [
+        f"{percent(max((abs(cycle[name]) for cycle in cycles), default=0.0), 1)} in {words}"
+        for name, words in worst.items()
     ]
-    errors = [relative_error(p) for p in summary["parameters"].values()]
-    known = (
-        f"Poorly determined by these tests: {joined(weak)}"
-        if weak
-        else f"Standard errors are at most {percent(max(errors), 1)} of the estimates"
+    found.append(
+        f"The model agrees with the tests with R² of {min(r['R2'] for r in records):.4f} or more "
+        f"(NRMSE at most {percent(max(r['NRMSE'] for r in records), 1)}); single cycles are off "
+        f"by up to {joined(off)}."
     )
+    known = f"at most {percent(max(relative_error(p) for p in parameters), 1)} of the estimates"
+    known = f"Standard errors are {known}"
+    if weak := [p["symbol"] for p in parameters if grade(p) in (POORLY, AT_BOUND, NOT)]:
+        known = f"Poorly determined by these tests: {joined(weak)}"
     held = summary.get("held_out")
     judged = f" Tests that were held out: {held['verdict']} the limits." if held else ""
-    return [*found, f"{known}.{judged} {content.verdict_of(checks)}"]
+    found.append(f"{known}.{judged} {content.verdict_of(checks)}")
+    tested = bearing.get("tested_range") or {}
+    if "strain" in tested:
+        strains = " to ".join(dict.fromkeys(percent(end) for end in tested["strain"]))
+        air = " to ".join(dict.fromkeys(quantity(end) for end in tested["ambient"]))
+        found.append(
+            f"The bearing is valid for what these tests cover: shear strains of {strains}, air of "
+            f"{air}; the table of its range is complete."
+        )
+    return found
 
 
 def _report_tables(saved: SavedResult) -> dict[str, Table]:
     """Return the tables of parameters, of the agreement with the tests, of each cycle."""
     summary = saved.summary
+    held = summary.get("held_out") or {"tests": []}
+    cycles = saved.tables.get("cycles")
     found = {
         "parameters": tables.parameters_table(summary),
         "records": tables.agreement_table(summary["records"]),
+        "cycles": None if cycles is None else tables.cycles_table(cycles),
         "thermocouples": tables.thermocouples_table(summary["thermocouples"]),
+        "held_out": tables.errors_table("Tests that judge the fit", held["tests"], ROLE),
         "posterior": tables.posterior_table(summary.get("posterior") or {}),
         "undetermined": tables.undetermined_table(summary),
     }
-    if "cycles" in saved.tables:
-        found["cycles"] = tables.cycles_table(saved["cycles"])
-    if held := summary.get("held_out"):
-        keys = ("role", "test")
-        found["held_out"] = tables.errors_table("Tests that judge the fit", held["tests"], keys)
-    order = ("parameters", "records", "cycles", "thermocouples", "held_out", "posterior")
-    return {
-        name: found[name] for name in (*order, "undetermined") if name in found and found[name].rows
-    }
+    return {name: table for name, table in found.items() if table and table.rows}
 
 
 def _report_checks(summary: Summary) -> list[Check]:
@@ -182,14 +176,18 @@ def _report_checks(summary: Summary) -> list[Check]:
         for record in summary["records"]
     ]
     held = summary.get("held_out") or {"tests": [], "limits": {}}
-    for test in held["tests"]:
-        if test["role"] != "held out":
-            continue
-        whose = f"{test['test']} (held out)"
-        found += [
-            error_check(name, whose, test.get(f"{name}_error"), limit, test[f"{name}_verdict"])
-            for name, limit in held["limits"].items()
-        ]
+    found += [
+        error_check(
+            name,
+            f"{test['test']} (held out)",
+            test.get(f"{name}_error"),
+            limit,
+            test[f"{name}_verdict"],
+        )
+        for test in held["tests"]
+        if test["role"] == "held out"
+        for name, limit in held["limits"].items()
+    ]
     return found
 
 
@@ -201,21 +199,6 @@ def error_check(name: str, whose: str, error: float | None, limit: float, verdic
     return Check(what, value, 100.0 * limit, "%", "limit of the errors", known)
 
 
-def _covered(bearing: Mapping[str, Any]) -> list[str]:
-    """Return a sentence on what the tests cover."""
-    tested = bearing.get("tested_range") or {}
-    if "strain" not in tested:
-        return []
-    low, high = tested["strain"]
-    air = [quantity(end) for end in tested.get("ambient", [])]
-    at = f", air of {' to '.join(dict.fromkeys(air))}" if air else ""
-    strains = percent(high) if low == high else f"{percent(low)} to {percent(high)}"
-    return [
-        f"The bearing is valid for what these tests cover: shear strains of {strains}{at}; the "
-        "table of its range is complete."
-    ]
-
-
 def _assumptions(summary: Summary, bearing: Mapping[str, Any]) -> list[str]:
     """Return sentences on the search, on what was held, and on what was assumed."""
     found = [
@@ -223,19 +206,15 @@ def _assumptions(summary: Summary, bearing: Mapping[str, Any]) -> list[str]:
         "Standard errors include the scatter along each test and the uncertainty of the values "
         "that are not free."
     ]
-    words = {key: key.rsplit(".", 1)[-1].replace("_", " ") for key in summary["fixed"]}
     held = [
-        f"{words[key]} = {number(item['value'], '.4g')} {item['unit']}".strip()
+        f"{key.rsplit('.', 1)[-1].replace('_', ' ')} = {number(item['value'], '.4g')} "
+        f"{item['unit']}".strip()
         for key, item in summary["fixed"].items()
     ]
     if held:
         found.append(f"Held at the values of the starting bearing: {joined(held)}.")
-    said = dict.fromkeys(
-        text
-        for r in summary["records"]
-        for text in (r.get("conditions") or {}).get("assumptions", [])
-    )
-    found += [tidy(f"Not given by the files: {text}") for text in said]
+    said = [text for r in summary["records"] for text in r["conditions"]["assumptions"]]
+    found += [tidy(f"Not given by the files: {text}") for text in dict.fromkeys(said)]
     contradicted = [item["name"] for item in summary["assumed"] if item["contradicted"]]
     if contradicted:
         found.append(f"The tests contradict the assumed {joined(contradicted)}.")
@@ -245,10 +224,10 @@ def _assumptions(summary: Summary, bearing: Mapping[str, Any]) -> list[str]:
 def _checked(saved: SavedResult) -> Pieces:
     """Return the pieces of the report of `identify --check`: findings, nothing fitted."""
     records = saved.summary["records"]
-    names: dict[str, list[str]] = {}
-    for record in records:
-        names.setdefault(record["outcome"], []).append(str(record["name"]))
-    refused, warned = joined(names.get("refused", [])), joined(names.get("warning", []))
+    refused, warned = (
+        joined(str(r["name"]) for r in records if r["outcome"] == outcome)
+        for outcome in ("refused", "warning")
+    )
     verdict = f"{refused} cannot be used" if refused else "All of them can be used"
     more = f"; {warned} with the warnings below" if warned else ""
     return Pieces(

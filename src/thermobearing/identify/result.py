@@ -19,7 +19,7 @@ from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.start import Sensitivity
 from thermobearing.identify.output import write_identification
 from thermobearing.identify.records.checks import CheckReport
-from thermobearing.identify.records.cycles import compare_largest_loops, compare_loops
+from thermobearing.identify.records.cycles import compare_largest_loops
 from thermobearing.identify.records.record import TestRecord, record_conditions
 from thermobearing.identify.uncertainty.agreement import (
     UNUSABLE,
@@ -149,12 +149,11 @@ class Identification(Result):
     def cycles(self) -> pd.DataFrame:
         """One row for each cycle of each test: test, model and ratios, as of a validation."""
         rows = []
-        for record, prediction in zip(self.records, self.predictions, strict=True):
-            loops = compare_loops(record, prediction.force)
-            largest = compare_largest_loops(record, prediction.force, loops)
-            whose = {"test": record.name, "ambient_degC": record.ambient}
+        for fit, prediction in zip(self.fits, self.predictions, strict=True):
+            largest = compare_largest_loops(fit.record, prediction.force, fit.loops)
+            whose = {"test": fit.record.name, "ambient_degC": fit.record.ambient}
             whose |= {"bearing": self.bearing.name, "model": "identified"}
-            rows += [whose | loop.row(largest=loop is largest) for loop in loops]
+            rows += [whose | loop.row(largest=loop is largest) for loop in fit.loops]
         return pd.DataFrame(rows)
 
     @property

@@ -189,6 +189,8 @@ def thermocouples_table(rows: Sequence[Row], caption: str = "") -> Table:
 def errors_table(caption: str, tests: Sequence[Row], keys: Sequence[str]) -> Table:
     """Return the largest error of each quantity of each test, and those beyond a limit."""
     frame = pd.DataFrame(tests)
+    if frame.empty:
+        return Table(caption, (), ())
     names = ("K_eq", "h_eq", "energy", "force", "temperature", "NRMSE")
     verdicts = frame.reindex(columns=[f"{name}_verdict" for name in names])
     frame["beyond_a_limit"] = [

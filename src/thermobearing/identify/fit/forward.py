@@ -19,15 +19,12 @@ from thermobearing.core.records import Floats, Ints
 from thermobearing.core.types import Constants
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import Segment, run_segments
-from thermobearing.identify.records.noise import estimate_noise
+from thermobearing.identify.records.cycles import TURN, dead_band, turning_points
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.model.constants import with_parameters
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.outcomes import INTERRUPTED
 
-TURN = 0.005  # of the largest displacement: a smaller wiggle is noise, not a turn
-DEAD = 10.0  # of the noise of the displacement: from five below to five above, 1 sample in 2e6
-LARGEST_DEAD = 0.02  # of the largest displacement: what is more is no noise
 FIRST_STEP = 0.002  # of the largest displacement, after a turn
 GROWTH = 0.15  # of the way since the turn: step along a leg
 LONGEST_STEP = 0.05  # of the largest displacement
@@ -54,32 +51,6 @@ class _Grid:
     before: Ints  # row of the step at or before each sample
     after: Ints
     part: Floats  # of the way between them
-
-
-def turning_points(x: Floats, threshold: float) -> Ints:
-    """Return the first and last sample, and those between where the motion turns.
-
-    Wiggles smaller than `threshold`, in the unit of `x`, are noise.
-    """
-    turns, extreme, rising = [0], 0, 0
-    values = x.tolist()
-    for i, value in enumerate(values):
-        if (rising >= 0 and value > values[extreme]) or (rising <= 0 and value < values[extreme]):
-            extreme = i
-        elif rising >= 0 and value < values[extreme] - threshold:
-            turns.append(extreme)
-            extreme, rising = i, -1
-        elif rising <= 0 and value > values[extreme] + threshold:
-            turns.append(extreme)
-            extreme, rising = i, 1
-        if rising == 0 and abs(values[extreme] - values[0]) > threshold:
-            rising = 1 if values[extreme] > values[0] else -1
-    return np.unique([*turns, len(values) - 1]).astype(np.int64)
-
-
-def dead_band(x: Floats) -> float:
-    """Return the way below which a displacement is jitter [mm]; 0 without noise."""
-    return min(DEAD * estimate_noise(x), LARGEST_DEAD * float(np.abs(x).max()))
 
 
 def _nodes(time: Floats, x: Floats, fine: bool) -> Ints:

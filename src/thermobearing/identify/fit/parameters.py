@@ -86,7 +86,7 @@ REMEDIES = (
 )
 
 
-def full_key(name: str, before: str = "") -> str:
+def _full_key(name: str, before: str = "") -> str:
     """Return the dotted key of a parameter by its key or symbol; `before` begins the message."""
     key = ALIASES.get(name.strip(), name.strip())
     if key not in BY_KEY:
@@ -239,7 +239,7 @@ def at_one_temperature(ambients: Iterable[float]) -> bool:
 
 def split_at_one_temperature(free: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return the other free parameters, and the symbols of the temperature coefficients."""
-    keys = {name: full_key(name.split("=")[0], "free: ") for name in free}
+    keys = {name: _full_key(name.split("=")[0], "free: ") for name in free}
     warm = [name for name in free if keys[name] in (M_T, N_T)]
     return [name for name in free if name not in warm], [BY_KEY[keys[n]].symbol for n in warm]
 
@@ -266,12 +266,12 @@ def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, 
     there = {kind.key for kind in available(bearing)}
     for name in free:
         match = TIE.fullmatch(name)
-        left = full_key(match[1] if match else name, "free: ")
+        left = _full_key(match[1] if match else name, "free: ")
         if left not in there:
             without = left.split(".")[0]
             raise InputError(f'free: "{name}": the bearing "{bearing.name}" has no {without}')
         if match:
-            ties[left] = (full_key(match[3], "free: "), _factor(match[2], name))
+            ties[left] = (_full_key(match[3], "free: "), _factor(match[2], name))
         else:
             keys.add(left)
     return keys, ties
@@ -303,7 +303,7 @@ def parameter_set(
     keys, ties = _chosen(bearing, names)
     if not keys:
         raise InputError("free: nothing is free; name at least one parameter")
-    given = {full_key(name): pair for name, pair in (bounds or {}).items()}
+    given = {_full_key(name): pair for name, pair in (bounds or {}).items()}
     made = []
     for kind in available(bearing):
         value = dotted_value(bearing, kind.key) or 0.0

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.records import Floats, Ints
-from thermobearing.identify.fit.forward import ForwardModel, Prediction, turning_points
+from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.fit.parameters import ParameterSet
-from thermobearing.identify.records.cycles import full_cycles
+from thermobearing.identify.records.cycles import full_cycles, turning_points
 from thermobearing.identify.records.record import TestRecord
 
 LOST = 2.0  # residual where the model does not get through: twice the largest force
@@ -57,7 +57,7 @@ class Problem:
         self.evaluations = 0
         self._last: tuple[tuple[bytes, bool], list[Floats]] | None = None
         self.history: list[tuple[int, float]] = []
-        self.weights = [sample_weights(record) for record in self.records]
+        self.weights = [_sample_weights(record) for record in self.records]
         for weight, bad in zip(self.weights, clipped or [], strict=False):
             weight[bad] = 0.0
 
@@ -145,7 +145,7 @@ class Problem:
         return np.column_stack(columns)
 
 
-def robust_weights(residuals: Floats, loss: str) -> Floats:
+def _robust_weights(residuals: Floats, loss: str) -> Floats:
     """Return the weight that each residual keeps under a robust loss of scipy: d rho / d z."""
     z = (residuals / ROBUST_SCALE) ** 2
     if loss == "soft_l1":
@@ -155,7 +155,7 @@ def robust_weights(residuals: Floats, loss: str) -> Floats:
     return np.asarray(1.0 / (1.0 + z)) if loss == "cauchy" else np.ones_like(z)
 
 
-def sample_weights(record: TestRecord) -> Floats:
+def _sample_weights(record: TestRecord) -> Floats:
     """Return the square roots of the weights of the samples of a record."""
     weights = np.full(len(record.time), np.sqrt(record.weight))
     if record.cycle_balance > 0.0:
@@ -236,7 +236,7 @@ class Linear:
 def linearised(problem: Problem, cube: Floats, *, fine: bool = True) -> Linear:
     """Linearise a fit at a point of the unit cube."""
     plain = problem.parts(cube, fine=fine)
-    roots = [np.sqrt(robust_weights(part, problem.loss)) for part in plain]
+    roots = [np.sqrt(_robust_weights(part, problem.loss)) for part in plain]
     jacobian = problem.jacobian(cube, fine=fine, central=fine)
     inside = (cube > AT_BOUND) & (cube < 1.0 - AT_BOUND)
     weights = np.concatenate(roots)

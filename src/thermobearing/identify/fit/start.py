@@ -24,7 +24,7 @@ import numpy as np
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.core.records import Floats
-from thermobearing.identify.fit.forward import TURN, ForwardModel, turning_points
+from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.parameters import (
     ALPHA,
     C_V,
@@ -45,6 +45,7 @@ from thermobearing.identify.fit.parameters import (
     with_values,
 )
 from thermobearing.identify.fit.problem import AT_BOUND, Problem, half_cycles, linearised
+from thermobearing.identify.records.cycles import TURN, turning_points
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.uncertainty.assumed import CLEAR, OF_YIELDING, Group, linearise_assumed
 

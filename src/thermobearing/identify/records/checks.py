@@ -12,8 +12,13 @@ from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.identify.fit.forward import PAUSE
-from thermobearing.identify.records.cycles import Cycle, compute_measures, loop_middles, loop_zeros
-from thermobearing.identify.records.noise import split_runs
+from thermobearing.identify.records.cycles import (
+    Cycle,
+    compute_measures,
+    loop_middles,
+    loop_zeros,
+    split_runs,
+)
 from thermobearing.identify.records.record import TestRecord, load_test
 from thermobearing.identify.records.treatment import (
     SURE,

@@ -19,14 +19,15 @@ from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.core.records import Floats, Ints
-from thermobearing.identify.fit.forward import PAUSE, turning_points
-from thermobearing.identify.records.cycles import Cycle, full_cycles, loop_middles
-from thermobearing.identify.records.noise import (
-    WINDOW,
-    bridged,
+from thermobearing.identify.fit.forward import PAUSE
+from thermobearing.identify.records.cycles import (
+    NORMAL,
+    Cycle,
     estimate_noise,
-    find_spikes,
+    full_cycles,
+    loop_middles,
     split_runs,
+    turning_points,
 )
 from thermobearing.identify.records.record import TestRecord
 
@@ -38,6 +39,10 @@ FEWEST = 5  # samples: a rest that the logger slept through needs no treatment
 LARGE = 0.2  # of the largest displacement: legs that tell how fast the test is
 PART = 0.25  # of the time of a leg from 10 to 90 % of its way: a sine dwells less at its turns
 KEPT = 20  # samples of a rest with thermocouples, denser in its beginning
+WINDOW = 7  # samples of the running median: spikes of up to three are seen
+SPIKE = 8.0  # of the noise: that of filtered noise is measured too small by up to a half
+OF_SPAN = 0.5  # of what the force does anyway within the window: the tip of a loop is no spike
+SMALL = 0.02  # of the peak: smaller ones do a fit no harm
 FAST = 3.0  # times the speed of the test: no actuator leaps so
 STEEP = 10.0  # times the stiffness of the whole test: no loop is steeper where it turns
 LONGEST = 1.0  # step of time [s] in which an actuator may move: longer ones are rests
@@ -55,7 +60,7 @@ class Finding:
     sentence: str
 
 
-def find_rests(record: TestRecord) -> list[tuple[int, int]]:
+def _find_rests(record: TestRecord) -> list[tuple[int, int]]:
     """Return where the displacement stays within its noise for longer than a turn takes."""
     time, x = record.time, record.displacement
     band = 2.0 * max(WITHIN * estimate_noise(x), STILL * record.peak_displacement)
@@ -117,7 +122,7 @@ def _hold_rests(record: TestRecord, rests: list[tuple[int, int]]) -> TestRecord:
     return replace(record, displacement=x)
 
 
-def thin_rests(record: TestRecord, rests: list[tuple[int, int]]) -> tuple[TestRecord, Ints, Flags]:
+def _thin_rests(record: TestRecord, rests: list[tuple[int, int]]) -> tuple[TestRecord, Ints, Flags]:
     """Return a record in which a rest is a gap, the samples kept, and which of them are at rest.
 
     Of a rest its ends are kept, and with thermocouples some samples between them; their force and
@@ -180,7 +185,7 @@ class Treatment:
     def to_fit(self, left_out: Flags) -> tuple[TestRecord, Flags]:
         """Return the record that a fit sees, and which of its samples do not count in the force."""
         bad = left_out | self.spikes["force"] if self.record.despike else left_out
-        short, kept, resting = thin_rests(self.cleaned, self.rests)
+        short, kept, resting = _thin_rests(self.cleaned, self.rests)
         return short, bad[kept] | resting
 
     def summary(self) -> dict[str, Any]:
@@ -224,11 +229,11 @@ def treat(record: TestRecord) -> Treatment:
     Its time increases, and its signals are not constant.
     """
     time = record.time
-    spikes = {"displacement": find_spikes(record.displacement, _possible_way(record))}
-    x = bridged(time, record.displacement, spikes["displacement"])
-    spikes["force"] = find_spikes(record.force, _possible_force(x, record.force))
-    bare = replace(record, displacement=x, force=bridged(time, record.force, spikes["force"]))
-    rests = find_rests(bare)
+    spikes = {"displacement": _find_spikes(record.displacement, _possible_way(record))}
+    x = _bridge(time, record.displacement, spikes["displacement"])
+    spikes["force"] = _find_spikes(record.force, _possible_force(x, record.force))
+    bare = replace(record, displacement=x, force=_bridge(time, record.force, spikes["force"]))
+    rests = _find_rests(bare)
     steady = _hold_rests(bare, rests)
     cycles = full_cycles(steady)
     drifts = _drifts(steady, cycles)
@@ -241,7 +246,7 @@ def treat(record: TestRecord) -> Treatment:
             replace(one, **{name: getattr(one, name) - line for name, line in lines.items()})
             for one in (bare, cleaned)
         )
-        rests = find_rests(bare)
+        rests = _find_rests(bare)
         steady = _hold_rests(bare, rests)
     return Treatment(
         record=record,
@@ -253,6 +258,32 @@ def treat(record: TestRecord) -> Treatment:
         steady=steady,
         cleaned=_hold_rests(cleaned, rests),
     )
+
+
+def _find_spikes(values: Floats, possible: Floats | float = 0.0) -> NDArray[np.bool_]:
+    """Return which samples leap out of a signal and come back.
+
+    A Hampel test for loops: a sample is a spike if it lies outside all running medians around it
+    by more than eight times the noise, by more than half of what the signal does there anyway, so
+    that the tip of a loop is none, and by more than the motion makes possible.
+    """
+    from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
+
+    level = median_filter(values, WINDOW, mode="nearest")
+    # The first sees noise that repeats itself, the second noise on what is sampled sparsely.
+    noise = max(NORMAL * float(np.median(np.abs(values - level))), estimate_noise(values))
+    high, low = maximum_filter1d(level, WINDOW), minimum_filter1d(level, WINDOW)
+    beyond = np.maximum(values - high, low - values)
+    least = np.maximum(SPIKE * noise, SMALL * float(np.abs(level).max()))
+    return np.asarray(beyond > np.maximum(least, OF_SPAN * (high - low)) + possible)
+
+
+def _bridge(time: Floats, values: Floats, bad: NDArray[np.bool_]) -> Floats:
+    """Return a signal with its bad samples on straight lines between their good neighbours."""
+    if not bad.any():
+        return values
+    good = ~bad
+    return np.where(bad, np.interp(time, time[good], values[good]), values)
 
 
 def _around(steps: Floats) -> Floats:
@@ -324,7 +355,7 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
         if not flags.any():
             continue
         values = getattr(record, name)
-        off = np.abs(values - bridged(record.time, values, flags))
+        off = np.abs(values - _bridge(record.time, values, flags))
         worst = int(np.argmax(off))
         said = (
             f"{_count(len(split_runs(flags)), 'spike')} in the {name}, the largest "

@@ -9,7 +9,7 @@ import numpy as np
 from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import Prediction
-from thermobearing.identify.records.cycles import compare_loops, full_cycles
+from thermobearing.identify.records.cycles import Loop, compare_loops, full_cycles
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.results.ranges import Ends, cycles_in_a_row, largest_speed, reached_by
 
@@ -26,26 +26,14 @@ LEAST_RISE = 0.5  # [K]: relative errors of less mean nothing
 
 
 @dataclass(frozen=True)
-class CycleErrors:
-    """Model over test minus one, of one cycle; `number` counts within the amplitude."""
-
-    cycle: int
-    number: int
-    amplitude_strain: float
-    G_eq_error: float
-    h_eq_error: float
-    energy_error: float
-    force_max_error: float
-
-
-@dataclass(frozen=True)
 class RecordFit:
     """Agreement of the model with one record."""
 
     record: TestRecord
     R2: float  # coefficient of determination of the force, Eq. 4.38
     NRMSE: float  # root mean square error of the force over the largest force of the test
-    cycles: list[CycleErrors]  # of each full cycle
+    rubber: float  # total thickness [mm]
+    loops: list[Loop]  # each full cycle in the test and in the model
     temperature_error: dict[str, float]  # of the rise by thermocouple, Eq. 4.39
 
     def summary(self) -> dict[str, Any]:
@@ -58,14 +46,22 @@ class RecordFit:
             "NRMSE": self.NRMSE,
             "temperature_error": self.temperature_error,
             "unused_columns": list(self.record.unused),
-            "cycles": [vars(cycle) for cycle in self.cycles],
+            "cycles": [
+                {
+                    "cycle": loop.cycle,
+                    "number": loop.number,
+                    "amplitude_strain": loop.amplitude / self.rubber,
+                }
+                | loop.errors
+                for loop in self.loops
+            ],
         }
 
     @property
     def virgin(self) -> str:
         """A sentence if first cycles are stronger than heating explains; else ""."""
-        first = [c.force_max_error for c in self.cycles if c.number == 1]
-        later = [c.force_max_error for c in self.cycles if c.number > 1]
+        first = [loop.errors["force_max_error"] for loop in self.loops if loop.number == 1]
+        later = [loop.errors["force_max_error"] for loop in self.loops if loop.number > 1]
         stiffer = float(np.mean(later)) - float(np.mean(first)) if first and later else 0.0
         if stiffer <= FIRST_CYCLE:
             return ""
@@ -81,7 +77,7 @@ class RecordFit:
         said, name = [self.virgin] if self.virgin else [], self.record.name
         if self.R2 < POOR:
             said.append(f"{name}: R2 = {self.R2:.3f} is poor for this law, NRMSE {self.NRMSE:.1%}")
-        worst = max((abs(c.energy_error) for c in self.cycles), default=0.0)
+        worst = max((abs(loop.errors["energy_error"]) for loop in self.loops), default=0.0)
         if worst > ENERGY and not self.virgin:
             said.append(f"{name}: the energy of a cycle is off by up to {worst:.0%}")
         return said
@@ -96,27 +92,15 @@ def determination(measured: Floats, model: Floats) -> float:
 def fit_of_record(record: TestRecord, prediction: Prediction, bearing: Bearing) -> RecordFit:
     """Return the agreement of a record with the model at its samples."""
     off = prediction.force - record.force
-    rows = thermocouple_rows(record, prediction)
-    errors = [
-        CycleErrors(
-            cycle=loop.cycle,
-            number=loop.number,
-            amplitude_strain=loop.amplitude / bearing.total_rubber_thickness,
-            G_eq_error=loop.ratios["K_eq"] - 1.0,  # displacements are the same, and cancel
-            h_eq_error=loop.ratios["h_eq"] - 1.0,
-            energy_error=loop.ratios["energy"] - 1.0,
-            force_max_error=loop.peak_ratio - 1.0,
-        )
-        for loop in compare_loops(record, prediction.force)
-    ]
     return RecordFit(
         record=record,
         R2=determination(record.force, prediction.force),
         NRMSE=float(np.sqrt(np.mean(off**2))) / record.peak_force,
-        cycles=errors,
+        rubber=bearing.total_rubber_thickness,
+        loops=compare_loops(record, prediction.force),
         temperature_error={
             row["thermocouple"]: abs(row["rise_model_K"] - row["rise_test_K"]) / row["rise_test_K"]
-            for row in rows
+            for row in thermocouple_rows(record, prediction)
             if row["rise_error"] is not None
         },
     )
@@ -175,19 +159,16 @@ def range_of_tests(
         full = [cycle.amplitude for cycle in full_cycles(record) if not cycle.closing]
         strains += [float(size) / rubber for size in full or [record.peak_displacement]]
         speeds.append(largest_speed(record.time, record.displacement) / rubber)
-    air = [float(record.ambient) for record in records]
+    leads = [end for found in predictions for end in found.lead or ()]
+    ends = {
+        name: [float(f"{end:.5g}") for end in (min(values), max(values))]
+        for name, values in (
+            ("strain", strains),
+            ("strain_rate", speeds),
+            ("ambient", [float(record.ambient) for record in records]),
+            ("lead_temperature", leads),
+        )
+        if values
+    }
     most = max(cycles_in_a_row(record.time, record.displacement) for record in records)
-    leads = [found.lead for found in predictions if found.lead is not None]
-    warm = (min(low for low, _ in leads), max(high for _, high in leads)) if leads else None
-    return Validity(
-        strain=_ends(strains),
-        strain_rate=_ends(speeds),
-        ambient=_ends(air),
-        cycles=[0.0, most],
-        lead_temperature=None if warm is None else _ends(warm),
-    )
-
-
-def _ends(values: Sequence[float]) -> list[float]:
-    """Return the lowest and highest value, to five digits."""
-    return [float(f"{end:.5g}") for end in (min(values), max(values))]
+    return Validity(**ends, cycles=[0.0, most])

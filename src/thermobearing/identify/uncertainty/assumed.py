@@ -19,7 +19,6 @@ from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
-from thermobearing.identify.fit.forward import dead_band, turning_points
 from thermobearing.identify.fit.parameters import (
     ALPHA,
     D_Y,
@@ -30,7 +29,7 @@ from thermobearing.identify.fit.parameters import (
     with_values,
 )
 from thermobearing.identify.fit.problem import Linear, Problem
-from thermobearing.identify.records.noise import estimate_noise
+from thermobearing.identify.records.cycles import dead_band, estimate_noise, turning_points
 from thermobearing.identify.records.record import TestRecord
 
 PART = 0.25  # of a standard uncertainty: the step of a derivative

@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit import parameters as kinds
-from thermobearing.identify.fit.forward import turning_points
 from thermobearing.identify.fit.parameters import Parameter, at_one_temperature
 from thermobearing.identify.fit.problem import AT_BOUND, BLOCK_TURN, Problem, linearised
+from thermobearing.identify.records.cycles import turning_points
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.uncertainty.assumed import (
     Carried,
     Group,
-    Told,
     carried,
     linearise_assumed,
     usual_groups,
@@ -120,9 +119,8 @@ def effective_samples(residuals: Floats) -> float:
 def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = None) -> Uncertainty:
     """Return standard errors, intervals and warnings at the optimum of a fit."""
     linear = linearised(problem, cube)
-    assumed = carried(
-        linear, linearise_assumed(problem, cube, usual_groups() if groups is None else groups)
-    )
+    groups = usual_groups() if groups is None else groups
+    assumed = carried(linear, linearise_assumed(problem, cube, groups))
     inside = np.ix_(linear.inside, linear.inside)
     of_tests, covariance = np.zeros((2, len(cube), len(cube)))
     of_tests[inside] = linear.covariance()
@@ -131,16 +129,26 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
     wide = np.array([_wide(item.group.freedom) for item in assumed.told])
     half[linear.inside] = np.diag(assumed.covariance(wide))
     half += _wide(int(linear.blocks.max()) + 1 - len(cube)) ** 2 * np.diag(of_tests)
+    spread = np.sqrt(np.diag(of_tests))
+    safe = np.where(spread > 0.0, spread, 1.0)
     estimates = {}
     for i, parameter in enumerate(problem.pset.free):
-        variances = float(of_tests[i, i]), float(covariance[i, i])
-        estimates[parameter.kind.key] = _estimate(
-            parameter, float(cube[i]), *variances, float(np.sqrt(half[i]))
+        u, whole, reach = float(cube[i]), float(covariance[i, i]), float(np.sqrt(half[i]))
+        bound = not AT_BOUND < u < 1.0 - AT_BOUND
+        slope = parameter.slope(u) if not bound else float("nan")
+        estimates[parameter.kind.key] = Estimate(
+            parameter=parameter,
+            value=parameter.at(u),
+            stderr=float(np.sqrt(whole)) * slope,
+            stderr_of_tests=float(spread[i]) * slope,
+            lower=parameter.at(max(u - reach, 0.0)),
+            upper=parameter.at(min(u + reach, 1.0)),
+            at_bound=bound,
         )
     found = Uncertainty(
         estimates=estimates,
         covariance=covariance,
-        correlation=_correlation(of_tests),
+        correlation=np.asarray(of_tests / np.outer(safe, safe)),
         assumed=assumed,
         inside=linear.inside,
         samples=len(linear.weights),
@@ -152,34 +160,11 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
     return found
 
 
-def _correlation(covariance: Floats) -> Floats:
-    spread = np.sqrt(np.diag(covariance))
-    safe = np.where(spread > 0.0, spread, 1.0)
-    return np.asarray(covariance / np.outer(safe, safe))
-
-
 def _wide(freedom: float) -> float:
     """Return half a 95 % interval over its standard error, by Student's distribution."""
     from scipy.stats import t as student
 
     return float(student.ppf(0.5 + 0.5 * LEVEL, max(freedom, 2)))
-
-
-def _estimate(
-    parameter: Parameter, u: float, of_tests: float, whole: float, half: float
-) -> Estimate:
-    """Return an estimate by its place in the unit cube, the variances and half interval there."""
-    bound = not AT_BOUND < u < 1.0 - AT_BOUND
-    slope = parameter.slope(u) if not bound else float("nan")
-    return Estimate(
-        parameter=parameter,
-        value=parameter.at(u),
-        stderr=float(np.sqrt(whole)) * slope,
-        stderr_of_tests=float(np.sqrt(of_tests)) * slope,
-        lower=parameter.at(max(u - half, 0.0)),
-        upper=parameter.at(min(u + half, 1.0)),
-        at_bound=bound,
-    )
 
 
 def remedy(keys: set[str]) -> str:
@@ -190,34 +175,30 @@ def remedy(keys: set[str]) -> str:
 
 def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
     """Return warnings of bounds reached, weak and entangled parameters, and tests too alike."""
-    said = _test_warnings(problem)
-    warm = [found.estimates[k] for k in (kinds.M_T, kinds.N_T) if k in found.estimates]
+    said, estimates = _test_warnings(problem), found.estimates
+    warm = [estimates[key] for key in (kinds.M_T, kinds.N_T) if key in estimates]
     if warm and all(item.lower > ENTROPIC for item in warm):  # of no rubber
         shown = " and ".join(f"{e.parameter.kind.symbol} = {e.value:.2f}" for e in warm)
         said.append(
             f"{shown} would be rubber that stiffens as it warms: are the ambient temperatures of "
             "the tests swapped?"
         )
-    for key, item in found.estimates.items():
-        symbol, unit = item.parameter.kind.symbol, item.parameter.kind.unit
-        shown = f"{symbol} = {item.value:.4g} {unit}".strip()
+    for key, item in estimates.items():
+        kind = item.parameter.kind
+        shown = f"{kind.symbol} = {item.value:.4g} {kind.unit}".strip()
         if not item.determined:
             said.append(f"{shown} is not determined, it ended {item.where}: {remedy({key})}")
         elif item.relative_error > POOR:
+            error = f"standard error {item.stderr:.2g}"
+            said.append(f"{shown} is poorly determined ({error}): {remedy({key})}")
+    for i, j in zip(*np.triu_indices(len(estimates), 1), strict=True):
+        rho, pair = float(found.correlation[i, j]), [list(estimates.values())[k] for k in (i, j)]
+        if abs(rho) > CORRELATED and any(item.relative_error > WELL for item in pair):
+            names = " and ".join(item.parameter.kind.symbol for item in pair)
             said.append(
-                f"{shown} is poorly determined (standard error {item.stderr:.2g}): {remedy({key})}"
+                f"{names} are entangled (correlation {rho:.2f}): only a combination of them is "
+                f"known; {remedy({item.parameter.kind.key for item in pair})}"
             )
-    keys = list(found.estimates)
-    for i, j in zip(*np.triu_indices(len(keys), 1), strict=True):
-        rho = float(found.correlation[i, j])
-        if abs(rho) > CORRELATED:
-            pair = [found.estimates[keys[k]] for k in (i, j)]
-            if any(item.relative_error > WELL for item in pair):
-                names = " and ".join(item.parameter.kind.symbol for item in pair)
-                said.append(
-                    f"{names} are entangled (correlation {rho:.2f}): only a combination of them "
-                    f"is known; {remedy({keys[i], keys[j]})}"
-                )
     return said
 
 
@@ -238,7 +219,21 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
             f"{'more' if worst.sigmas > 0.0 else 'less'} {worst.group.name} than was assumed, by "
             f"{abs(worst.sigmas):.0f} times its uncertainty"
         )
-    said += _to_free(told, found)
+    held = [
+        item
+        for item in told
+        if item.group.keys[0] in kinds.BY_KEY
+        and item.explained > MUCH
+        and abs(item.sigmas) > SURELY * item.stderr
+    ]
+    if held:  # parameters whose freedom would remove much of the misfit
+        worst = max(held, key=lambda item: item.explained)
+        name = worst.group.name
+        free = [*(item.parameter.kind.symbol for item in found.estimates.values()), name]
+        said.append(
+            f"{worst.explained:.0%} of the squared misfit would go with another {name} than the "
+            f"file has: free {name} (--free {','.join(free)})"
+        )
     if not said and found.effective_samples < ALIKE * found.samples:
         said.append(
             f"the residuals are not noise ({found.samples} samples are worth "
@@ -248,53 +243,31 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
     return said
 
 
-def _to_free(told: Sequence[Told], found: Uncertainty) -> list[str]:
-    """Return a hint at the parameter that was held and would remove most of the misfit."""
-    held = [
-        item
-        for item in told
-        if item.group.keys[0] in kinds.BY_KEY
-        and item.explained > MUCH
-        and abs(item.sigmas) > SURELY * item.stderr
-    ]
-    if not held:
-        return []
-    worst = max(held, key=lambda item: item.explained)
-    name = worst.group.name
-    free = [*(item.parameter.kind.symbol for item in found.estimates.values()), name]
-    return [
-        f"{worst.explained:.0%} of the squared misfit would go with another {name} than the file "
-        f"has: free {name} (--free {','.join(free)})"
-    ]
-
-
 def _test_warnings(problem: Problem) -> list[str]:
     """Return warnings of tests at too similar temperatures or speeds."""
     said = []
     free = {p.kind.key for p in problem.pset.free}
     ambients = [record.ambient for record in problem.records]
-    if free & {kinds.M_T, kinds.N_T} and max(ambients) - min(ambients) < TEMPERATURE_SPAN:
-        span = f"{min(ambients):g}"
-        if max(ambients) > min(ambients):
-            span += f" to {max(ambients):g}"
+    low, high = min(ambients), max(ambients)
+    if free & {kinds.M_T, kinds.N_T} and high - low < TEMPERATURE_SPAN:
+        span = f"{low:g} to {high:g}" if high > low else f"{low:g}"
         said.append(
             f"m_T and n_T were fitted to tests at {span} degC only, mostly from self-heating: "
             f"{remedy({kinds.M_T})}"
         )
     if free & {kinds.C_V, kinds.K_V}:
-        speeds = [s for record in problem.records for s in _speeds(record)]
-        if max(speeds) < SPEED_SPAN * min(speeds):
+        speeds = np.concatenate([_speeds(record) for record in problem.records])
+        if speeds.max() < SPEED_SPAN * speeds.min():
             said.append(
-                f"c_v and K_v were fitted to mean speeds of {min(speeds):.3g} to "
-                f"{max(speeds):.3g} mm/s only: {remedy({kinds.C_V})}"
+                f"c_v and K_v were fitted to mean speeds of {speeds.min():.3g} to "
+                f"{speeds.max():.3g} mm/s only: {remedy({kinds.C_V})}"
             )
     return said
 
 
-def _speeds(record: TestRecord) -> list[float]:
+def _speeds(record: TestRecord) -> Floats:
     """Return the mean speed of each large half cycle [mm/s]."""
     turns = turning_points(record.displacement, BLOCK_TURN * record.peak_displacement)
     way = np.abs(np.diff(record.displacement[turns]))
-    time = np.diff(record.time[turns])
     large = way > 0.5 * way.max()
-    return [float(speed) for speed in way[large] / time[large]]
+    return np.asarray(way[large] / np.diff(record.time[turns])[large])

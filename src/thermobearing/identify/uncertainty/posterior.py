@@ -147,14 +147,14 @@ def forecast(
     >>> colder.peak > warmer.peak
     True
     """
-    draws = posterior_samples if posterior else laplace_samples
+    draws = _posterior_samples if posterior else _laplace_samples
     samples = draws(found, seed=seed)
     at = list(ambients) or [found.records[0].ambient]
     assert found.bearing.tested_range is not None  # the range of the tests
     tested = found.bearing.tested_range.ranges()
     bands = []
     for one in at:
-        band = predictive_band(found, samples, one, seed=seed)
+        band = _predictive_band(found, samples, one, seed=seed)
         thickness = found.bearing.total_rubber_thickness
         reached = reached_in(found.records[0], thickness, band.ambient, band.lead)
         bands.append(replace(band, asked=tuple(asked_of_tests(band.name, reached, tested))))
@@ -163,7 +163,7 @@ def forecast(
     return Forecast(samples, tuple(bands), tuple(said))
 
 
-def laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -> Samples:
+def _laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -> Samples:
     """Draw from the normal distribution of the fit, within the bounds."""
     rng = np.random.default_rng(seed)
     values, vectors = np.linalg.eigh(found.uncertainty.covariance)
@@ -179,7 +179,7 @@ def need_emcee() -> None:
     except ImportError:
         raise InputError(
             "the posterior needs emcee: pip install 'thermobearing[bayes]'; without it, "
-            "laplace_samples draws from the normal distribution of the fit"
+            "the normal distribution of the fit is sampled"
         ) from None
 
 
@@ -190,7 +190,7 @@ def _walkers(found: Identification) -> int:
 def posterior_effort(
     found: Identification, *, steps: int = STEPS, burn: int = BURN
 ) -> tuple[int, float]:
-    """Return the most runs of a test that `posterior_samples` takes, and about how long [s].
+    """Return the most runs of a test that `_posterior_samples` takes, and about how long [s].
 
     Draws beyond a bound need no run; the time is that of one more run of the fit by the clock.
     """
@@ -200,7 +200,7 @@ def posterior_effort(
     return rounds * len(found.records), rounds * (time.perf_counter() - begin)
 
 
-def posterior_samples(
+def _posterior_samples(
     found: Identification, *, steps: int = STEPS, burn: int = BURN, seed: int = 0
 ) -> Samples:
     """Draw from the posterior by the ensemble sampler of emcee.
@@ -217,16 +217,16 @@ def posterior_samples(
     variance = float(residual @ residual) / max(len(residual) - len(best), 1)
     worth = found.uncertainty.effective_samples / found.uncertainty.samples
 
-    def log_probability(u: Floats) -> float:
+    def _log_probability(u: Floats) -> float:
         if (u < 0.0).any() or (u > 1.0).any():
             return float("-inf")
         r = np.concatenate(problem.parts(u, fine=True))
         return -0.5 * worth * float(r @ r) / variance
 
     walkers = _walkers(found)
-    start = laplace_samples(found, walkers, seed=seed).cube
+    start = _laplace_samples(found, walkers, seed=seed).cube
     start = np.clip(start + 1e-6 * np.random.default_rng(seed).random(start.shape), 0.0, 1.0)
-    sampler = emcee.EnsembleSampler(walkers, len(best), log_probability)
+    sampler = emcee.EnsembleSampler(walkers, len(best), _log_probability)
     sampler.random_state = np.random.RandomState(seed).get_state()
     sampler.run_mcmc(start, burn + steps, skip_initial_state_check=True)
     tau = float(np.mean(sampler.get_autocorr_time(quiet=True, tol=0)))
@@ -245,7 +245,7 @@ def _with_assumed(found: Identification, cube: Floats, seed: int) -> Floats:
     return np.clip(moved, 0.0, 1.0)
 
 
-def predictive_band(
+def _predictive_band(
     found: Identification,
     samples: Samples,
     ambient: float,
