@@ -2,7 +2,7 @@
 
 Each row of a table is one broken thing and pieces of text that its message must hold. Every
 broken file also goes through the command `check`, which must end with status 2, one message
-and no traceback. Broken CSV files are in test_bad_tables.py, arguments of Python functions in
+and no traceback. Broken CSV files are in test_tables.py, arguments of Python functions in
 test_bad_arguments.py.
 """
 

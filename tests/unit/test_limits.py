@@ -1,11 +1,11 @@
-"""Every number that a file may hold has limits: nonsense is refused, and what is usual is not."""
+"""Every number that a file may hold has limits, and says them in words."""
 
 from collections.abc import Iterator
-from typing import Any, get_args
+from typing import Annotated, Any, get_args
 
 import pytest
 from annotated_types import Ge, Gt, Le, Lt
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 from pydantic.fields import FieldInfo
 
 import thermobearing as tb
@@ -13,7 +13,7 @@ from tests.unit.inputs import SPECIMEN, assert_told, changed_table, specimen_tab
 from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
 from thermobearing.bearing.library import bearing_from_table
 from thermobearing.bearing.model import Bearing, Validity
-from thermobearing.border.schema import Strict, validated
+from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.cyclic.case import Case
 from thermobearing.design.case import DesignCase
 from thermobearing.earthquake.case import EarthquakeCase
@@ -145,3 +145,39 @@ def test_a_field_without_limits_has_those_of_a_slip() -> None:
     assert validated(Free, {"number": -1e12}, "free").number == -1e12
     with pytest.raises(tb.InputError, match=r"at most 1e\+12 in size; is it a slip"):
         validated(Free, {"number": 1e13}, "free")
+
+
+class Walk(Strict):
+    """Every kind of limit."""
+
+    length: Annotated[float, in_unit("mm"), Field(gt=0)] = 1.0
+    share: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    steps: Annotated[int, Field(gt=2, le=5)] = 3
+    drift: float = 0.0
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"length": 0.0}, "length = 0.0: must be a number greater than 0 mm"),
+        ({"share": -0.1}, "share = -0.1: must be a number at least 0 and less than 1"),
+        ({"share": 1.0}, "share = 1.0: must be a number at least 0 and less than 1"),
+        ({"steps": 2}, "steps = 2: must be a whole number greater than 2 and at most 5"),
+        ({"steps": 6}, "steps = 6: must be a whole number greater than 2 and at most 5"),
+        ({"length": 1.1e12}, "length = 1100000000000.0: must be at most 1e+12 mm in size"),
+        ({"length": 0.9e-12}, "length = 9e-13: must be at least 1e-12 mm in size"),
+        ({"drift": -2e12}, "drift = -2000000000000.0: must be at most 1e+12 in size"),
+        ({"drift": float("nan")}, "drift = nan: must be a finite number"),
+        ({"steps": True}, "steps = True: must be a whole number"),
+        ({"lenght": 2.0}, 'unknown key "lenght"; did you mean "length"?'),
+    ],
+)
+def test_what_is_allowed(given: dict[str, Any], said: str) -> None:
+    with pytest.raises(tb.InputError) as caught:
+        Walk(**given)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("given", [{"length": 1e12}, {"length": 1e-12}, {"drift": 1e-300}])
+def test_sizes_that_are_no_slip(given: dict[str, float]) -> None:
+    assert Walk(**given).model_dump() | given == Walk(**given).model_dump()

@@ -1,19 +1,270 @@
-"""CSV tables as laboratories write them: header styles, units, encodings, line ends."""
+"""Tables as laboratories write them, right and broken: separators, encodings, stamps, blocks."""
 
+import datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.tables.columns import Layout
+from tests.unit.inputs import QUICK_CASE, assert_told, by_name, refusal, steps_case, write_toml
+from thermobearing.cli import app
+from thermobearing.identify.records.record import load_test
+from thermobearing.tables.columns import (
+    Layout,
+    list_columns,
+    name_and_unit,
+    seconds_and_start,
+    usable_table,
+)
+from thermobearing.tables.laboratory import read_laboratory
+from thermobearing.tables.text import read_sheets
+
+PLAIN = "time_s,displacement_mm,force_kN\n0,0,0\n0.5,1.25,3\n1,-1250,-3.5\n"
+VALUES = {
+    "time": [0.0, 0.5, 1.0],
+    "displacement": [0.0, 1.25, -1250.0],
+    "force": [0.0, 3.0, -3.5],
+}
+HEAD = "time_s{0}displacement_mm{0}force_kN\n"
+FORMS: dict[str, str | bytes] = {
+    "plain": PLAIN,
+    "semicolons, decimal commas": HEAD.format(";") + "0;0;0\n0,5;1,25;3\n1;-1250;-3,5\n",
+    "tabs": PLAIN.replace(",", "\t"),
+    "tabs, decimal commas": HEAD.format("\t") + "0\t0\t0\n0,5\t1,25\t3\n1\t-1250\t-3,5\n",
+    "blanks": PLAIN.replace(",", "   "),
+    "quoted decimal commas": HEAD.format(",") + '0,0,0\n"0,5","1,25",3\n1,-1250,"-3,5"\n',
+    "marks of thousands": HEAD.format(";") + "0;0;0\n0,5;1,25;3\n1;-1.250,0;-3,5\n",
+    "exponents of Fortran": PLAIN.replace("0.5,", "5.0D-1,"),
+    "blank and comment lines": "# logger 7\n\n" + PLAIN.replace("\n1,", "\n\n# pause\n1,"),
+    "titles in a comment": "# " + PLAIN,
+    "free head": "Operator: A. B.\nSpecimen;HDR 1\n" + PLAIN.replace(",", ";"),
+    "row of units": "Time;Disp;Load\ns;mm;kN\n" + PLAIN.replace(",", ";").split("\n", 1)[1],
+    "rows of channels and units": "time,displacement,force\nCH1,CH2,CH3\n[s],[mm],[kN]\n"
+    + PLAIN.split("\n", 1)[1],
+    "Japanese": PLAIN.replace(PLAIN.split("\n")[0], "時間(秒),変位[mm],荷重(kN)").encode("cp932"),
+    "UTF-16": PLAIN.encode("utf-16"),
+    "units as written": "Zeit [sec];Weg;Kraft\n" + PLAIN.replace(",", ";").split("\n", 1)[1],
+    "title repeated": PLAIN.replace("1,-1250", "time_s,displacement_mm,force_kN\n1,-1250"),
+    "word between": PLAIN.replace("1,-1250", "Block 2,,\n1,-1250"),
+}
+
+
+def lies(folder: Path, content: str | bytes, name: str = "t.csv", sidecar: str = "") -> Path:
+    path = folder / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    if sidecar:
+        path.with_suffix(".toml").write_text(sidecar, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_the_same_numbers_in_any_form(tmp_path: Path, form: str) -> None:
+    sidecar = ""
+    if form == "units as written":
+        sidecar = 'columns = { displacement = "Weg", force = "Kraft" }\n'
+        sidecar += 'units = { displacement = "mm", force = "kN" }'
+    found = read_laboratory(lies(tmp_path, FORMS[form], sidecar=sidecar)).values
+    assert {name: values.tolist() for name, values in found.items()} == VALUES
+
+
+@pytest.mark.parametrize(
+    ("title", "parts"),
+    [
+        ("temp_ambient_C", ("temp_ambient", "C")),
+        ("T_amb", ("T_amb", "")),
+        ("Force, kN", ("Force", "kN")),
+        ("温度（℃）", ("温度", "℃")),
+        ("acc_m/s2", ("acc", "m/s2")),
+    ],
+)
+def test_name_and_unit_of_a_title(title: str, parts: tuple[str, str]) -> None:
+    assert name_and_unit(title) == parts
+
+
+@pytest.mark.parametrize(
+    ("title", "cells", "ambient"),
+    [
+        ("temp_ambient_C", ("-20", "-19.8"), -19.9),
+        ("ambient_degC", ("-20", "-19.8"), -19.9),
+        ("Ambient temp [°F]", ("50", "50"), 10.0),
+        ("chamber [K]", ("253.15", "253.15"), -20.0),
+        ("槽内温度(℃)", ("5", "5"), 5.0),
+        ("恒温槽温度 (℃)", ("-25", "-25"), -25.0),
+    ],
+)
+def test_ambient_of_a_column(
+    tmp_path: Path, title: str, cells: tuple[str, str], ambient: float
+) -> None:
+    text = f"time_s,displacement_mm,force_kN,{title},T3\n0,0,0,{cells[0]},1\n1,1,1,{cells[1]},2\n"
+    record = load_test(lies(tmp_path, text))
+    assert_allclose(record.ambient, ambient, atol=tol.ZERO_DEGREES)
+    assert not record.assumptions
+    assert record.unused == ("T3",)
+
+
+def test_ambient_under_another_title_and_thermocouples_without_units(tmp_path: Path) -> None:
+    text = "time_s,displacement_mm,force_kN,CH4,CH5\n0,0,0,-20,10\n1,1,1,-20,11\n"
+    sidecar = '[columns]\nambient = "CH4"\n[units]\nambient = "degC"\nCH5 = "degC"\n'
+    record = load_test(lies(tmp_path, text, sidecar=sidecar + '[thermocouples]\nCH5 = "rubber 1"'))
+    assert record.ambient == -20.0
+    assert record.temperatures["CH5"].tolist() == [10.0, 11.0]
+    assert record.unused == ()
+
+
+STAMPS = {
+    "ISO": ["2024-03-01T23:59:59.5", "2024-03-02T00:00:00", "2024-03-02T00:00:01.25"],
+    "day first": ["31.01.2024 23:59:59.5", "01.02.2024 00:00:00", "01.02.2024 00:00:01.25"],
+    "month first": ["01/31/2024 23:59:59.5", "02/01/2024 00:00:00", "02/01/2024 00:00:01.25"],
+    "clock over midnight": ["23:59:59,5", "00:00:00", "00:00:01,25"],
+    "hours beyond a day": ["25:00:00.5", "25:00:01", "25:00:02.25"],
+    "minutes and seconds": ["01:10.5", "01:11.0", "01:12.25"],
+    "Japanese order": ["2024/03/01 12:00:00.5", "2024/03/01 12:00:01", "2024/03/01 12:00:02.25"],
+}
+
+
+@pytest.mark.parametrize("kind", STAMPS)
+def test_time_stamps(kind: str) -> None:
+    assert_allclose(seconds_and_start(STAMPS[kind])[0], [0.0, 0.5, 1.75], atol=tol.CONVERSION * 1e5)
+
+
+def test_day_and_month_are_in_the_order_that_makes_the_record_short() -> None:
+    assert seconds_and_start(["01/02/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
+    assert seconds_and_start(["02/01/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
+
+
+def test_stamps_coarser_than_the_sampling_are_spread(tmp_path: Path) -> None:
+    stamps = [f"12:00:{k // 4:02d}" for k in range(2, 40)]
+    rows = [f"{stamp},{k},{k}" for k, stamp in enumerate(stamps)]
+    record = load_test(lies(tmp_path, "Time,disp_mm,load_kN\n" + "\n".join(rows)))
+    assert_allclose(np.diff(record.time), 0.25, rtol=tol.CONVERSION * 1e3)
+    assert any("spread evenly" in text for text in record.assumptions)
+
+
+def test_date_and_time_in_two_columns(tmp_path: Path) -> None:
+    text = "Date,Time,disp_mm,load_kN\n2024-03-01,23:59:59,0,0\n2024-03-02,00:00:01,1,1\n"
+    record = load_test(lies(tmp_path, text))
+    assert record.time.tolist() == [0.0, 2.0]
+    assert record.unused == ()
+
+
+def blocks(gap: float) -> str:
+    one = "".join(f"{k},{k},{k}\n" for k in range(4))
+    two = "".join(f"{k + gap:g},{k},{k}\n" for k in range(4))
+    return HEAD.format(",") + one + "\n" + HEAD.format(",") + two
+
+
+def test_blocks_of_one_file(tmp_path: Path) -> None:
+    """A clock that goes on tells the rest; one that starts anew does not."""
+    on = load_test(lies(tmp_path, blocks(60.0)))
+    assert on.block.tolist() == [0] * 4 + [1] * 4
+    assert on.time[4] == 60.0
+    anew = load_test(lies(tmp_path, blocks(0.0), "anew.csv"))
+    assert anew.time[4] == 4.0
+    assert any("no rest assumed" in text for text in anew.assumptions)
+    parts = '{ file = "anew.csv", part = 1 }, { file = "anew.csv", part = 2, rest_before = "1 h" }'
+    rested = load_test(
+        lies(tmp_path, blocks(0.0), "anew.csv", f'blocks = [{parts}]\nambient = "0 degC"')
+    )
+    assert rested.time[4] == 3603.0
+    assert not rested.assumptions
+    path = lies(tmp_path, blocks(0.0), "b.csv", 'blocks = [{ file = "b.csv", part = 3 }]')
+    with pytest.raises(tb.InputError, match="has 2 parts, not 3"):
+        load_test(path)
+
+
+def test_a_clock_that_starts_anew_begins_a_block(tmp_path: Path) -> None:
+    text = HEAD.format(",") + "".join(f"{k % 4},{k},{k}\n" for k in range(8))
+    assert load_test(lies(tmp_path, text)).block.tolist() == [0] * 4 + [1] * 4
+
+
+def workbook(path: Path) -> Path:
+    openpyxl = pytest.importorskip("openpyxl", reason="pip install 'thermobearing[xlsx]'")
+    book = openpyxl.Workbook()
+    about, first = book.active, book.create_sheet("50 %")
+    about.title = "about"
+    about.append(["operator", "A. B."])
+    second = book.create_sheet("100 %")
+    for sheet, size in ((first, 1.0), (second, 2.0)):
+        sheet.append(["Specimen HDR 1"])
+        sheet.append(["Time", "Disp [cm]", "Force [kN]", "T_amb [°C]", "note"])
+        for k in range(3):
+            at = datetime.datetime(2024, 3, 1, 12, 0, k)
+            sheet.append([at, 0.1 * size * k, size * k, -20, None])
+    book.save(path)
+    return path
+
+
+def test_workbook(tmp_path: Path) -> None:
+    path = workbook(tmp_path / "t.xlsx")
+    record = load_test(path)
+    assert record.block.tolist() == [0, 0, 0, 1, 1, 1]
+    assert_allclose(record.displacement[:3], [0.0, 1.0, 2.0], atol=tol.CONVERSION)
+    assert record.ambient == -20.0
+    assert any('"100 %"' in text for text in record.assumptions)
+    text = 'blocks = [{ file = "t.xlsx", sheet = "50 %" }, { file = "t.xlsx", sheet = "100 %" }]'
+    path.with_suffix(".toml").write_text(text)
+    both = load_test(path.with_suffix(".toml"))
+    assert_allclose(both.force, [0.0, 1.0, 2.0, 0.0, 2.0, 4.0])
+    path.with_suffix(".toml").write_text('file = "t.xlsx"\nsheet = "50"')
+    with pytest.raises(tb.InputError, match='no sheet "50"'):
+        load_test(path)
+
+
+def test_workbook_without_its_reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
+    with pytest.raises(tb.InputError, match=r"pip install 'thermobearing\[xlsx\]'"):
+        load_test(lies(tmp_path, b"PK\x03\x04", "t.xlsx"))
+
+
+def test_a_degree_sign_of_windows_is_found(tmp_path: Path) -> None:
+    text = "time_s;displacement_mm;force_kN;T [°C]\n0;0;0;1\n1;1;1;1\n"
+    (sheet,) = read_sheets(lies(tmp_path, text.encode("cp1252")))
+    found = list_columns(usable_table(sheet), {"time": "s", "force": "kN"}, (), Layout())
+    assert found.unused == ["displacement_mm", "T [°C]"]
+
+
+@pytest.mark.parametrize(
+    ("sidecar", "told"),
+    [
+        ('separator = "|"', "separator = '|': must be one of"),
+        ('decimal = ";"', "decimal = ';': must be one of"),
+        ('encoding = "no-such"', 'no text in the encoding "no-such"'),
+        ('[units]\nT9 = "degC"', "units: unknown 'T9'"),
+        ("blocks = [{ file = 't.csv', part = 0 }]", "part"),
+    ],
+)
+def test_faults_of_a_sidecar(tmp_path: Path, sidecar: str, told: str) -> None:
+    with pytest.raises(tb.InputError, match=told):
+        load_test(lies(tmp_path, PLAIN, sidecar=sidecar))
+
+
+def test_what_a_sidecar_tells_is_not_looked_for(tmp_path: Path) -> None:
+    text = HEAD.format(";") + "0;1,234;2\n1;2,345;3\n"
+    for decimal, displacement in ((",", [1.234, 2.345]), (".", [1234.0, 2345.0])):
+        path = lies(tmp_path, text, sidecar=f'decimal = "{decimal}"\nseparator = ";"')
+        assert load_test(path).displacement.tolist() == displacement
+
+
+def test_a_head_of_words_and_numbers_is_no_table(tmp_path: Path) -> None:
+    """Before: "Datum;05.02.2026" was the first row of numbers, the specimen's name its title."""
+    rows = "".join(f"{k / 10};{k % 7};{2 * (k % 7)};-10,2\n" for k in range(40)).replace(".", ",")
+    head = "Prüfling A7\nDatum;05.02.2026\nAbtastrate [Hz];20\n\n"
+    titles = "Zeit [s];Verschiebung [cm];Kraft [N];Raumtemperatur [°C]\n"
+    record = load_test(lies(tmp_path, head + titles + rows))
+    assert (len(record.time), record.ambient) == (40, pytest.approx(-10.2))
+    assert_allclose(record.displacement[:3], [0.0, 10.0, 20.0])
+
 
 WANTED = {"time": "s", "displacement": "mm"}
 
 
-def read(tmp_path: Path, text: str | bytes, wanted: dict[str, str] = WANTED) -> dict[str, list]:
+def columns_of(
+    tmp_path: Path, text: str | bytes, wanted: dict[str, str] = WANTED
+) -> dict[str, list]:
     path = tmp_path / "table.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     return {name: values.tolist() for name, values in tb.read_columns(path, wanted).items()}
@@ -31,7 +282,7 @@ def read(tmp_path: Path, text: str | bytes, wanted: dict[str, str] = WANTED) -> 
     ],
 )
 def test_header_styles(tmp_path: Path, header: str) -> None:
-    data = read(tmp_path, header + "\n0,0.25\n1,-3e-1\n")
+    data = columns_of(tmp_path, header + "\n0,0.25\n1,-3e-1\n")
     assert data == {"time": [0.0, 1.0], "displacement": [0.25, -0.3]}
 
 
@@ -39,18 +290,13 @@ def test_header_styles(tmp_path: Path, header: str) -> None:
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp932"])
 def test_encodings_and_line_ends(tmp_path: Path, encoding: str, end: str) -> None:
     lines = ["time_s,備考,displacement_mm", "0,初期,0", "", "1,載荷,5", ""]
-    data = read(tmp_path, end.join(lines).encode(encoding))
+    data = columns_of(tmp_path, end.join(lines).encode(encoding))
     assert data == {"time": [0.0, 1.0], "displacement": [0.0, 5.0]}
-
-
-def test_columns_are_found_by_name_in_any_order(tmp_path: Path) -> None:
-    data = read(tmp_path, "force_kN,displacement_cm,note,time_ms\n7,1,a,0\n8,2,b,500\n")
-    assert data == {"time": [0.0, 0.5], "displacement": [10.0, 20.0]}
 
 
 def test_column_in_the_wanted_unit_comes_first(tmp_path: Path) -> None:
     """Converted twice by the laboratory, rounded once: the column that needs no conversion."""
-    data = read(tmp_path, "force_tonf,force_kN\n1,9.8\n2,19.6\n", {"force": "kN"})
+    data = columns_of(tmp_path, "force_tonf,force_kN\n1,9.8\n2,19.6\n", {"force": "kN"})
     assert data == {"force": [9.8, 19.6]}
 
 
@@ -62,23 +308,106 @@ def test_temperatures_are_converted_with_their_offset(
     tmp_path: Path, unit: str, cells: tuple[float, float]
 ) -> None:
     text = f"temperature [{unit}]\n{cells[0]}\n{cells[1]}\n"
-    data = read(tmp_path, text, {"temperature": "degC"})
+    data = columns_of(tmp_path, text, {"temperature": "degC"})
     assert_allclose(data["temperature"], [0, 100], rtol=tol.CONVERSION, atol=tol.ZERO_DEGREES)
 
 
 def test_many_rows_keep_their_bits(tmp_path: Path) -> None:
     values = np.random.default_rng(1).normal(size=(5000, 2))
-    path = tmp_path / "table.csv"
     rows = "\n".join(f"{a!r},{b!r}" for a, b in values.tolist())
-    path.write_text("time_s,displacement_mm\n" + rows)
-    data = tb.read_columns(path, WANTED)
+    data = columns_of(tmp_path, "time_s,displacement_mm\n" + rows)
     assert_array_equal(np.column_stack([data["time"], data["displacement"]]), values)
 
 
 def test_faults_are_told_with_the_line_of_the_file(tmp_path: Path) -> None:
     """Lines before the header and between it and the numbers count too."""
-    path = tmp_path / "t.csv"
-    path.write_text("laboratory\nnumber 7\ntime_s,force_kN\n[s],[kN]\n0,1\n1,lost\n2,3\n")
+    text = "laboratory\nnumber 7\ntime_s,force_kN\n[s],[kN]\n0,1\n1,lost\n2,3\n"
+    path = lies(tmp_path, text)
     layout = Layout(lines_before=2, lines_after=1)
     with pytest.raises(tb.InputError, match='line 6, force_kN: "lost" is not a number'):
         tb.read_columns(path, {"time": "s", "force": "kN"}, layout=layout)
+
+
+HEADER = "time_s,displacement_mm\n"
+COLUMN = "displacement_mm"
+
+RECORDINGS: list[tuple[str, bytes | str, list[str]]] = [
+    ("empty", "", ["is empty"]),
+    ("header only", HEADER, ["0 rows", "at least 2"]),
+    ("one row", HEADER + "0,0\n", ["1 rows", "at least 2"]),
+    ("missing column", "time_s,force_kN\n0,0\n1,1\n", ["like a displacement", "force_kN"]),
+    ("unknown unit", "time_s,displacement_foo\n0,0\n1,1\n", ['"displacement_foo"', '"foo"', "mm"]),
+    ("unit of another kind", "time_s,displacement [kg]\n0,0\n1,1\n", ['"kg"', "to mm"]),
+    ("NaN", HEADER + "0,0\n1,nan\n2,1\n", [f'line 3, {COLUMN}: "nan"', "finite"]),
+    ("text", HEADER + "0,0\n1,x\n", [f'line 3, {COLUMN}: "x"', "not a number"]),
+    ("underscore", HEADER + "0,0\n1,1_0\n", [f'line 3, {COLUMN}: "1_0"', "not a number"]),
+    ("gap", HEADER + "0,0\n1\n", [f'line 3, {COLUMN}: ""']),
+    ("after blank lines", HEADER + "\n\n0,0\n1,x\n", [f'line 5, {COLUMN}: "x"']),
+    ("beyond doubles", "time_s,displacement_m\n0,0\n1,1e308\n", ["line 3", "too large"]),
+    ("commas for both", HEADER + "0,0,0,0\n0,5,1,0\n", ["2 titles and 4 numbers", "semicolons"]),
+    ("both marks", "time_s;displacement_mm\n0.5;0\n1,5;1\n", ["decimal point", "decimal comma"]),
+    ("thousand", "time_s;displacement_mm\n1,234;2,345\n", ["may be a thousand", "decimal ="]),
+    ("no date", "time;displacement_mm\n31.31.2024 12:00;0\n31.31.2024 12:01;1\n", ["not a date"]),
+    ("old workbook", b"\xd0\xcf\x11\xe0" + bytes(20), ["old Excel", "save it as .xlsx"]),
+    ("no workbook", b"PK\x03\x04" + bytes(20), ["not an .xlsx workbook"]),
+    ("open quote", HEADER + '0,0\n1,"1\n', ["line 3"]),
+    ("endless cell", HEADER + "0,0\n1," + "1" * 200_000 + "\n", ["line 3", "larger than"]),
+    ("null bytes", HEADER.encode() + b"0,0\n1,\0\n", ["null bytes"]),
+    ("no text", bytes(range(1, 256)), ["neither UTF-8 nor cp932"]),
+    ("UTF-16 without its mark", (HEADER + "0,0\n1,1\n").encode("utf-16-le"), ["null bytes"]),
+    ("UTF-16 cut off", (HEADER + "0,0\n").encode("utf-16")[:-1], ["no text", "utf-16"]),
+    ("time stands still", HEADER + "0,0\n1,1\n1,2\n", ["does not increase from 1 to 1 s"]),
+    ("time runs back", HEADER + "0,0\n2,1\n1,2\n", ["from 2 to 1 s", "rows 2 and 3"]),
+    ("starts elsewhere", HEADER + "0,5\n1,6\n", ["starts at 5 mm", "at 0 mm", "ramp"]),
+    ("slip of a unit", "time_s,displacement_m\n0,0\n1,20\n", ["20000 mm", "500%", "unit right"]),
+]
+
+
+@pytest.mark.parametrize(("content", "pieces"), by_name(RECORDINGS))
+def test_broken_recording(tmp_path: Path, content: bytes | str, pieces: list[str]) -> None:
+    csv = lies(tmp_path, content, "moved.csv")
+    path = steps_case(tmp_path / "case.toml", {"step": "recorded", "file": "moved.csv"})
+    message = refusal(path, tb.load_case)
+    assert_told(message, [f"{path}: ", "test.steps[0]: ", str(csv), *pieces])
+
+
+def test_every_broken_recording_of_a_test_is_told(tmp_path: Path) -> None:
+    given = [{"step": "recorded", "file": name} for name in ("one.csv", "two.csv", ".")]
+    path = steps_case(tmp_path / "case.toml", *given)
+    told = ["3 problems", "one.csv: no such file", "two.csv: no such file", "is a directory"]
+    assert_told(refusal(path, tb.load_case), told)
+
+
+SERIES: list[tuple[str, str, list[str]]] = [
+    ("empty", "", ["is empty"]),
+    ("no temperature", "time_s,wind_m\n0,0\n1,1\n", ['no column "temperature_degC"']),
+    ("NaN", "time_s,temperature_degC\n0,0\n1,nan\n", ["line 3, temperature_degC"]),
+    ("time runs back", "time_s,temperature_degC\n0,0\n2,1\n1,2\n", ["from 2 to 1 s"]),
+    ("kelvin taken for degC", "time_s,temperature_degC\n0,273\n1,274\n", ["273 degC", "100 degC"]),
+]
+
+
+@pytest.mark.parametrize(("content", "pieces"), by_name(SERIES))
+def test_broken_ambient_series(tmp_path: Path, content: str, pieces: list[str]) -> None:
+    (tmp_path / "night.csv").write_text(content)
+    table = {key: value for key, value in QUICK_CASE.items() if key != "ambient"}
+    path = write_toml(tmp_path / "case.toml", table | {"ambient_series": "night.csv"})
+    assert_told(refusal(path, tb.load_case), [f"{path}: ", "ambient_series: ", *pieces])
+
+
+@pytest.mark.parametrize(
+    ("content", "pieces"),
+    [
+        ("displacement_mm,force_kN\n0,0\n1,x\n", ["line 3, force_kN"]),
+        ("displacement_mm,force_mm\n0,0\n1,1\n", ['"mm"', "to kN"]),
+        ("displacement_mm,force_kN\n0,0\n1,1\n2,2\n", ["no full cycle"]),
+        ("displacement_mm,force_kN\n0,0\n0,1\n0,2\n", ["no full cycle"]),
+    ],
+    ids=["text", "unit of another kind", "no cycle", "no motion"],
+)
+def test_broken_measurement(tmp_path: Path, content: str, pieces: list[str]) -> None:
+    csv = lies(tmp_path, content)
+    done = CliRunner().invoke(app, ["measure", str(csv), "--bearing", "shen-hdr-specimen"])
+    assert done.exit_code == 2
+    assert not done.stdout
+    assert_told(done.stderr, [str(csv), *pieces])
