@@ -18,6 +18,8 @@ from thermobearing.border.library import data_path
 from thermobearing.quantities.tables import Table, is_number
 from thermobearing.report.figures import page_picture, picture_size, plot_json, points_each
 from thermobearing.report.pieces import (
+    BRIEF,
+    LONGEST_WORD,
     VERDICTS,
     Block,
     Bullets,
@@ -30,12 +32,12 @@ from thermobearing.report.pieces import (
     ReportFigure,
     TableBlock,
     checks_table,
+    column_letters,
 )
 
 # Of Markdown what a sentence needs: no HTML, and no pictures, which would come from elsewhere.
 SENTENCES = MarkdownIt("zero", {"html": False}).enable(["emphasis", "backticks", "link", "escape"])
 HEADINGS = MarkdownIt("zero", {"html": False}).enable(["emphasis", "backticks", "escape"])
-LONGEST_WORD = 24  # letters of a word that stays on a line
 MARK = "\N{DAGGER}"
 MARKED = "Marked:"  # a note that begins so says itself what the mark means
 MARK_WORDS = "beyond what was tested"
@@ -43,9 +45,8 @@ FEWEST_TO_SORT = 3  # rows; two are seen at once
 MOST_ROWS = 40  # of a table that are open; the rest is folded
 UPRIGHT = 130  # letters in a row of a table that fit on a page; more is turned, as page.css knows
 SHORT = 12  # rows that stay on one page
-PADDING, ARROW = 3, 1  # of a column, and of a head that sorts, in letters
-UNWRAPPED = ("amount", "words brief", "words verdict")  # classes of columns
-BRIEF, LONG = 25, 34  # letters of a cell that stays on a line, and of one that is wrapped
+PADDING = 4  # of a column, in letters
+LONG = 34  # letters of a cell that is wrapped
 BOX_NAMES = {"answer": "Answer", "warning": "\N{WARNING SIGN} Warning"}
 PIXEL = 25.4 / 96.0  # of a page [mm]
 
@@ -229,7 +230,9 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
     """Return a table as the template reads it: the governing rows, and the rest folded."""
     texts = table.texts()
     looks = _looks(table, texts)
-    letters, least = _letters(table, texts, looks)
+    widths = column_letters(table, texts)
+    letters = sum(min(most, LONG) + PADDING for _, most in widths)
+    least = sum(least + PADDING for least, _ in widths)
     rows = [
         [
             _cell(value, text, look, places, (at, place) in table.marked)
@@ -308,18 +311,3 @@ def _looks(table: Table, texts: Sequence[Sequence[str]]) -> list[str]:
         words = "words verdict" if column.head == "Verdict" else f"words{size}"
         looks.append("amount" if place in numbers else words)
     return looks
-
-
-def _letters(table: Table, texts: Sequence[Sequence[str]], looks: Sequence[str]) -> tuple[int, int]:
-    """Return the width of a table in letters, as it is and wrapped as far as its words allow.
-
-    How large its letters are on paper and on a screen follows from it.
-    """
-    wide = least = 0
-    for place, column in enumerate(table.columns):
-        cells = [row[place] for row in texts]
-        head = [len(word) + ARROW for word in column.title.split()]
-        words = cells if looks[place] in UNWRAPPED else [w for c in cells for w in c.split()]
-        wide += max([min(len(cell), LONG) for cell in cells] + head, default=0) + PADDING
-        least += max([min(len(word), LONGEST_WORD) for word in words] + head, default=0) + PADDING
-    return wide, least

@@ -6,6 +6,7 @@ command.
 """
 
 import json
+import math
 import re
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
@@ -34,6 +35,7 @@ from thermobearing.report.pieces import (
     ReportFigure,
     TableBlock,
     checks_table,
+    column_letters,
 )
 from thermobearing.report.title import logo_kind
 
@@ -290,13 +292,7 @@ TURNED_SIZES = (*SIZES, 6.5, 6.0)
 SIZE_OF_PARTS = 6.5
 POINT = 25.4 / 72.0  # [mm]
 GAP = 3.2  # between columns [mm]
-# Widths of letters and words, of the size of letters; bold ones of a head are wider.
-NARROW, FIGURE, WIDE, CAPITAL, FULL, BOLD = 0.31, 0.5, 0.82, 0.68, 1.05, 1.08
-LONGEST_WORD = 12.0  # a longer one (a path, a digest) may be broken
-SHORT = 7.0  # such a text is not broken between words either
-LEAST = 1.5  # of a column
-ROUNDING = 0.01
-UNBROKEN = "\N{NO-BREAK SPACE}"
+LETTER, ROUNDING = 0.54, 0.05  # mean width of a letter, of its size; of a number of letters
 
 
 class Part(NamedTuple):
@@ -309,12 +305,12 @@ class Part(NamedTuple):
 
     def broken(self, text: str, column: int) -> str:
         """Return the text of a column with seams after signs, and in words that are too long."""
-        most = (self.widths[self.places.index(column)] - GAP) / (POINT * self.size) + ROUNDING
-        count = max(3, int(most / CAPITAL))
+        room = self.widths[self.places.index(column)] - GAP
+        count = max(3, int(room / (LETTER * POINT * self.size) + ROUNDING))
 
         def seamed(found: re.Match[str]) -> str:
             word = found[0]
-            if _width(word) <= most:
+            if len(word) <= count:
                 return word
             parts = re.findall(r"[^/\\_.,;:=-]*[/\\_.,;:=-]?", word)
             return SEAM.join(p[k : k + count] for p in parts for k in range(0, len(p), count))
@@ -326,10 +322,7 @@ def _table(table: Table, right: set[int] | None = None) -> list[Data]:
     """Return a table as text, in parts that fit a page in width, each with the key columns."""
     cells, columns = table.texts(), table.columns
     numbers = table.numeric() | (right or set())
-    heads = [  # a unit is not broken
-        f"{c.head} [{c.unit.replace(' ', UNBROKEN)}]" if c.unit else c.head for c in columns
-    ]
-    parts = fitted(heads, cells, numbers, table.keys)
+    parts = fitted(column_letters(table, cells), table.keys)
     note = table.note or (f"Marked: {UNTESTED}." if table.marked else "")
     found = []
     for number, part in enumerate(parts, 1):
@@ -355,34 +348,32 @@ def _table(table: Table, right: set[int] | None = None) -> list[Data]:
     return found
 
 
-def fitted(
-    heads: Sequence[str], cells: Sequence[Sequence[str]], numbers: set[int], keys: int
-) -> list[Part]:
+def fitted(letters: Sequence[tuple[int, int]], keys: int) -> list[Part]:
     """Return columns in parts that fit a page, as large as can be.
 
-    Columns of `numbers` are never broken; `keys` leading columns begin each part.
+    `letters` are those that each column needs and would like, see `column_letters`; `keys` leading
+    columns begin each part.
     """
-    every = list(range(len(heads)))
-    texts = [[row[k] for row in cells] for k in every]
-    least = [_least(heads[k], texts[k], k in numbers) for k in every]
-    most = [max([least[k], *map(_width, texts[k])]) for k in every]
+    every = list(range(len(letters)))
 
     def total(places: Sequence[int], size: float) -> float:
-        return sum(least[k] for k in places) * POINT * size + GAP * len(places)
+        return sum(letters[k][0] * LETTER * POINT * size + GAP for k in places)
 
     def part(places: list[int], room: float, size: float) -> Part:
         """Give each column what it needs, and of what is left a share of what it would like."""
-        letter, left = POINT * size, room - total(places, size)
-        wanted = sum(most[k] - least[k] for k in places) * letter
+        letter, left = LETTER * POINT * size, room - total(places, size)
+        wanted = sum(letters[k][1] - letters[k][0] for k in places) * letter
         share = min(1.0, left / wanted) if wanted > 0.0 else 0.0
-        widths = [(least[k] + share * (most[k] - least[k])) * letter + GAP for k in places]
-        return Part(places, [round(width, 2) for width in widths], size, room == TURNED[0])
+        ends = [letters[k] for k in places]
+        widths = [(least + share * (most - least)) * letter + GAP for least, most in ends]
+        widths = [math.floor(100.0 * width) / 100.0 for width in widths]
+        return Part(places, widths, size, room == TURNED[0])
 
     for room, sizes in ((UPRIGHT[0], SIZES), (TURNED[0], TURNED_SIZES)):
         for size in sizes:
             if total(every, size) <= room:
                 return [part(every, room, size)]
-    first = every[: min(keys, len(heads) - 1)]
+    first = every[: min(keys, len(letters) - 1)]
     groups = [[*first]]
     for column in every[len(first) :]:
         full = total([*groups[-1], column], SIZE_OF_PARTS) > TURNED[0]
@@ -390,36 +381,3 @@ def fitted(
             groups.append([*first])
         groups[-1].append(column)
     return [part(places, TURNED[0], SIZE_OF_PARTS) for places in groups]
-
-
-def _least(head: str, cells: Sequence[str], number: bool) -> float:
-    """Return what a column needs: its longest word, or its longest number."""
-    return max(
-        [
-            LEAST,
-            *(BOLD * _width(word) for word in head.split(" ")),
-            *(_width(text) if number else _longest_word(text) for text in cells),
-        ]
-    )
-
-
-def _longest_word(text: str) -> float:
-    whole = _width(text)
-    if whole <= SHORT:
-        return whole
-    return max(min(_width(word), LONGEST_WORD) for word in text.split() or [""])
-
-
-def _width(text: str) -> float:
-    return sum(map(_letter, text))
-
-
-@cache
-def _letter(mark: str) -> float:
-    if mark in "ijlt.,;:'|!()[]-/ ":
-        return NARROW
-    if mark in "mwMW%@":
-        return WIDE
-    if ord(mark) > 0x2E7F:  # Chinese and Japanese
-        return FULL
-    return CAPITAL if mark.isupper() else FIGURE

@@ -39,6 +39,29 @@ class Link(str):
         return made
 
 
+LONGEST_WORD, BRIEF = 24, 15  # letters of a word that is not broken, of a text that stays on a line
+
+
+def column_letters(table: Table, texts: Sequence[Sequence[str]]) -> list[tuple[int, int]]:
+    """Return the letters that each column needs, wrapped at its words, and on one line.
+
+    How large the letters of a table are on a screen and on paper follows from it. Numbers and brief
+    texts are not wrapped.
+    """
+    numbers, found = table.numeric(), []
+    for place, column in enumerate(table.columns):
+        cells = [row[place] for row in texts]
+        head = [len(word) for word in column.head.split()] + [len(column.unit) + 2]
+        words = [
+            word
+            for cell in cells
+            for word in ([cell] if place in numbers or len(cell) < BRIEF else cell.split())
+        ]
+        least = max([*head, *(min(len(word), LONGEST_WORD) for word in words)])
+        found.append((least, max([least, len(column.head), *map(len, cells)])))
+    return found
+
+
 @dataclass(frozen=True)
 class Trace:
     """A line of a plot; a history may have all its points, documents thin it.
