@@ -14,9 +14,6 @@ from thermobearing.design.case import make_design_case
 from thermobearing.design.factors import scaled_bearing
 from thermobearing.design.run import one_turn
 from thermobearing.design.sizing import design_values, load_curves, load_rubber
-from thermobearing.identify.fit.problem import ROBUST_SCALE, _robust_weights, _sample_weights
-from thermobearing.identify.records.cycles import full_cycles
-from thermobearing.identify.records.record import TestRecord, record_from_arrays
 from thermobearing.motions.measures import significant_interval
 from thermobearing.motions.readers import read_motion
 from thermobearing.motions.record import GroundMotion
@@ -65,49 +62,6 @@ def test_knet_maximum_that_is_off_by_a_few_per_cent(
         return
     with pytest.raises(tb.InputError, match=r"Max\. Acc\."):
         read_motion(path)
-
-
-def sines(amplitudes: list[float], **options: float) -> TestRecord:
-    """A record of one sine a second for each amplitude [mm]; the force is the displacement."""
-    phase = np.linspace(0.0, 1.0, 41)[:-1]
-    x = np.concatenate([a * np.sin(2.0 * np.pi * phase) for a in amplitudes] + [[0.0]])
-    record = record_from_arrays(np.arange(len(x)) / 40.0, x, x, 23.0, name="sines")
-    return record if not options else TestRecord(**{**vars(record), **options})
-
-
-def test_weights_are_roots() -> None:
-    """They multiply residuals, which are squared: a weight of 4 counts four times."""
-    record = sines([10.0, 10.0, 20.0], weight=4.0, first_cycle_weight=0.25)
-    expected = np.repeat([2.0 * 0.5, 2.0, 2.0 * 0.5], 40)
-    assert_allclose(_sample_weights(record)[:-1], expected, rtol=tol.ROUNDING)
-
-
-def test_balanced_cycles_count_by_their_own_peak() -> None:
-    record = sines([10.0, 20.0], cycle_balance=1.0)
-    assert_allclose(_sample_weights(record)[:-1], np.repeat([2.0, 1.0], 40), rtol=tol.ROUNDING)
-
-
-LOSSES = {  # rho(z) as scipy documents them
-    "linear": lambda z: z,
-    "soft_l1": lambda z: 2.0 * (np.sqrt(1.0 + z) - 1.0),
-    "huber": lambda z: np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
-    "cauchy": lambda z: np.log(1.0 + z),
-}
-
-
-@pytest.mark.parametrize("loss", LOSSES)
-def test_robust_weights_are_the_slope_of_the_loss(loss: str) -> None:
-    z, h = np.array([0.01, 0.5, 2.0, 4.0, 100.0]), 1e-5
-    slope = (LOSSES[loss](z + h) - LOSSES[loss](z - h)) / (2.0 * h)
-    weights = _robust_weights(ROBUST_SCALE * np.sqrt(z), loss)
-    assert_allclose(weights, slope, rtol=tol.LOSS_SLOPE)
-
-
-@pytest.mark.parametrize(("amplitude", "closing"), [(4.9, True), (5.1, False)])
-def test_cycle_below_a_quarter_of_the_one_before_closes(amplitude: float, closing: bool) -> None:
-    cycles = full_cycles(sines([20.0, 20.0, amplitude, 20.0]))
-    assert [cycle.closing for cycle in cycles] == [False, False, closing, False]
-    assert (cycles[3].number > 1) is closing  # else the last one follows another amplitude
 
 
 def test_a_first_guess_outside_the_curves_takes_their_nearest_strain() -> None:
