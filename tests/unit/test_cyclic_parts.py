@@ -1,5 +1,7 @@
 """Parts of a cyclic analysis by hand: warnings, restarts, kept rows, lost heat, comparisons."""
 
+import math
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,12 +13,18 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.core.types import COMPLETED
-from thermobearing.cyclic import history
+from thermobearing.cyclic import dataset, history
 from thermobearing.cyclic.case import final_state, initial_temperatures, make_case
 from thermobearing.cyclic.comparison import _temperatures
 from thermobearing.cyclic.dataset import collect_warnings
-from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycle
+from thermobearing.cyclic.equivalent import (
+    bilinear_parameters,
+    isothermal_cycle,
+    solve_backbone,
+)
 from thermobearing.cyclic.history import Segment, _kept_steps, build_segments, run_segments
+from thermobearing.cyclic.protocol import Recorded, Rest
+from thermobearing.cyclic.result import _history_blocks
 from thermobearing.model.options import build_model
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -171,10 +179,8 @@ def test_heat_is_lost_where_it_can_leave(through: str) -> None:
 def test_inner_layer_of_a_half_and_of_a_whole_stack(half: int, inner: int) -> None:
     """Of six modelled layers: the last one at the plane of symmetry, or the one in the middle."""
     values = np.arange(12.0).reshape(1, 2, 6)
-    dataset = xr.Dataset(
-        {"rubber_temperature": (("ambient", "time", "layer"), values)}, attrs={"half_stack": half}
-    )
-    result = tb.Result(dataset)
+    data = {"rubber_temperature": (("ambient", "time", "layer"), values)}
+    result = tb.Result(xr.Dataset(data, attrs={"half_stack": half}))
     assert_allclose(_temperatures(result, 0, "inner layer"), [inner, 6 + inner])
     assert_allclose(_temperatures(result, 0, "outer layer"), [0, 6])
 
@@ -209,3 +215,57 @@ def test_largest_mismatch_of_a_run_is_that_of_its_worst_step() -> None:
     worst = float(result["layer_force_mismatch_max"].values[0])
     assert worst == steps.max() > 10.0 * steps[-1]
     assert int(result["softened_steps"].values[0]) == int((result["sharing_weight"] > 0.0).sum())
+
+
+def test_history_has_the_steps_of_each_temperature_and_no_more() -> None:
+    """A rest that settles ends sooner at one temperature than at another."""
+    steps = [
+        {"step": "ramp", "to_strain": 1.0, "duration": 1.0},
+        {"step": "rest", "within": 0.5},
+    ]
+    test = tb.CyclicTest(dt=0.05, steps=steps)
+    result = tb.run("shen-hdr-specimen", test, [-20.0, 40.0])
+    kept = (result["segment"].values >= 0).sum(axis=1)
+    assert kept[0] != kept[1]
+    rows = "".join(_history_blocks(result)).splitlines()[1:]
+    assert [sum(row.startswith(f"{t:g},") for row in rows) for t in (-20.0, 40.0)] == list(kept)
+    assert not any("nan" in row for row in rows)
+
+
+def test_waiting_for_a_temperature_ends_after_two_weeks() -> None:
+    rest = Rest.model_validate({"step": "rest", "within": "0.1 K"})
+    assert rest.span == 14 * 86400.0
+
+
+@pytest.mark.parametrize("first", [10.0, -10.0])
+def test_a_recording_starts_where_the_bearing_is(first: float, tmp_path: Path) -> None:
+    path = tmp_path / "recorded.csv"
+    path.write_text(f"time_s,displacement_mm\n0,{first}\n1,5\n2,0\n")
+    recorded = Recorded(file=str(path))
+    with pytest.raises(tb.InputError, match="put a ramp before it"):
+        recorded.points(0.0)
+    gaps, x, _ = recorded.points(first)
+    assert (list(gaps), list(x)) == ([1.0, 1.0], [first, 5.0, 0.0])
+
+
+def test_backbone_is_the_slim_one_of_two() -> None:
+    """Two loops have the stiffness and the damping; the other has nearly all of K_B in Q_d."""
+    found = solve_backbone(2.0, 0.15, 100.0, 1.0 / 6.5)
+    assert found is not None
+    assert found.strength + found.post_yield * 100.0 == pytest.approx(200.0)
+    yielding = found.strength / (found.initial - found.post_yield)
+    area = 4.0 * found.strength * (100.0 - yielding)
+    assert area == pytest.approx(2.0 * math.pi * 0.15 * 2.0 * 100.0**2)
+    assert found.strength < 100.0
+
+
+def test_labels_are_made_when_they_are_first_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They take longer than a short run."""
+    made = []
+    whole = dataset.labelled
+    monkeypatch.setattr(dataset, "labelled", lambda *told: made.append(1) or whole(*told))
+    result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[0.5], cycles=1))
+    assert made == []
+    assert result.outcome == "completed"
+    assert result["force"] is not None
+    assert made == [1]

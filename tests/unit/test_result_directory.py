@@ -1,4 +1,4 @@
-"""A result directory is whole or not there: taken names, full disks, Ctrl-C, early ends."""
+"""A result directory is complete or absent; a damaged result is refused before it is read."""
 
 import errno
 import json
@@ -6,6 +6,8 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from textwrap import dedent
 from typing import Any
@@ -21,12 +23,14 @@ from tests import tolerances as tol
 from tests.unit.inputs import (
     FILES,
     changed_table,
+    command,
     content,
     cyclic,
     last_line,
     quick_case,
     specimen_table,
     summary,
+    told,
     write_toml,
 )
 
@@ -36,42 +40,29 @@ def case(tmp_path: Path) -> Path:
     return quick_case(tmp_path / "case.toml")
 
 
-def test_existing_result_is_left_alone(case: Path, tmp_path: Path) -> None:
-    cyclic(case, "-o", tmp_path / "out", "-q")
+def test_existing_result_is_replaced_on_request_only(case: Path, tmp_path: Path) -> None:
+    """Also through a link to it."""
+    out = tmp_path / "out"
+    cyclic(case, "-o", out, "-q")
     before = content(tmp_path)
-    done = cyclic(case, "-o", tmp_path / "out", "--ambient", 5, "--json")
-    assert done.exit_code == 2
+    done = cyclic(case, "-o", out, "--ambient", 5, "--json")
+    assert done.exit_code == last_line(done)["exit_status"] == 2
     assert "--overwrite" in done.stderr
-    assert last_line(done)["exit_status"] == 2
     assert content(tmp_path) == before
-
-
-def test_force_replaces_a_result(case: Path, tmp_path: Path) -> None:
-    cyclic(case, "-o", tmp_path / "out", "-q")
-    done = cyclic(case, "-o", tmp_path / "out", "-q", "--overwrite", "--ambient", 5)
-    assert done.exit_code == 0
-    assert summary(tmp_path / "out")["runs"][0]["ambient_degC"] == 5.0
-    assert sorted(content(tmp_path / "out")) == FILES
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "out"]
-
-
-def test_force_follows_a_link_to_the_result(case: Path, tmp_path: Path) -> None:
-    cyclic(case, "-o", tmp_path / "out", "-q")
-    (tmp_path / "link").symlink_to(tmp_path / "out")
-    assert cyclic(case, "-o", tmp_path / "link", "-q", "--overwrite").exit_code == 0
+    (tmp_path / "link").symlink_to(out)
+    for target in (out, tmp_path / "link"):
+        assert cyclic(case, "-o", target, "-q", "--overwrite", "--ambient", 5).exit_code == 0
+        assert summary(out)["runs"][0]["ambient_degC"] == 5.0
+        assert sorted(content(out)) == FILES
     assert (tmp_path / "link").is_symlink()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "link", "out"]
 
 
-def test_empty_directory_is_used(case: Path, tmp_path: Path) -> None:
-    (tmp_path / "out").mkdir()
-    assert cyclic(case, "-o", tmp_path / "out", "-q").exit_code == 0
-    assert sorted(content(tmp_path / "out")) == FILES
-
-
-def test_parents_are_made(case: Path, tmp_path: Path) -> None:
-    assert cyclic(case, "-o", tmp_path / "a" / "b" / "out", "-q").exit_code == 0
-    assert sorted(content(tmp_path / "a" / "b" / "out")) == FILES
+def test_parents_are_made_and_an_empty_directory_is_used(case: Path, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    for out in (tmp_path / "empty", tmp_path / "a" / "b" / "out"):
+        assert cyclic(case, "-o", out, "-q").exit_code == 0
+        assert sorted(content(out)) == FILES
 
 
 @pytest.mark.parametrize("name", ["notes.txt", "summary.json"])
@@ -211,66 +202,54 @@ def test_really_full_disk(case: Path, tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["case.toml"]
 
 
-def test_ctrl_c_during_a_run_keeps_what_was_computed(
-    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def interrupt(monkeypatch: pytest.MonkeyPatch, call: int, chunk: int) -> None:
+    """Press Ctrl-C in one of the calls of compiled code, each of so many steps."""
     march, calls = thermobearing.cyclic.history.march, []
 
     def interrupted(*args: Any) -> Any:
         calls.append(args)
-        if len(calls) == 4:
+        if len(calls) == call:
             raise KeyboardInterrupt
         return march(*args)
 
-    monkeypatch.setattr(thermobearing.cyclic.history, "CHUNK", 50)
+    monkeypatch.setattr(thermobearing.cyclic.history, "CHUNK", chunk)
     monkeypatch.setattr(thermobearing.cyclic.history, "march", interrupted)
+
+
+def test_ctrl_c_during_a_run_keeps_what_was_computed(
+    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    interrupt(monkeypatch, 4, 50)
     out = tmp_path / "out"
     done = cyclic(case, "--ambient", 0, "--ambient", 23, "-o", out, "--json")
     assert done.exit_code == 130
-    assert "interrupted" in done.stderr
-    assert last_line(done)["outcome"] == "interrupted"
+    assert last_line(done)["outcome"] == summary(out)["outcome"] == "interrupted"
     assert last_line(done)["files"] == FILES
-    told = summary(out)
-    assert told["outcome"] == "interrupted"
-    (run,) = told["runs"]  # the second temperature was not begun
+    (run,) = summary(out)["runs"]  # the second temperature was not begun
     assert run["outcome"] == "interrupted"
     assert run["energy"]["work_in_kN_mm"] > 0.0
     assert len((out / "history.csv").read_text().splitlines()) == 1 + 1 + 150
     assert tb.load_result(out).outcome == "interrupted"
 
 
-def test_books_of_a_partial_result_close_whatever_is_kept(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_energies_of_a_partial_result_balance_whatever_is_kept(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The run stops between two kept rows; the final profile and the last row must agree."""
-    march, calls = thermobearing.cyclic.history.march, []
-
-    def interrupted(*args: Any) -> Any:
-        calls.append(args)
-        if len(calls) == 4:
-            raise KeyboardInterrupt
-        return march(*args)
-
-    monkeypatch.setattr(thermobearing.cyclic.history, "CHUNK", 47)
-    monkeypatch.setattr(thermobearing.cyclic.history, "march", interrupted)
-    result = tb.run(
-        "shen-hdr-specimen", tb.cyclic_test(strain=[1.0], dt=0.01), keep=tb.Keep(every=20)
-    )
+    interrupt(monkeypatch, 4, 47)
+    test = tb.cyclic_test(strain=[1.0], dt=0.01)
+    result = tb.run("shen-hdr-specimen", test, keep=tb.Keep(every=20))
     assert result.outcome == "interrupted"
     assert int(result["steps"][0]) == 3 * 47
     assert float(result["time"][-1]) == pytest.approx(3 * 0.47)
-    books = result.energy.iloc[0]
-    assert abs(books["thermal_residual"]) < tol.ENERGY_BOOKS
-    assert abs(books["mechanical_residual"]) < tol.ENERGY_BOOKS
+    residuals = result.energy[["thermal_residual", "mechanical_residual"]]
+    assert residuals.abs().max(axis=None) < tol.ENERGY_BOOKS
 
 
 def test_ctrl_c_before_the_first_step(
     case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupted(*_: Any) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(thermobearing.cyclic.history, "march", interrupted)
+    interrupt(monkeypatch, 1, 50)
     assert cyclic(case, "-o", tmp_path / "out").exit_code == 130
     assert summary(tmp_path / "out")["outcome"] == "interrupted"
     assert summary(tmp_path / "out")["runs"][0]["cycles"] == []
@@ -296,13 +275,13 @@ def test_real_interrupt_signal(case: Path, tmp_path: Path) -> None:
     """SIGINT to a real process in the middle of a run, always at the same step."""
     out = tmp_path / "out"
     words = ["cyclic", str(case), "-o", str(out), "--no-figures", "--json"]
-    command = [sys.executable, "-c", INTERRUPTS_ITSELF, *words]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    line = [sys.executable, "-c", INTERRUPTS_ITSELF, *words]
+    done = subprocess.run(line, capture_output=True, text=True, check=False)
     assert done.returncode == 130, done.stderr
     assert json.loads(done.stdout.splitlines()[-1])["outcome"] == "interrupted"
-    told = summary(out)
-    assert told["outcome"] == "interrupted"
-    assert told["runs"][0]["series_sharing"]["steps"] == 3 * 50
+    found = summary(out)
+    assert found["outcome"] == "interrupted"
+    assert found["runs"][0]["series_sharing"]["steps"] == 3 * 50
     assert sorted(content(out)) == FILES
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "out"]
 
@@ -323,9 +302,9 @@ def test_early_end_is_marked(tmp_path: Path) -> None:
         "output": str(out),
         "files": FILES,
     }
-    told = summary(out)
-    assert told["outcome"] == told["runs"][0]["outcome"] == "euler_unstable"
-    assert told["runs"][0]["outcome_sentence"] in done.stderr
+    found = summary(out)
+    assert found["outcome"] == found["runs"][0]["outcome"] == "euler_unstable"
+    assert found["runs"][0]["outcome_sentence"] in done.stderr
     assert np.isfinite(tb.load_result(out)["force"]).all()
     assert cyclic(path, "--dt", 1, "-o", tmp_path / "exact", "-q").exit_code == 0
 
@@ -374,3 +353,66 @@ def test_what_has_no_histories_says_so(case: Path, tmp_path: Path) -> None:
     study.save(tmp_path / "study", figures=False)
     with pytest.raises(tb.InputError, match=r'initial_result: is a test of "shen-hdr-bridge"'):
         tb.load_case(case, initial_result=str(tmp_path / "study"))
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    test = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.05)
+    out = tmp_path_factory.mktemp("saved") / "out"
+    return tb.run("shen-hdr-specimen", test, ambient=-20).save(out, figures=False)
+
+
+def flipped(raw: bytes) -> bytes:
+    return bytes([*raw[:2000], raw[2000] ^ 1, *raw[2001:]])
+
+
+def again(raw: bytes) -> bytes:
+    """The same numbers, as another program would save them."""
+    with tempfile.TemporaryDirectory() as folder:
+        before, after = Path(folder) / "before.nc", Path(folder) / "after.nc"
+        before.write_bytes(raw)
+        xr.load_dataset(before).drop_vars("force").to_netcdf(after)
+        return after.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("damage", "piece"),
+    [
+        (flipped, "was changed after it was written"),
+        (lambda raw: raw[:-1], "its end is missing"),
+        (lambda raw: raw[: len(raw) // 2], "its end is missing"),
+        (lambda raw: raw[:1000] + raw[1001:], "was changed after it was written"),
+        (lambda raw: b"", "is not a result file"),
+        (lambda raw: b"no netCDF", "is not a result file"),
+        (again, "another program"),
+    ],
+    ids=["bit", "last byte", "half", "byte lost", "empty", "text", "rewritten"],
+)
+def test_damaged_result_is_told_before_it_is_read(
+    damage: Callable[[bytes], bytes], piece: str, saved: Path, tmp_path: Path
+) -> None:
+    result = tmp_path / "out"
+    result.mkdir()
+    (result / "result.nc").write_bytes(damage((saved / "result.nc").read_bytes()))
+    told(lambda: tb.load_result(result), str(result / "result.nc"), piece)
+    case = quick_case(tmp_path / "case.toml", initial_result="out")
+    told(lambda: tb.load_case(case), "initial_result", piece)
+    done = command("cyclic", case, "-o", tmp_path / "new", "-q")
+    assert done.exit_code == 2
+    assert not (tmp_path / "new").exists()
+
+
+def test_undamaged_result_starts_another(saved: Path, tmp_path: Path) -> None:
+    case = quick_case(tmp_path / "case.toml", initial_result=os.path.relpath(saved, tmp_path))
+    assert command("cyclic", case, "-o", tmp_path / "new", "-q", "--no-figures").exit_code == 0
+    assert tb.load_result(tmp_path / "new" / "result.nc").outcome == "completed"
+
+
+def test_damaged_resolved_case_is_told(saved: Path, tmp_path: Path) -> None:
+    text = content(saved)["case.resolved.toml"]
+    for damaged in (text[:-40], b"", text.replace(b"[test]", b"[tset]"), text[::-1]):
+        path = tmp_path / "case.toml"
+        path.write_bytes(damaged)
+        done = command("cyclic", path, "-o", tmp_path / "new", "-q", "--no-figures", "--overwrite")
+        assert done.exit_code in (0, 2)  # an empty case is the default one
+        assert (done.exit_code == 0) == (damaged == b"")
