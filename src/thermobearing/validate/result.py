@@ -48,29 +48,11 @@ NAN = float("nan")
 class Comparison:
     """One test compared with one bearing and model.
 
-    Attributes
-    ----------
-    bearing, model : str
-        Names.
-    record : TestRecord
-        The test.
-    outcome : str
-        Of the model's run, as of a cyclic test.
-    asked : list of dict
-        What the test asks of the range that the bearing was tested in, rows of `compared`.
-    rubber : float
-        Total thickness of the bearing's rubber [mm].
-    prediction : Prediction, optional
-        Force and temperatures at the samples; None where the model did not complete the test.
-    R2, NRMSE : float
-        Coefficient of determination of the force (Eq. 4.38), and its root mean square error over
-        the largest force of the test.
-    loops : list of Loop
-        Full cycles.
-    largest : Loop, optional
-        The loop with the largest displacement, one of `loops` or not.
-    temperature_errors : dict
-        Error of the temperature rise in time over the largest rise of the test, by thermocouple.
+    `outcome` is of the model's run, as of a cyclic test; `asked` are rows of `compared`. R2 is the
+    coefficient of determination of the force (Eq. 4.38), NRMSE its root mean square error over the
+    largest force of the test. `loops` are full cycles; `largest`, the loop with the largest
+    displacement, may be none of them. `temperature_errors` are those of the rise in time over the
+    largest rise of the test, by thermocouple.
     """
 
     bearing: str
@@ -317,28 +299,10 @@ def errors_of_tests(table: pd.DataFrame, caption: str) -> Table:
 class CrossValidation(Result):
     """Fits, and tests that each of them has and has not seen.
 
-    Attributes
-    ----------
-    final : Identification
-        The fit to every test that is not held out; with folds to all of them.
-    folds : list of Identification
-        One fit without each group of tests; none where the user said what is held out.
-    groups : list of lists of TestRecord
-        Tests held out, by fold; the one group of the user's without folds.
-    fitted : Validation
-        The final fit compared with its own tests.
-    held_out : Validation
-        Every test held out, compared with the fit that has not seen it.
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
-    >>> tests = [tb.synthetic_record("shen-hdr-specimen", t, test) for t in (23, -9)]
-    >>> fit = {"free": ["K_r"], "starts": 1}
-    >>> found = tb.cross_validate(tests, "shen-hdr-specimen", folds=2, **fit)
-    >>> found.table["role"].tolist()
-    ['fitted', 'fitted', 'held out', 'held out']
+    `final` is the fit to every test that is not held out, with folds to all of them; `folds` has
+    one fit without each group of tests, and is empty where the user said what is held out. `groups`
+    are the tests held out, by fold. `fitted` compares the final fit with its own tests, `held_out`
+    every test held out with the fit that has not seen it.
     """
 
     _figures = "CrossValidationFigures"
@@ -494,26 +458,7 @@ class CrossValidation(Result):
         figures: bool = True,
         forecast: "Forecast | None" = None,
     ) -> Path:
-        """Write a result directory; see docs/files.md.
-
-        Parameters
-        ----------
-        directory, overwrite, figures
-            As of every result.
-        forecast : Forecast, optional
-            Samples of the posterior of the final fit, and bands.
-
-        Returns
-        -------
-        Path
-            The directory.
-
-        Raises
-        ------
-        OutputError
-            The directory exists and `overwrite` is False, or it cannot be written; nothing is
-            left.
-        """
+        """Write a result directory as every result does, with a forecast of the final fit."""
         return Result.save(self.predict(forecast), directory, overwrite=overwrite, figures=figures)
 
     def predict(self, forecast: "Forecast | None") -> "CrossValidation":
