@@ -93,13 +93,6 @@ def test_a_rule_gives_its_verdict(rule: Any, numbers: Any, kind: str) -> None:
     assert verdict.settled == (kind in (REPRODUCED, HOLDS))
 
 
-def test_words_tell_how_near_and_how_many() -> None:
-    assert judge(Within(value=2.0, per_cent=5.0), 2.05).words == "reproduced within 2.5 %"
-    assert judge(Within(value=2.0, per_cent=5.0), 5.0).words == "contradicted: 150 % away"
-    assert judge(RISES, (1.0, 2.0, 1.0)).words == "contradicted: 1 of 2 as said"
-    assert judge(RISES, (1.0, 2.0, 2.0)).words.endswith("(1 of 2 as said, 1 within 1 %)")
-
-
 def test_a_motion_that_turns_a_verdict_decides_it_both_ways() -> None:
     """Each row is computed on every stand-in of its spectrum, and only if it asks for a motion."""
     yes, no, close = Verdict(HOLDS, "yes"), Verdict(CONTRADICTED, "no"), Verdict(CLOSE, "close")
@@ -136,17 +129,6 @@ def test_rows_that_echo_an_input_are_marked_and_groups_counted_apart() -> None:
     }
     assert found.groups["statements"][ECHOES] == 1
     assert found.headline.startswith("Reproduction: 1 statements, 1 echoes an input; 2 misprints")
-
-
-def test_every_row_has_a_verdict_on_the_model_as_printed() -> None:
-    """The published scheme warms lead by less: the same rule, another verdict."""
-    chosen = {one.id: one for one in load_claims()}
-    runs = Runs()
-    lead = make_row(chosen["fig-5-8-lead-over-rubber"], runs)
-    assert lead.verdict.kind == HOLDS
-    assert lead.printed is not None
-    assert lead.printed.kind == CONTRADICTED
-    assert make_row(chosen["eq-3-3-sign"], runs).printed is None
 
 
 @pytest.mark.parametrize(
@@ -209,34 +191,24 @@ def test_a_simulation_is_made_once() -> None:
     assert runs.cyclic("shen-hdr-specimen", 0.0) is not test
 
 
-@pytest.mark.parametrize(("limit", "change"), [(10.0, 0.1), (30.0, 0.3), (60.0, None)])
-def test_the_smallest_change_that_flips(limit: float, change: float | None) -> None:
+@pytest.mark.parametrize(
+    ("limits", "change"),
+    [((0.0, 1.1), 0.1), ((0.0, 1.3), 0.3), ((0.0, 1.6), None), ((0.9, 1.4), -0.1)],
+)
+def test_the_smallest_change_that_flips(limits: tuple[float, float], change: float | None) -> None:
     def judged(runs: Runs) -> Verdict:
-        factor = runs.change.get("K_r", 1.0)
-        return judge(Within(value=1.0, per_cent=limit), factor if factor > 1.0 else 1.0)
+        return judge(Limit(above=limits[0], below=limits[1]), runs.change.get("K_r", 1.0))
 
     found = find_flip(claim(), judged, Variants(), "K_r").change
     assert found is None if change is None else found == pytest.approx(change, abs=0.02)
 
 
-def test_either_side_may_flip_first() -> None:
-    def judged(runs: Runs) -> Verdict:
-        return judge(Limit(above=0.9, below=1.4), runs.change.get("K_r", 1.0))
-
-    assert find_flip(claim(), judged, Variants(), "K_r").change == pytest.approx(-0.1, abs=0.02)
-
-
-def test_a_row_says_what_flips_it() -> None:
+def test_a_row_says_what_flips_it_or_why_more_stiffness_does_not() -> None:
     row = make_row(claim(flips=("t_r",), depends="geometry"), Runs(), Variants())
-    assert row.verdict.kind == REPRODUCED
-    assert row.stiffer is True
+    assert (row.verdict.kind, row.stiffer) == (REPRODUCED, True)
     assert row.smallest is not None
     assert abs(row.smallest.change or 0.0) == pytest.approx(0.01, abs=0.005)
-
-
-def test_a_row_that_stands_more_stiffness_says_why() -> None:
-    row = make_row(claim(flips=("t_r",)), Runs(), Variants())
-    assert row.verdict.words == "failed: stands 5 % more K_r and does not say why"
+    assert make_row(claim(flips=("t_r",)), Runs(), Variants()).verdict.kind == FAILED
 
 
 def test_a_broken_row_is_a_row_with_its_reason() -> None:

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from reproduction.figures import COLUMNS, DETERMINED, LOOP, figure_words, load_figures
-from reproduction.runs import HDR, LHDR, LHDR_BRIDGE, MOTIONS, Runs
+from reproduction.runs import LHDR, LHDR_BRIDGE, MOTIONS, Runs
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.drawing import WIDEST
 
@@ -95,14 +95,6 @@ def test_ratios_of_the_models(runs: Runs) -> None:
         assert bar.get_height() == pytest.approx(single[column][run] / layered[column][run])
     assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == [*LOOP, DETERMINED]
     assert 0.9 < cold[-1].get_height() < 1.0
-
-
-def test_measures_of_the_models(runs: Runs) -> None:
-    figure = FIGURES["4.12"].figure(runs)
-    layered = hybrid_tests(runs, HDR, "rt").largest_loops.sort_values("ambient_degC")
-    for ax, column in zip(figure.axes, ("G_e_MPa", "h_eq"), strict=True):
-        heights = [bar.get_height() for bar in ax.containers[0].patches]
-        assert heights == pytest.approx(list(layered[column]))
 
 
 def test_the_design_bearing_beside_the_layered_one(runs: Runs) -> None:

@@ -87,20 +87,12 @@ def test_a_tiny_search_of_the_hybrid_test() -> None:
     assert "feeds energy" in other["why"]
 
 
-def made(values: dict[tuple[str, float, str], float]) -> pd.DataFrame:
-    """A table of runs by motion, temperature and mode."""
-    rows = [
-        {"motion": m, "ambient_degC": t, "mode": mode, "x": x} for (m, t, mode), x in values.items()
-    ]
-    return pd.DataFrame(rows)
-
-
 def test_rows_and_ratios() -> None:
-    table = made({("a", -20.0, ""): 8.0, ("a", 23.0, ""): 2.0, ("a", 0.0, ""): 4.0})
-    assert grid(table, "x").tolist() == [[2.0, 4.0, 8.0]]
-    assert colder(table, "x").tolist() == [2.0, 2.0]
-    both = made({("a", 23.0, "rt"): 3.0, ("a", 23.0, "pd"): 2.0})
-    assert modes(both, "x").tolist() == [1.5]
+    rows = [(23.0, "rt", 3.0), (23.0, "pd", 2.0), (0.0, "rt", 6.0), (0.0, "pd", 8.0)]
+    table = pd.DataFrame(rows, columns=["ambient_degC", "mode", "x"]).assign(motion="a")
+    assert grid(table, "x", "rt").tolist() == [[3.0, 6.0]]
+    assert colder(table, "x", "pd").tolist() == [4.0]
+    assert modes(table, "x").tolist() == [1.5, 0.75]
 
 
 def test_limits() -> None:

@@ -54,6 +54,8 @@ def test_every_verdict_is_as_listed(runs: Runs) -> None:
     assert not others
     numbers = {name: computed_words(row.claim, row.computed) for name, row in rows.items()}
     assert numbers == {name: row["computed"] for name, row in LISTED.items()}
+    printed = {name: row.printed.words if row.printed else "" for name, row in rows.items()}
+    assert printed == {name: row["printed_model"] for name, row in LISTED.items()}
     held = {name for name in CLAIMS if rows[name].verdict.settled}
     later = [claim for part in PARTS[2:] for claim in load_claims(part) if claim.id in held]
     assert all(claim.flips or claim.depends for claim in later)

@@ -7,7 +7,6 @@ import pytest
 from reproduction.claims import load_claims
 from reproduction.report import BEST, names_table, report_table
 from reproduction.runs import Runs
-from reproduction.slips import QUANTITIES
 from reproduction.tables import (
     COLUMNS,
     COMPUTED,
@@ -116,14 +115,6 @@ def test_the_best_sets_are_shown_without_their_numbers() -> None:
     assert [column.head for column in shown.columns] == ["k", "met"]
     assert [row[1] for row in shown.rows] == list(range(20, 20 - BEST, -1))
     assert "20 sets" in shown.note
-
-
-def test_slips_are_told_by_their_changes() -> None:
-    row = {"bearing": "HDR", "kind": "alone", "slip": "shims", "means": "P1"}
-    changes = {f"{key}_change_percent": 1.5 for key in QUANTITIES}
-    shown = report_table("slips", pd.DataFrame([row | changes]))
-    assert shown.rows == [["HDR", "alone", "P1", *[1.5] * len(QUANTITIES)]]
-    assert {column.unit for column in shown.columns[3:]} == {"%"}
 
 
 def test_a_changed_parameter_is_seen() -> None:

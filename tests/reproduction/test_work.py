@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 from matplotlib.figure import Figure
 
-import thermobearing as tb
 from reproduction import work
 from reproduction.__main__ import main
 from reproduction.claims import (
@@ -24,7 +23,7 @@ from reproduction.claims import (
     Within,
 )
 from reproduction.report import SETS, Drawn
-from reproduction.runs import DATA, Runs
+from reproduction.runs import DATA
 from reproduction.tables import printed_tables
 from thermobearing.border.errors import InputError
 from thermobearing.report.pieces import Heading
@@ -97,12 +96,6 @@ def test_a_row_that_nothing_flips_says_what_was_tried() -> None:
     assert Row(FEW[0], Verdict("contradicted", "contradicted")).flip_words == ""
 
 
-def test_verdicts_alone_have_no_flips(few: None) -> None:
-    row = work.reproduce(jobs=1, flips=False).rows[0]
-    assert row.verdict.kind == REPRODUCED
-    assert row.flips == ()
-
-
 def test_the_document_has_every_claim(few: None, tmp_path: Path) -> None:
     found = work.reproduce(jobs=1)
     pieces = found.pieces()
@@ -171,10 +164,3 @@ def test_the_program_says_counts_and_what_is_contradicted(
     assert main(words) == 2
     assert "exists" in capsys.readouterr().err
     assert main([*words, "--overwrite"]) == 3
-
-
-def test_light_runs_keep_less() -> None:
-    test = tb.cyclic_test(strain=[0.5], cycles=1)
-    light = Runs(light=True).cyclic("shen-hdr-specimen", 23.0, test)
-    assert "temperature" not in light.dataset
-    assert "temperature" in Runs().cyclic("shen-hdr-specimen", 23.0, test).dataset
