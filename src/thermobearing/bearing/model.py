@@ -5,6 +5,7 @@ annotations (kN, mm, s, degC; thermal properties as tables print them).
 """
 
 import math
+from html import escape
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Protocol
 
@@ -13,7 +14,6 @@ from pydantic import Field, field_validator, model_validator
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.border.library import Sourced
 from thermobearing.border.schema import Name, Strict, in_unit
-from thermobearing.border.showing import facts_html
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
 
 LawCelsius = Annotated[float, in_unit("degC"), Field(ge=-150, le=300)]
@@ -478,7 +478,9 @@ class Bearing(Sourced):
             "lead": cores,
             "citation": self.citation,
         }
-        return facts_html(self.name, facts)
+        cell = '<tr><th style="text-align:left">{}</th><td>{}</td></tr>'
+        rows = "".join(cell.format(escape(k), escape(v)) for k, v in facts.items() if v)
+        return f"<b>{escape(self.name)}</b><table>{rows}</table>"
 
     @property
     def area(self) -> float:

@@ -13,11 +13,10 @@ import pandas as pd
 import xarray as xr
 
 from thermobearing.border.deprecated import renamed
-from thermobearing.border.showing import table_html
 from thermobearing.quantities.tables import Table
 from thermobearing.results.directory import FIGURES, write_directory
 from thermobearing.results.ranges import largest_tested
-from thermobearing.results.screen import print_warnings, say, show_table
+from thermobearing.results.screen import print_warnings, say, show_table, table_html
 from thermobearing.results.writing import (
     from_attribute,
     limits_summary,
@@ -53,7 +52,7 @@ class Result:
         return f"<{self.headline}>"
 
     def _repr_html_(self) -> str:
-        return table_html(self.headline, self.table, list(self.warnings))
+        return table_html(self.headline, self.table, self.warnings)
 
     @property
     def rig(self) -> pd.DataFrame:

@@ -10,8 +10,8 @@ import pandas as pd
 import xarray as xr
 
 from thermobearing.border.errors import LONGEST_NAME, InputError, is_file, shortened
-from thermobearing.border.showing import table_html
 from thermobearing.results.directory import DATASET, FIGURES, IDENTIFIED, SUMMARY, check_seal
+from thermobearing.results.screen import table_html
 from thermobearing.results.writing import NETCDF, OTHERS
 
 NEEDED = {"command", "outcome"}  # keys of every summary.json

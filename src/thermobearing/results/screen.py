@@ -6,6 +6,8 @@ go to a terminal has no width (unless COLUMNS says one), no colours and no frame
 
 import os
 from collections.abc import Iterable, Sequence
+from html import escape
+from typing import Any
 
 from rich.console import Console
 from rich.text import Text
@@ -13,6 +15,7 @@ from rich.text import Text
 from thermobearing.quantities.tables import Table
 
 GAP = "  "  # between two columns
+MOST_ROWS = 60  # of a table in a notebook
 Row = Sequence[str]
 
 
@@ -106,3 +109,10 @@ def print_facts(title: str, facts: dict[str, str]) -> None:
     for name, value in facts.items():
         for row, line in enumerate(value.split("\n")):
             say(f"  {'' if row else name:{width}}  {line}")
+
+
+def table_html(title: str, table: Any, notes: Iterable[str] = ()) -> str:
+    """Return a titled DataFrame for a notebook, with sentences below it."""
+    drawn = table.to_html(index=False, max_rows=MOST_ROWS, border=0, float_format="%.4g")
+    below = "".join(f"<p>{escape(note)}</p>" for note in notes)
+    return f"<b>{escape(title)}</b>{drawn}{below}"
