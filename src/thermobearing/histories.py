@@ -24,9 +24,7 @@ AMBIENT = "Ambient [°C]"
 def histories_by_run(result: AnyResult) -> dict[str, History]:
     """Histories by the name of their run.
 
-    Parameters
-    ----------
-    result : as loaded, or as it was computed.
+    `result`: as loaded, or as it was computed.
     """
     if isinstance(result, SavedResult):
         return _of_tables(result)

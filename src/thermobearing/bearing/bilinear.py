@@ -53,13 +53,7 @@ BILINEAR = Library("bilinear bearing", "bilinear")
 
 
 def list_bilinear() -> list[str]:
-    """Names of the built-in bilinear bearings.
-
-    Examples
-    --------
-    >>> list_bilinear()
-    ['shen-bilinear-bridge']
-    """
+    """Names of the built-in bilinear bearings."""
     return BILINEAR.names()
 
 
@@ -85,16 +79,8 @@ def load_bilinear(name_or_path: str | Path) -> BilinearBearing:
 def load_device(name_or_path: str | Path) -> Bearing | BilinearBearing:
     """A bearing, or a bilinear one, by name or file.
 
-    Parameters
-    ----------
-    name_or_path : of the library, or a TOML file.
+    `name_or_path`: of the library, or a TOML file.
 
-    Raises
-    ------
-    InputError : no such bearing, or faults in the file.
-
-    Examples
-    --------
     >>> load_device("shen-bilinear-bridge").kind, load_device("shen-hdr-specimen").kind
     ('bilinear', 'HDR')
     """

@@ -132,13 +132,7 @@ COMPOUNDS = Library("compound", "compounds")
 
 
 def list_compounds() -> list[str]:
-    """Names of the built-in compounds.
-
-    Examples
-    --------
-    >>> "shen-hdr" in list_compounds()
-    True
-    """
+    """Names of the built-in compounds."""
     return COMPOUNDS.names()
 
 
@@ -173,18 +167,7 @@ def load_compound(name_or_path: str | Path) -> Compound:
 def as_compound(given: Any) -> "Compound | Bearing":
     """What a new bearing is made of: a compound, or a bearing of it, in whatever form.
 
-    Parameters
-    ----------
-    given : a Compound or Bearing, a name of `list_compounds()`, or the TOML file of either.
-
-    Raises
-    ------
-    InputError : it is neither.
-
-    Examples
-    --------
-    >>> as_compound("shen-lhdr").name
-    'shen-lhdr'
+    `given`: a Compound or Bearing, a name of `list_compounds()`, or the TOML file of either.
     """
     from thermobearing.bearing.library import bearing_from_table
 

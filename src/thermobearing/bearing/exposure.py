@@ -69,12 +69,7 @@ class Exposure(Strict):
 def effective_exposure(
     bearing: "Bearing | BilinearBearing", option: Exposure | None
 ) -> Exposure | None:
-    """The factors that count for a bearing: its own or the option's; None where they are 1.
-
-    Raises
-    ------
-    InputError : both are given.
-    """
+    """The factors that count for a bearing: its own or the option's; None where they are 1."""
     if bearing.exposure is not None and option is not None:
         raise InputError(f"exposure of {bearing.name}: {TWICE}")
     chosen = bearing.exposure or option
@@ -104,27 +99,8 @@ def exposure_attribute(factors: Mapping[str, Exposure]) -> dict[str, Any]:
 def exposed(bearing: "Bearing", option: Exposure | None = None) -> "Bearing":
     """The bearing with the factors in its numbers, and no table of them any more.
 
-    Parameters
-    ----------
-    bearing : layered; its own factors count, if it has some.
-    option : factors given elsewhere.
-
-    Returns
-    -------
-    Bearing : the same one where the factors are 1.
-
-    Raises
-    ------
-    InputError : both the bearing and the option have factors.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> bearing = load_bearing("shen-hdr-specimen")
-    >>> aged = exposed(bearing, Exposure(stiffness=2.0, source="an example"))
-    >>> h = aged.hysteresis
-    >>> round(h.post_yield_ratio * h.layer_stiffness / (0.266 * 30.738), 12)
-    2.0
+    `bearing`: layered; its own factors count, if it has some; `option`: factors given elsewhere.
+    Return the same one where the factors are 1.
     """
     factors = effective_exposure(bearing, option)
     if factors is None:
@@ -150,25 +126,7 @@ def exposed_bilinear(
 ) -> "BilinearBearing":
     """The same of a bilinear bearing: K_2 and Q_d, its yield displacement stays.
 
-    Parameters
-    ----------
-    bearing : bilinear; its own factors count, if it has some.
-    option : factors given elsewhere.
-
-    Returns
-    -------
-    BilinearBearing
-
-    Raises
-    ------
-    InputError : both the bearing and the option have factors.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.bilinear import load_bilinear
-    >>> bearing = load_bilinear("shen-bilinear-bridge")
-    >>> exposed_bilinear(bearing, Exposure(strength=2.0, source="an example")).strength
-    250.8
+    `bearing`: bilinear; its own factors count, if it has some; `option`: factors given elsewhere.
     """
     factors = effective_exposure(bearing, option)
     if factors is None:

@@ -66,19 +66,8 @@ def load_bearing(name_or_path: str | Path) -> Bearing:
 def as_bearing(given: Any, key: str = "bearing") -> Bearing:
     """A bearing from whatever stands for one: itself, a library name, a TOML file, or a table.
 
-    Parameters
-    ----------
-    given : a Bearing, what `load_bearing` takes, or a table as in a file.
-    key : what the argument is called, for the message.
-
-    Raises
-    ------
-    InputError : it stands for no layered bearing.
-
-    Examples
-    --------
-    >>> as_bearing("shen-hdr-specimen") == as_bearing(load_bearing("shen-hdr-specimen"))
-    True
+    `given`: a Bearing, what `load_bearing` takes, or a table as in a file; `key`: what the argument
+    is called, for the message.
     """
     if isinstance(given, Bearing):
         return given

@@ -60,14 +60,7 @@ class Usuals(Strict):
 def usual_values(name: str = "bearing.toml") -> list[Usual]:
     """The usual ranges that are shipped with the package.
 
-    Parameters
-    ----------
-    name : of the file in data/plausible: "bearing.toml" or "structure.toml".
-
-    Examples
-    --------
-    >>> usual_values()[0].key, usual_values()[0].ends
-    ('geometry.rubber_thickness', (1.5, 40.0))
+    `name`: of the file in data/plausible: "bearing.toml" or "structure.toml".
     """
     path = data_path("plausible", name)
     return validated(Usuals, read_toml(path), str(path)).usual
@@ -76,19 +69,7 @@ def usual_values(name: str = "bearing.toml") -> list[Usual]:
 def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
     """A sentence for each number of a bearing that usual ones do not have.
 
-    Parameters
-    ----------
-    bearing : any.
-
-    Returns
-    -------
-    list of str : key, value, usual range and its source, what is often behind it.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> implausible(load_bearing("shen-hdr-specimen"))
-    []
+    Return key, value, usual range and its source, what is often behind it.
     """
     layered = isinstance(bearing, Bearing)
     derived = _derived(bearing) if isinstance(bearing, Bearing) else _of_bilinear(bearing)
@@ -109,14 +90,8 @@ def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
 def sentence(what: str, value: float, usual: Usual) -> str:
     """What is said of a value outside its usual range.
 
-    Parameters
-    ----------
-    what : the number, for people.
-    value : in the unit of the range.
-    usual : the range.
+    `what`: the number, for people; `value`: in the unit of the range.
 
-    Examples
-    --------
     >>> sentence("layer", 200.0, usual_values()[0])[:46]
     'layer = 200 mm: usual are 1.5 to 40 mm (assume'
     """

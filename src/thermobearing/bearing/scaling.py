@@ -55,21 +55,8 @@ class Cores(Strict):
 def compound_of(bearing: Bearing, name: str = "") -> Compound:
     """The compound that a bearing is made of, its size divided out.
 
-    Parameters
-    ----------
-    bearing : any layered one, such as the specimen of a fit.
-    name : of the compound; that of the bearing with "-compound" if not given.
-
-    Returns
-    -------
-    Compound, with the sources of the bearing's numbers.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> compound = compound_of(load_bearing("shen-hdr-specimen"))
-    >>> round(compound.rubber.shear_modulus, 3), round(compound.rubber.yield_strain, 4)
-    (2.668, 0.3098)
+    `bearing`: any layered one, such as the specimen of a fit; `name`: of the compound; that of the
+    bearing with "-compound" if not given.
     """
     g, h = bearing.geometry, bearing.hysteresis
     net, height = bearing.area - bearing.lead_area, g.total_rubber_thickness
@@ -127,12 +114,7 @@ def _number_sources(bearing: Bearing) -> dict[str, str]:
 
 
 def find_kind(compound: Compound, *, with_lead: bool) -> str:
-    """HDR, LHDR or LRB.
-
-    Raises
-    ------
-    InputError : lead is wanted and the compound has none, or the other way round.
-    """
+    """HDR, LHDR or LRB."""
     if with_lead and compound.lead is None:
         raise InputError(
             f"compound {compound.name} says nothing of lead: give it the tables lead and "
@@ -147,12 +129,7 @@ def find_kind(compound: Compound, *, with_lead: bool) -> str:
 
 
 def split_parts(compound: Compound, geometry: Geometry, cores: Cores | None) -> dict[str, Any]:
-    """Hysteresis, lead and rate of a bearing of that size, by key of `Bearing`.
-
-    Raises
-    ------
-    InputError : the cores leave no rubber, or lead that the compound does not know.
-    """
+    """Hysteresis, lead and rate of a bearing of that size, by key of `Bearing`."""
     rubber, height = compound.rubber, geometry.total_rubber_thickness
     lead_area = cores.cores * cores.core_area if cores else 0.0
     net = geometry.plan.area - lead_area
@@ -203,29 +180,9 @@ def bearing_of(
 ) -> Bearing:
     """A bearing of that compound and size.
 
-    Parameters
-    ----------
-    compound : its rubber, and its lead if there are cores.
-    name : of the bearing.
-    geometry : plan, layers and plates.
-    cores : lead cores; none by default.
-    more : other keys of `Bearing`, such as cells and description.
-
-    Returns
-    -------
-    Bearing
-
-    Raises
-    ------
-    InputError : the compound has no lead, natural rubber without lead, numbers out of range.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> specimen, bridge = (load_bearing(f"shen-hdr-{n}") for n in ("specimen", "bridge"))
-    >>> made = bearing_of(compound_of(specimen), "full-size", bridge.geometry)
-    >>> round(made.hysteresis.layer_stiffness, 2), round(made.hysteresis.yield_displacement, 2)
-    (36.16, 5.27)
+    `compound`: its rubber, and its lead if there are cores; `name`: of the bearing; `geometry`:
+    plan, layers and plates; `cores`: lead cores; none by default; `more`: other keys of `Bearing`,
+    such as cells and description.
     """
     kind: Any = find_kind(compound, with_lead=cores is not None)
     return Bearing(
@@ -241,26 +198,7 @@ def bearing_of(
 def resized(bearing: Bearing, geometry: Geometry, core_diameter: float | None = None) -> Bearing:
     """The same bearing at another size: its compound, number of cores and all else it says.
 
-    Parameters
-    ----------
-    bearing : any layered one.
-    geometry : the new one.
-    core_diameter : of its lead cores [mm]; as before if not given.
-
-    Returns
-    -------
-    Bearing, its limits not checked again: quick, for a search.
-
-    Raises
-    ------
-    InputError : the cores leave no rubber, or parts out of range.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> specimen = load_bearing("shen-lhdr-specimen")
-    >>> resized(specimen, specimen.geometry).lead == specimen.lead
-    True
+    `bearing`: any layered one; `core_diameter`: of its lead cores [mm]; as before if not given.
     """
     cores = lead_cores(bearing, core_diameter)
     parts = split_parts(compound_of(bearing), geometry, cores)

@@ -10,10 +10,11 @@ from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing, TemperatureLaw, Validity
 from thermobearing.bearing.plausible import Usuals, implausible
 from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.climate.generator import Climate
-from thermobearing.cyclic.case import LIMITS, Case, load_case, load_rig
+from thermobearing.cyclic.case import LIMITS, Case, Rig, load_case, load_rig
 from thermobearing.cyclic.comparison import REFERENCE, TOLERABLE, cells_error
 from thermobearing.cyclic.history import build_segments
 from thermobearing.design.case import DesignCase, bearing_weight, load_design_case
@@ -37,8 +38,8 @@ from thermobearing.studies.definition.motions import with_stand_ins
 from thermobearing.studies.definition.record import Posterior, Study
 from thermobearing.tables.laboratory import Sidecar
 
-# Kind: keys that tell it, and the record that it is; None where it is read key by key.
-DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
+# Kind: keys that tell it, and the record that it is.
+DATA: dict[str, tuple[set[str], type[Strict]]] = {
     "rubber curves": ({"compounds", "smallest_strain"}, Curves),
     "published factors": ({"tables"}, Published),
     "assumed uncertainties": ({"groups"}, Groups),
@@ -46,35 +47,17 @@ DATA: dict[str, tuple[set[str], type[Strict] | None]] = {
     "usual values": ({"usual"}, Usuals),
     "climate": ({"monthly_mean", "daily_range"}, Climate),
     "temperature limits": ({"absolute_zero"}, TemperatureLimits),
-    "standard spectra": ({"I", "II"}, None),
-    "design of the source": ({"more"}, None),
-    "phases of motions": ({"jra-ii-ii-1"}, None),
     "rules of peaks": ({"rules"}, Rules),
-    "stiffness ratios": ({"HDR", "LHDR", "LRB"}, None),
-    "words of tables": ({"names"}, None),
-    "claims of the source": ({"claim"}, None),
-    "parameters of claims": ({"parameter"}, None),
-    "printed numbers": ({"u_B", "K_B"}, None),
-    "printed tables": ({"table"}, None),
-    "choices and statements": ({"choice"}, None),
-    "usual units": ({"factors"}, None),
-    "limits of piers": ({"ductility", "drift"}, None),
-    "surroundings in the weather": ({"upper_face", "lower_face"}, None),
-    "figures of Shen (2023)": ({"figures"}, None),
 }
+SHIPPED = "data of the package"  # read key by key
+LIBRARIES = {"bearings", "bilinear", "compounds", "rigs", "structures", "studies"}  # of things
 
 
 def _data_facts(kind: str, path: Path) -> dict[str, str]:
-    """What a data file holds.
-
-    Raises
-    ------
-    InputError : everything that is wrong with it.
-    """
+    """What a data file holds."""
     table, _ = split_sources(read_toml(path))
-    record = DATA[kind][1]
-    if record is not None:
-        validated(record, table, str(path))
+    if kind in DATA:
+        validated(DATA[kind][1], table, str(path))
     return {"entries": ", ".join(str(key) for key in table if key != "citation")}
 
 
@@ -99,25 +82,23 @@ def check_file(path: Path) -> Checked:
     Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
     beside a CSV), "earthquake case", "study", "sequence case", "design case", "case" of a cyclic
     test, and those of the package's own data.
-
-    Raises
-    ------
-    InputError : everything that is wrong with it.
     """
     table, _ = split_sources(read_toml(path))
     kind = find_kind(table, path)
-    if kind in DATA:
+    if kind not in KINDS:
         return Checked(kind, _data_facts(kind, path), [])
-    facts, things = KINDS[kind](path)
-    structures = [item for item in things if isinstance(item, Structure)]
-    bearings = [item for item in things if not isinstance(item, Structure)]
-    several = len(bearings) > 1
+    load, facts, parts = KINDS[kind]
+    thing = load(path)
+    found = parts(thing)
+    structures = [item for item in found if isinstance(item, Structure)]
+    bearings = {item.name: item for item in found if not isinstance(item, Structure)}
+    named = len([item for item in found if item not in structures]) > 1 or "bearing" not in kind
     warnings = [text for item in structures for text in implausible_structure(item)] + [
-        f"{bearing.name}: {sentence}" if several or "bearing" not in kind else sentence
-        for bearing in {item.name: item for item in bearings}.values()
+        f"{bearing.name}: {sentence}" if named else sentence
+        for bearing in bearings.values()
         for sentence in implausible(bearing)
     ]
-    return Checked(kind, facts, warnings)
+    return Checked(kind, facts(thing), warnings)
 
 
 def find_kind(table: dict[str, Any], path: Path) -> str:
@@ -127,94 +108,25 @@ def find_kind(table: dict[str, Any], path: Path) -> str:
         return "bilinear bearing"
     if table.get("kind") in ("compound", "study"):
         return str(table["kind"])
+    data = ((kind, its) for kind, (its, _) in DATA.items())
+    if path.parent.name not in LIBRARIES and path.absolute().is_relative_to(data_path()):
+        return next((kind for kind, its in data if its & keys), SHIPPED)
     for kind, its in (
         ("structure", {"bodies"}),
         ("sequence case", {"parts"}),
         ("earthquake case", {"command"}),
         ("bearing", {"geometry", "hysteresis", "materials", "kind", "based_on"}),
-        *((kind, its) for kind, (its, _) in DATA.items()),
+        *data,
         ("design case", DESIGNS),
         ("earthquake case", STUDIES),
         ("test record", TESTS),
+        ("rig", set(LIMITS)),
     ):
         if its & keys:
             return kind
-    if keys & set(LIMITS):
-        return "rig"
     if "test" not in keys and is_file(path.with_suffix(".csv")):
         return "test record"
     return "case"
-
-
-def _bearing(path: Path) -> tuple[dict[str, str], list[Bearing]]:
-    bearing = load_bearing(path)
-    return bearing_facts(bearing), [bearing]
-
-
-def _bilinear(path: Path) -> tuple[dict[str, str], list[BilinearBearing]]:
-    bearing = load_bilinear(path)
-    return _bilinear_facts(bearing), [bearing]
-
-
-def _compound(path: Path) -> tuple[dict[str, str], list[Bearing]]:
-    return _compound_facts(load_compound(path)), []
-
-
-def _structure(path: Path) -> tuple[dict[str, str], list[Structure]]:
-    structure = load_structure(path)
-    return _structure_facts(structure), [structure]
-
-
-def _rig(path: Path) -> tuple[dict[str, str], list[Bearing]]:
-    rig = load_rig(path.absolute())
-    limits = {name: getattr(rig, name) for name in LIMITS}
-    said = {name: f"{v:g} {LIMITS[name][0]}" for name, v in limits.items() if v is not None}
-    return {"name": rig.name, "description": rig.description, **said}, []
-
-
-def _record(path: Path) -> tuple[dict[str, str], list[Bearing]]:
-    return _record_facts(load_test(path)), []
-
-
-def _study(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing | Structure]]:
-    case = load_earthquake_case(path)
-    return _earthquake_facts(case), [*case.bearings, case.structure]
-
-
-def _many(path: Path) -> tuple[dict[str, str], list[Bearing | BilinearBearing | Structure]]:
-    study = load_study(path)
-    things = [one for one in study.factors.bearing.levels if not isinstance(one, Posterior)]
-    return _study_facts(study), [*things, *study.factors.structure.levels]
-
-
-def _sequence(path: Path) -> tuple[dict[str, str], list[Bearing]]:
-    case = load_sequence_case(path)
-    return _sequence_facts(case), [case.bearing]
-
-
-def _design(path: Path) -> tuple[dict[str, str], list[Bearing | Structure]]:
-    case = load_design_case(path)
-    return _design_facts(case), [*(load_bearing(name) for name in case.equal), case.structure]
-
-
-def _case(path: Path) -> tuple[dict[str, str], list[Bearing]]:
-    case = load_case(path)
-    return _case_facts(case), [case.bearing]
-
-
-KINDS: dict[str, Callable[[Path], tuple[dict[str, str], Any]]] = {
-    "bearing": _bearing,
-    "bilinear bearing": _bilinear,
-    "compound": _compound,
-    "structure": _structure,
-    "rig": _rig,
-    "test record": _record,
-    "earthquake case": _study,
-    "study": _many,
-    "sequence case": _sequence,
-    "design case": _design,
-    "case": _case,
-}
 
 
 def _case_facts(case: Case) -> dict[str, str]:
@@ -409,3 +321,42 @@ def _range(law: TemperatureLaw | None) -> str:
     low, high = law.range
     table = f", a table of {len(law.temperatures)} times m_T and n_T" if law.temperatures else ""
     return f"law identified at {low:g} to {high:g} degC{table}"
+
+
+def _rig_facts(rig: Rig) -> dict[str, str]:
+    """Limits of a rig."""
+    limits = {name: getattr(rig, name) for name in LIMITS}
+    said = {name: f"{v:g} {LIMITS[name][0]}" for name, v in limits.items() if v is not None}
+    return {"name": rig.name, "description": rig.description, **said}
+
+
+def _levels(study: Study) -> list[Any]:
+    """Bearings and structures of a study, those that are levels."""
+    bearings = [one for one in study.factors.bearing.levels if not isinstance(one, Posterior)]
+    return [*bearings, *study.factors.structure.levels]
+
+
+# Kind: how it is loaded, its facts, and the bearings and structures in it.
+KINDS: dict[
+    str, tuple[Callable[[Path], Any], Callable[[Any], dict[str, str]], Callable[[Any], list[Any]]]
+] = {
+    "bearing": (load_bearing, bearing_facts, lambda bearing: [bearing]),
+    "bilinear bearing": (load_bilinear, _bilinear_facts, lambda bearing: [bearing]),
+    "compound": (load_compound, _compound_facts, lambda _: []),
+    "structure": (load_structure, _structure_facts, lambda structure: [structure]),
+    "rig": (lambda path: load_rig(path.absolute()), _rig_facts, lambda _: []),
+    "test record": (load_test, _record_facts, lambda _: []),
+    "earthquake case": (
+        load_earthquake_case,
+        _earthquake_facts,
+        lambda case: [*case.bearings, case.structure],
+    ),
+    "study": (load_study, _study_facts, _levels),
+    "sequence case": (load_sequence_case, _sequence_facts, lambda case: [case.bearing]),
+    "design case": (
+        load_design_case,
+        _design_facts,
+        lambda case: [*map(load_bearing, case.equal), case.structure],
+    ),
+    "case": (load_case, _case_facts, lambda case: [case.bearing]),
+}

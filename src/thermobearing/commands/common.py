@@ -41,16 +41,7 @@ RUNNING: ContextVar[dict[str, bool] | None] = ContextVar("running", default=None
 
 
 def _long_options(context: Any) -> dict[str, bool]:
-    """The long options of a command, and whether the command line gives them.
-
-    Parameters
-    ----------
-    context : of typer.
-
-    Returns
-    -------
-    dict
-    """
+    """The long options of a command, and whether the command line gives them."""
     found: dict[str, bool] = {}
     for parameter in context.command.params:
         source = context.get_parameter_source(parameter.name)
@@ -67,16 +58,8 @@ def _as_options(text: str) -> str:
     it, if one did; a keyword in what is to be tried ("a larger dt", "say so with trust_unit") the
     option of that name, if the command has it.
 
-    Parameters
-    ----------
-    text : as raised; unchanged outside a command.
+    `text`: as raised; unchanged outside a command.
 
-    Returns
-    -------
-    str
-
-    Examples
-    --------
     >>> before = RUNNING.set({"--dt": True, "--keep-every": False})
     >>> _as_options("command line: test.dt = '9 s': must be at most 1 s")
     "command line: --dt = '9 s': must be at most 1 s"
@@ -223,12 +206,7 @@ class Printed:
     documents: Documents = NO_DOCUMENTS
 
     def target(self, usual: str = "") -> Path:
-        """Return the result directory, which is free to be written.
-
-        Raises
-        ------
-        OutputError : there is something else.
-        """
+        """Return the result directory, which is free to be written."""
         from thermobearing.results.directory import check_target
 
         target = self.output or Path(re.sub(r"[^\w.+-]+", "-", usual))

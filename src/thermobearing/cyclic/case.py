@@ -146,12 +146,7 @@ def settle_start(table: dict[str, Any], ways: Sequence[str]) -> tuple[list[str],
 
 
 def left_by(data: xr.Dataset, bearing: Bearing, ambient: list[float], where: str) -> SpecimenState:
-    """Where an earlier result left a bearing, in the run at the same ambient temperature.
-
-    Raises
-    ------
-    InputError : a whole state of another bearing, none, or several runs; `where` names the file.
-    """
+    """Where an earlier result left a bearing, in the run at the same ambient temperature."""
     name, fault = _whose(data, bearing)
     try:
         state = final_state(data, ambient, name)
@@ -203,10 +198,6 @@ def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> Sp
 
     Results of tests that hold no state (before 0.2) give temperatures only. `bearing` is the name
     of one of a study of several.
-
-    Raises
-    ------
-    InputError : several runs, and none or several of them asked for; a study that holds no ends.
     """
     run = _same_run(data, ambient, bearing)
     if "final_temperature" not in data:
@@ -325,18 +316,7 @@ RIGS = Library("rig", "rigs")
 def load_rig(name_or_path: str | Path) -> Rig:
     """A rig of the library by name, or one of your own from a TOML file.
 
-    Parameters
-    ----------
-    name_or_path : "shen-rig", that of the source (Table 3.2), or a path.
-
-    Raises
-    ------
-    InputError : no such rig, or faults in the file.
-
-    Examples
-    --------
-    >>> load_rig("shen-rig").stroke
-    200.0
+    `name_or_path`: "shen-rig", that of the source (Table 3.2), or a path.
     """
     return RIGS.load(Rig, name_or_path)
 

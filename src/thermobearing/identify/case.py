@@ -67,29 +67,9 @@ def make_identify_case(
 ) -> IdentifyCase:
     """A checked case of a fit.
 
-    Parameters
-    ----------
-    records : one or more tests: from `load_test`, `record_from_arrays`, or paths.
-    bearing : a Bearing, a library name, or a TOML file.
-    options : the other attributes of `IdentifyCase`, each with its default.
-
-    Returns
-    -------
-    IdentifyCase
-
-    Raises
-    ------
-    InputError : no test, a file that cannot be read, an unknown method or loss, numbers out of
-        range.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from thermobearing.identify.records.record import record_from_arrays
-    >>> t = np.linspace(0.0, 10.0, 200)
-    >>> record = record_from_arrays(t, np.sin(t), 2.0 * np.sin(t), 23.0)
-    >>> make_identify_case(record, "shen-hdr-specimen", loss="huber").method
-    'least-squares'
+    `records`: one or more tests: from `load_test`, `record_from_arrays`, or paths; `bearing`: a
+    Bearing, a library name, or a TOML file; `options`: the other attributes of `IdentifyCase`, each
+    with its default.
     """
     several = [records] if isinstance(records, TestRecord | str | Path) else list(records)
     if not several:

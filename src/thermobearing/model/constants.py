@@ -74,12 +74,9 @@ def outside_law(
 ) -> list[str]:
     """A sentence where rubber left the range in which its temperature law was identified.
 
-    Parameters
-    ----------
-    name : of the bearing.
-    law : its temperature law.
-    runs : of each what it is called, times [s] and layer temperatures [degC], a row a time. A run
-        with several bearings has one entry for each, under the same name, and counts once.
+    `name`: of the bearing; `law`: its temperature law; `runs`: of each what it is called, times [s]
+    and layer temperatures [degC], a row a time. A run with several bearings has one entry for each,
+    under the same name, and counts once.
     """
     if law is None or law.range is None:
         return []

@@ -167,19 +167,7 @@ def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
 def bilinear_constants(parameters: BilinearParameters) -> Constants:
     """A bilinear bearing that is nothing else: one layer, one cell that never warms.
 
-    Parameters
-    ----------
-    parameters : its backbone.
-
-    Returns
-    -------
-    Constants : of the coupled step.
-
-    Examples
-    --------
-    >>> constants = bilinear_constants(BilinearParameters(5.0, 1.0, initial=9.0))
-    >>> constants.lead.cores
-    1.0
+    Return of the coupled step.
     """
     return Constants(
         law=no_table(),
@@ -250,14 +238,7 @@ def isothermal(constants: Constants) -> Constants:
 
 
 def models_that_fit(bearing: Bearing) -> list[Model]:
-    """The multi-layer model and the earlier ones; `lead-alone` needs lead.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> models_that_fit(load_bearing("shen-hdr-specimen"))[:2]
-    ['multi-layer', 'adiabatic']
-    """
+    """The multi-layer model and the earlier ones; `lead-alone` needs lead."""
     return [m for m in get_args(Model) if m != "lead-alone" or bearing.lead is not None]
 
 

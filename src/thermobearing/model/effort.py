@@ -16,16 +16,7 @@ MAX_KEPT = 5e8  # numbers in the histories of a result: 4 GB
 def too_much(steps: float, cells: int, kept: float) -> list[str]:
     """What keeps an analysis from being done in bearable time and memory, and what to change.
 
-    Parameters
-    ----------
-    steps : of all runs together.
-    cells : of the stack.
-    kept : numbers in all rows that are kept.
-
-    Examples
-    --------
-    >>> too_much(1e6, cells=600, kept=2e7)
-    []
+    `steps`: of all runs together; `kept`: numbers in all rows that are kept.
     """
     change = "take a larger dt, fewer ambient temperatures"
     if steps > MAX_STEPS:
@@ -46,14 +37,7 @@ def too_much(steps: float, cells: int, kept: float) -> list[str]:
 def study_too_much(runs: Sequence[tuple[float, float, float]]) -> list[str]:
     """The same for a study.
 
-    Parameters
-    ----------
-    runs : of each run its steps, and the cells and kept numbers of one step.
-
-    Examples
-    --------
-    >>> study_too_much([(8000.0, 60.0, 50.0)] * 36)
-    []
+    `runs`: of each run its steps, and the cells and kept numbers of one step.
     """
     change = (
         "take a larger dt or cut the motions (duration); very many runs are for `thermobearing "
@@ -74,8 +58,6 @@ def study_too_much(runs: Sequence[tuple[float, float, float]]) -> list[str]:
 def too_many(table: Mapping[str, Any]) -> list[str]:
     """Lists of a case that are longer than a result with all histories can be of.
 
-    Examples
-    --------
     >>> too_many({"ambient": [0.0] * 36})
     []
     """

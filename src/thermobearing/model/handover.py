@@ -188,15 +188,8 @@ def specimen_state(
 def begun_from(given: SpecimenState, constants: Constants, lead: float | None = None) -> State:
     """The state of a bearing that goes on from where a test left it; its books begin anew.
 
-    Parameters
-    ----------
-    given : where it is.
-    constants : of the same bearing, modelled as it was.
-    lead : temperature of the lead [degC], instead of the given one.
-
-    Raises
-    ------
-    InputError : another number of cells, layers or terms, or numbers that contradict each other.
+    `constants`: of the same bearing, modelled as it was; `lead`: temperature of the lead [degC],
+    instead of the given one.
     """
     fault = misfit(given, constants)
     if fault:

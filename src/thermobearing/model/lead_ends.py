@@ -74,14 +74,10 @@ def disc_on_plate(
 ) -> Floats:
     """Mean over a disc that heats the near face of a plate, less the mean over the plan.
 
-    Parameters
-    ----------
-    steel, height : of the plate; height [mm].
-    film : at its far face [kN/(s mm K)], 0 to inf.
-    radius : of the disc [mm].
-    plan : radius at which the plate is insulated [mm].
-    below : rubber, thickness of its layers and of the shims [mm], if layers lie against the
-        near face around the disc; they take heat from the hot spot.
+    `steel`, `height`: of the plate; height [mm]; `film`: at its far face [kN/(s mm K)], 0 to inf;
+    `radius`: of the disc [mm]; `plan`: radius at which the plate is insulated [mm]; `below`:
+    rubber, thickness of its layers and of the shims [mm], if layers lie against the near face
+    around the disc; they take heat from the hot spot.
     """
     from scipy.special import j1
 
@@ -342,16 +338,7 @@ def longest_rest_step(constants: Constants) -> float:
     capacity of those cells. It is held at a fiftieth of what is between shims and end plates.
     Confined lead carries no heat from shims to plates, and takes steps of any length.
 
-    Parameters
-    ----------
-    constants : of the coupled step.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> from thermobearing.model.options import build_model
-    >>> round(longest_rest_step(build_model(load_bearing("lrb-example")).constants))
-    15
+    `constants`: of the coupled step.
     """
     ports, lead = constants.lead_ports, constants.lead
     if ports * lead.fold <= 2.0:  # ends only
@@ -369,11 +356,7 @@ def longest_rest_step(constants: Constants) -> float:
 def lead_network(bearing: Bearing, stack: Stack, upper: Face, lower: Face | None) -> Network:
     """Ports of the lead cores of a bearing.
 
-    Parameters
-    ----------
-    bearing : with lead.
-    stack : its cells.
-    upper, lower : heat exchange of the end faces; `lower` is None for a half stack.
+    `upper`, `lower`: heat exchange of the end faces; `lower` is None for a half stack.
     """
     lead, material = bearing.lead, bearing.materials.lead
     assert lead is not None

@@ -246,13 +246,7 @@ def model_table(model: ModelOptions | str | None, keywords: Mapping[str, Any]) -
 
 
 def outdoors() -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the options of faces and side in the weather, as a table, and their sources by key.
-
-    Examples
-    --------
-    >>> outdoors()[0]["side"]
-    {'film': '12 W/(m^2 K)', 'cover': '10 mm'}
-    """
+    """Return the options of faces and side in the weather, as a table, and their sources by key."""
     return split_sources(read_toml(data_path("surroundings", "outdoors.toml")))
 
 
@@ -275,8 +269,6 @@ class BearingModel:
 def default_heat_source(bearing: Bearing) -> HeatSource:
     """Dissipated work where the rubber is natural (LRB) and gives its elastic work back, else all.
 
-    Examples
-    --------
     >>> from thermobearing.bearing.library import load_bearing
     >>> default_heat_source(load_bearing("lrb-example"))
     'dissipation'
@@ -292,28 +284,9 @@ def build_model(
 ) -> BearingModel:
     """The model of a bearing: its stack, and the constants of the coupled step.
 
-    Parameters
-    ----------
-    bearing : any.
-    options : how; the defaults if not given.
-    backbone : makes the bilinear model of a bearing (`equivalent.bilinear_parameters`), for
-        `model` "bilinear". It runs a test on another model of the bearing, and tests are built
-        upon this module; so it is handed in.
-
-    Returns
-    -------
-    BearingModel
-
-    Raises
-    ------
-    InputError : `model` "bilinear" without a backbone; exposure factors in bearing and options.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> model = build_model(load_bearing("shen-hdr-specimen"))
-    >>> model.options.heat_source, len(model.stack.part)
-    ('work', 19)
+    `options`: how; the defaults if not given; `backbone`: makes the bilinear model of a bearing
+    (`equivalent.bilinear_parameters`), for `model` "bilinear". It runs a test on another model of
+    the bearing, and tests are built upon this module; so it is handed in.
     """
     options = (options or ModelOptions()).settled(bearing)
     bearing = exposed(bearing, options.exposure)  # once, before any temperature

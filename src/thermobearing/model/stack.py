@@ -134,12 +134,9 @@ def build_stack(
 ) -> Stack:
     """Build the cells and layers of a bearing.
 
-    Parameters
-    ----------
-    bearing : what to model.
-    half : model the upper half only; right when both end faces are alike.
-    side_film : coefficient of the side [W/(m2 K)]; that of the bearing's materials by default.
-    behind : heat capacity behind the upper and the lower face [kJ/(m2 K)].
+    `bearing`: what to model; `half`: model the upper half only; right when both end faces are
+    alike; `side_film`: coefficient of the side [W/(m2 K)]; that of the bearing's materials by
+    default; `behind`: heat capacity behind the upper and the lower face [kJ/(m2 K)].
     """
     parts = _parts(bearing, half)
     lump = [("mass", LUMP, 1)]
@@ -198,11 +195,8 @@ def through_side(bearing: Bearing, film: float, cover: float) -> float:
     (area/(2 perimeter k) otherwise) with the conductivity of rubber and steel in parallel: what a
     disc that cools slowly has between its mean and its edge.
 
-    Parameters
-    ----------
-    bearing : whose side it is.
-    film : coefficient of the film [W/(m2 K)]; 0 insulates.
-    cover : thickness of the cover rubber [mm].
+    `bearing`: whose side it is; `film`: coefficient of the film [W/(m2 K)]; 0 insulates; `cover`:
+    thickness of the cover rubber [mm].
     """
     if film == 0.0:
         return 0.0

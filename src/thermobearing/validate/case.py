@@ -57,24 +57,11 @@ def make_validate_case(
 ) -> ValidateCase:
     """A checked case of a validation.
 
-    Parameters
-    ----------
-    bearings : one or more: a Bearing, a library name, or a TOML file.
-    records : one or more tests: from `load_test`, `record_from_arrays`, or paths.
-    models : "multi-layer" and earlier models; each bearing has those that fit it.
-    limits : largest relative error by quantity (`QUANTITIES`), in (0, 10]; they are added to the
-        usual ones, 0.15 for K_eq and h_eq.
+    `bearings`: one or more: a Bearing, a library name, or a TOML file; `records`: one or more
+    tests: from `load_test`, `record_from_arrays`, or paths; `models`: "multi-layer" and earlier
+    models; each bearing has those that fit it; `limits`: largest relative error by quantity
+    (`QUANTITIES`), in (0, 10]; they are added to the usual ones, 0.15 for K_eq and h_eq.
 
-    Returns
-    -------
-    ValidateCase
-
-    Raises
-    ------
-    InputError : nothing to do, files that cannot be read, unknown names, limits out of range.
-
-    Examples
-    --------
     >>> import numpy as np
     >>> from thermobearing.identify.records.record import record_from_arrays
     >>> t = np.linspace(0.0, 10.0, 200)
@@ -100,12 +87,7 @@ def make_validate_case(
 
 
 def checked_limits(limits: Mapping[str, float]) -> dict[str, float]:
-    """Limits that can be: known quantities, more than 0 and at most 10.
-
-    Raises
-    ------
-    InputError : an unknown quantity, or a number out of range.
-    """
+    """Limits that can be: known quantities, more than 0 and at most 10."""
     for name, value in limits.items():
         if name not in QUANTITIES:
             raise InputError(f'limit of "{name}"{nearest(name, QUANTITIES)}')
@@ -120,18 +102,7 @@ def checked_limits(limits: Mapping[str, float]) -> dict[str, float]:
 def possible_models(case: ValidateCase, bearing: Bearing) -> list[Model]:
     """Those of the case that a bearing can have: `lead-alone` needs lead.
 
-    Parameters
-    ----------
-    case : from `make_validate_case`.
-    bearing : one of the case.
-
-    Returns
-    -------
-    list of Model
-
-    Raises
-    ------
-    InputError : none of them.
+    `case`: from `make_validate_case`; `bearing`: one of the case.
     """
     found = [model for model in case.models if not ModelOptions(model=model).misfits(bearing)]
     if not found:

@@ -62,28 +62,8 @@ STUDIES = Library("study", "studies")
 def load_study(name_or_path: str | Path) -> Study:
     r"""A study from its TOML file (docs/files.md).
 
-    Parameters
-    ----------
-    name_or_path : "cold-town", "cold-town-levels" (examples, of no real place), or a file; names of
-        files in it are relative to its folder.
-
-    Returns
-    -------
-    Study
-
-    Raises
-    ------
-    InputError : all faults of the file in one message.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> file = Path(tempfile.mkdtemp()) / "study.toml"
-    >>> text = 'kind = "study"\nname = "p1"\n[factors]\nbearing = ["shen-hdr-bridge"]\n'
-    >>> _ = file.write_text(text + 'motion = ["jra-ii-i-1"]\nambient = ["23 degC", "-20 degC"]')
-    >>> study = load_study(file)
-    >>> study.case.structure.name, study.factors.ambient.levels
-    ('pier-p1', [23.0, -20.0])
+    `name_or_path`: "cold-town", "cold-town-levels" (examples, of no real place), or a file; names
+    of files in it are relative to its folder.
     """
     path = STUDIES.path(name_or_path)
     return with_kept(make_study(case_table(path), str(path), path.parent), path.parent)
