@@ -244,11 +244,6 @@ def test_one_size_with_a_jump_is_not_two() -> None:
     assert two_sizes([sized(3, 230.0, 300.0, 8), high, low], 0.01) == (low, high)
 
 
-def test_far_below_is_not_converged(monkeypatch: pytest.MonkeyPatch) -> None:
-    turns(monkeypatch, lambda assumed: 0.5 * assumed)
-    assert run.run_design(case_of(most_rounds=3)).outcome == "not_converged"
-
-
 def test_row_and_loop_of_a_round() -> None:
     q, k1, k2, u = 125.0, 9.5, 1.8, 178.0
     turn = Round(2, u, Size(600.0, 8, 14.0), 2.6, 0.15, q, k2, k1, 190.0, 1.7)

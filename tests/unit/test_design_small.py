@@ -9,7 +9,6 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests.regression.cases import INPUTS
 from tests.unit.inputs import command, summary, write_toml
-from thermobearing.design.bounds import first_motions
 from thermobearing.design.case import LineGroup, bearing_weight, make_design_case, settle_groups
 from thermobearing.design.run import run_design, run_factors
 from thermobearing.design.sizing import checked_strain, load_rubber
@@ -19,10 +18,6 @@ def test_factors_are_relative_to_the_reference_of_the_rubber() -> None:
     """15 degC in the natural rubber bearing, 23 in those of the source."""
     table = run_factors(["lrb-example"], temperatures=[15.0], strains=[1.0], cycles="1-3").table
     assert (table[table["ambient_degC"] == 15.0]["factor"] == 1.0).all()
-
-
-def test_bounds_are_tried_on_ground_i() -> None:
-    assert first_motions() == [f"jra-{kind}-i-{n}" for kind in ("i", "ii") for n in (1, 2, 3)]
 
 
 def bridge(**table: Any) -> Any:
@@ -47,6 +42,7 @@ def test_lines_of_one_count_and_support_are_a_group() -> None:
     groups = settle_groups(named, viaduct, "test")
     assert [group.name for group in groups] == ["east", "on A", "left"]
     case = bridge().model_copy(update={"structure": viaduct, "line_groups": groups})
+    assert_allclose(bearing_weight(make_design_case({}, "test")), 400.0 * 9.80665 / 5.0)
     loads = [bearing_weight(case, group) for group in groups]
     assert_allclose(loads, [500.0, *2 * [400.0 * 9.80665 / 12]])
     for given, said in (

@@ -102,29 +102,6 @@ def test_period_from_a_speed_is_that_of_each_strain(monkeypatch: pytest.MonkeyPa
     assert found["strain"].tolist() == [1.0, 1.75]
 
 
-def test_scaled_bearing_by_hand() -> None:
-    """Lengths, and stiffnesses with them; stresses, strains and materials stay."""
-    half = scale.scaled_bearing(tb.load_bearing("shen-lhdr-specimen"), 0.5)
-    full = tb.load_bearing("shen-lhdr-specimen")
-    assert half.lead is not None
-    assert full.lead is not None
-    assert half.rate is not None
-    assert full.rate is not None
-    for name in ("layer_stiffness", "yield_displacement"):
-        assert getattr(half.hysteresis, name) == 0.5 * getattr(full.hysteresis, name)
-    assert (half.lead.diameter, half.lead.stiffness) == (
-        0.5 * full.lead.diameter, 0.5 * full.lead.stiffness,
-    )  # fmt: skip
-    assert half.rate.stiffness == pytest.approx(0.5 * full.rate.stiffness, rel=1e-12)
-    assert half.rate.damping == pytest.approx(0.5 * full.rate.damping, rel=1e-12)
-    for name in ("rubber", "shim", "end_plate", "sealing_plate"):
-        key = f"{name}_thickness"
-        assert getattr(half.geometry, key) == 0.5 * getattr(full.geometry, key)
-    assert half.area == 0.25 * full.area
-    assert half.lead.yield_stress == full.lead.yield_stress
-    assert half.materials == full.materials
-
-
 def test_study_of_sizes_reads_its_histories_at_the_right_times(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

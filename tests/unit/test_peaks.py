@@ -3,12 +3,10 @@
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
 import thermobearing as tb
-from tests.unit.inputs import command, summary
 from thermobearing.design.case import make_design_case
 from thermobearing.design.peaks import coldest_sentences, combined, envelope, few_motions, judged
 from thermobearing.design.run import at_every_air, one_turn, run_bounds
@@ -64,21 +62,6 @@ def test_bearings_are_judged_at_every_temperature() -> None:
     (said,) = coldest_sentences(table.reset_index())
     assert "OK on the coldest day, -20 degC" in said
     assert np.isfinite(table.drop(columns=["bearing", "verdict", "fails"]).to_numpy(float)).all()
-
-
-def test_a_design_says_its_structure_and_the_coldest_day(tmp_path: Path) -> None:
-    out = tmp_path / "design"
-    words = ("--motion", "jra-ii-i-1", "--tolerance", "0.1", "--start", "215", "--no-figures")
-    done = command("design", *words, "--ambient", "-20", "-o", out)
-    assert done.exit_code == 0
-    told = summary(out)
-    assert told["structure"] == "pier-p1"
-    assert told["peaks"]["name"] == "mean"
-    rows = pd.read_csv(out / "temperatures.csv")
-    assert list(rows["ambient_degC"]) == [-20, -20]
-    assert len(told["coldest_day"]) == 2
-    assert "on the coldest day, -20 degC" in done.stdout
-    assert "(of fewer the largest)" in done.stdout
 
 
 def test_nothing_to_judge_without_bearings_or_temperatures() -> None:

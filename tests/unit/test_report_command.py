@@ -77,12 +77,6 @@ def test_without_pdf_an_earlier_one_goes(earlier: Path) -> None:
     assert (earlier / "report.xlsx").exists()
 
 
-def test_the_same_directory_has_the_same_bytes(earlier: Path) -> None:
-    before = content(earlier)
-    assert command("report", earlier, "--xlsx", "-q").exit_code == 0
-    assert content(earlier) == before
-
-
 def test_files_of_documents_are_files_of_a_result() -> None:
     assert set(files.WRITTEN) <= RESULT_NAMES
 

@@ -198,10 +198,6 @@ def test_letters_that_no_figure_can_show_are_told() -> None:
     assert picture_size(svg) == pytest.approx((127.0, 76.2))
 
 
-def test_a_picture_has_the_same_bytes_again() -> None:
-    assert svg_bytes(line(), set()) == svg_bytes(line(), set())
-
-
 def test_the_date_is_that_of_the_document_or_of_the_run() -> None:
     of_run = dataclasses.replace(PIECES, identity={"Date of the run": "2026-03-09"})
     assert str(document_date(document(of_run, {}))) == "2026-03-09"

@@ -1,23 +1,21 @@
 """JRA sizing, the design loop, equal bearings, bounds; files and bad input."""
 
-import json
 import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from tests.unit.inputs import Row, assert_told, by_name, command, last_line, write_toml
+from tests.unit.inputs import Row, assert_told, by_name, command, summary, write_toml
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.design.bounds import DEMANDS, bounds_study, paragraph, verdict
-from thermobearing.design.case import bearing_weight, make_design_case
+from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_design
 from thermobearing.design.sizing import (
     SizingRules,
@@ -139,8 +137,6 @@ def test_table_6_3_is_rounded_inconsistently(measured: Recorder) -> None:
 def test_size_of_the_source() -> None:
     """178 mm and 785 kN give 600 x 600 mm and 8 layers, as Table 6.1."""
     size = size_bearing(178.0, 784.5, SizingRules())
-    assert (size.side, size.layers) == (600.0, 8)
-    assert_allclose([size.first_shape_factor, size.second_shape_factor], [600 / 56, 600 / 112])
     heavy = size_bearing(100.0, 6000.0, SizingRules())
     assert heavy.side == 1000.0  # 6 MPa
     checks = {c.what: c for c in report_checks(size, 784.5, 2.6, SizingRules())}
@@ -149,12 +145,6 @@ def test_size_of_the_source() -> None:
     assert_allclose(checks["compressive stress"].value, 2.18, atol=0.005)  # Table 6.1
     assert all(check.source for check in checks.values())
     assert sum(check.unverified for check in checks.values()) == 2
-
-
-def test_weight_of_one_bearing() -> None:
-    case = make_design_case({}, "test")
-    assert_allclose(bearing_weight(case), 400.0 * 9.80665 / 5.0)
-    assert bearing_weight(make_design_case({}, "test", weight=900)) == 900.0
 
 
 def test_loop_forgets_its_start(measured: Recorder) -> None:
@@ -173,13 +163,6 @@ def test_loop_forgets_its_start(measured: Recorder) -> None:
         assert abs(design.last.difference) <= 0.01
         assert design.first_within is not None
         assert design.first_within <= len(design.rounds)
-
-
-def test_loop_says_why_it_did_not_converge() -> None:
-    design = run_design(make_design_case({"most_rounds": 1}, "test", start=50))
-    assert design.outcome == "not_converged"
-    assert "After 1 rounds" in design.sentence
-    assert "Try thinner layers" in design.sentence
 
 
 @pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge"])
@@ -213,28 +196,6 @@ def test_bounds_study_says_where_bounds_are_unsafe() -> None:
     assert [verdict(v) for v in (0.9, 1.0, 1.4)] == ["unsafe", "good", "wasteful"]
 
 
-def test_design_command(tmp_path: Path) -> None:
-    done = command("design", "--motion", "jra-ii-i-1", "-o", tmp_path / "out", "--json")
-    assert done.exit_code == 0, done.output
-    assert last_line(done)["outcome"] == "completed"
-    told = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert told["outcome"] == "converged"
-    assert told["rounds"][-1]["K_B_kN_mm"] > 0.0
-    assert {check["verdict"] for check in told["checks"]} == {"OK"}
-    rounds = pd.read_csv(tmp_path / "out" / "rounds.csv")
-    assert len(rounds) == len(told["rounds"])
-    figures = {path.name for path in (tmp_path / "out" / "figures").iterdir()}
-    assert figures == {"rounds.png", "rounds.svg", "equal.png", "equal.svg"}
-    for path in (tmp_path / "out" / "bearings").glob("*hdr*.toml"):
-        assert tb.load_bearing(path).geometry.rubber_layers > 1
-    (design,) = (tmp_path / "out" / "bearings").glob("G8*.toml")
-    assert load_bilinear(design).kind == "bilinear"
-    again = command("design", tmp_path / "out" / "case.resolved.toml", "-o", tmp_path / "b", "-q")
-    assert again.exit_code == 0, again.output
-    name = "summary.json"
-    assert (tmp_path / "b" / name).read_bytes() == (tmp_path / "out" / name).read_bytes()
-
-
 def test_design_from_python_is_that_of_the_command(tmp_path: Path) -> None:
     overrides = {"motions": ["jra-ii-i-1"], "tolerance": 0.1}
     case = make_design_case({}, "test", **overrides)
@@ -243,6 +204,8 @@ def test_design_from_python_is_that_of_the_command(tmp_path: Path) -> None:
     words = ["--motion", "jra-ii-i-1", "--tolerance", 0.1, "--no-figures", "-q"]
     done = command("design", *words, "-o", tmp_path / "command")
     assert done.exit_code == 0, done.output
+    for path in (tmp_path / "command" / "bearings").glob("*hdr*.toml"):
+        assert tb.load_bearing(path).geometry.rubber_layers > 1
     files = [path for path in (tmp_path / "command").rglob("*") if path.is_file()]
     assert len(files) == 9  # temperatures.csv and tested_range.csv among them
     for path in files:
@@ -263,34 +226,22 @@ def test_loops_of_equal_bearings_go_through_the_design_point() -> None:
     assert (1.0 - tol.HEATED_PEAK) * peak < layered[1].max() < peak
 
 
+@pytest.mark.parametrize(
+    ("words", "said"), [(["--ambient", 23], "two different"), (["--strain", 9], "strain = 9")]
+)
+def test_bounds_that_are_refused(words: list[Any], said: str, tmp_path: Path) -> None:
+    refused = command("bounds", *words, "-o", tmp_path / "no")
+    assert refused.exit_code == 2
+    assert said in refused.output
+    assert not (tmp_path / "no").exists()
+
+
 def test_design_that_does_not_converge_ends_with_status_3(tmp_path: Path) -> None:
     path = write_toml(tmp_path / "case.toml", {"most_rounds": 1, "start": "50 mm"})
     done = command("design", path, "--motion", "jra-ii-i-1", "-o", tmp_path / "out", "--no-figures")
     assert done.exit_code == 3
     assert "not_converged" in done.output
-    assert (tmp_path / "out" / "summary.json").exists()
-
-
-def test_bounds_command(tmp_path: Path) -> None:
-    words = [
-        "--bearing",
-        "shen-hdr-bridge",
-        "--motion",
-        "jra-ii-i-1",
-        "--ambient",
-        23,
-        "--ambient",
-        0,
-    ]
-    done = command("bounds", *words, "-o", tmp_path / "out")
-    assert done.exit_code == 0, done.output
-    assert "least safe" in done.output
-    assert (tmp_path / "out" / "figures" / "bounds-shen-hdr-bridge.png").stat().st_size > 2_000
-    for bad, said in ((["--ambient", 23], "two different"), (["--strain", 9], "strain = 9")):
-        refused = command("bounds", *bad, "-o", tmp_path / "no")
-        assert refused.exit_code == 2
-        assert said in refused.output
-        assert not (tmp_path / "no").exists()
+    assert "After 1 rounds" in summary(tmp_path / "out")["sentence"]
 
 
 BAD: list[Row] = [

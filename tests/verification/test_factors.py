@@ -1,6 +1,5 @@
 """Temperature factors, bound models, and bearings at another scale."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.opensees import needs_opensees, ops
 from tests.unit.inputs import assert_told, command
-from thermobearing.design.bounds import bound_models, bounds_table, opensees_text
+from thermobearing.design.bounds import bound_models, opensees_text
 from thermobearing.design.factors import (
     chosen_cycles,
     published_tables,
@@ -105,23 +104,6 @@ def test_a_posterior_makes_bands() -> None:
     assert np.all(cold["factor"] < cold["factor_high"])
     at = found.query("ambient_degC == 23")
     assert_allclose(at["factor_low"], 1.0)
-
-
-def test_bounds_are_the_softest_and_the_stiffest_cycle(table: pd.DataFrame) -> None:
-    models = bound_models(table, 1.75, HDR.total_rubber_thickness)
-    lower, upper = models
-    assert (upper.basis, upper.temperature) == ("first", -40.0)
-    assert lower.temperature == 40.0
-    u = 1.75 * HDR.total_rubber_thickness
-    for model, extreme in ((lower, "min"), (upper, "max")):
-        rows = table.query("strain == 1.75 and quantity == 'K_eq' and basis != 'mean'")["value"]
-        element = BearingElement.from_constants(bilinear_constants(model.parameters), 0.0)
-        force = element.set_trial(u, 1.0, 0.0).force
-        assert_allclose(force, getattr(rows, extreme)() * u, rtol=tol.LOOP * 100)
-    frame = bounds_table(models)
-    assert list(frame["bound"]) == ["lower", "upper"]
-    with pytest.raises(tb.InputError, match=r"the table has 1, 1\.75"):
-        bound_models(table, 2.0, 102.0)
 
 
 @needs_opensees
@@ -222,32 +204,6 @@ def test_published_tables_say_what_is_unverified() -> None:
         assert len(item.temperatures) == len(item.factors)
         assert ("from memory" in item.source) == item.unverified
         assert item.label.endswith("*") == item.unverified
-
-
-def test_command(tmp_path: Path) -> None:
-    words = ["--temperature", -20, "--temperature", 0, "--strain", 1.0, "--scale"]
-    done = command("lambda", "shen-hdr-specimen", *words, "-o", tmp_path / "out", "--json")
-    assert done.exit_code == 0, done.output
-    assert "reference 23 degC" in done.output
-    assert "cycles 1-3" in done.output
-    names = {str(p.relative_to(tmp_path / "out")) for p in (tmp_path / "out").rglob("*.*")}
-    tables = {
-        "factors.csv",
-        "bounds.csv",
-        "bounds.tcl",
-        "bounds.py",
-        "scale.csv",
-        "tested_range.csv",
-    }
-    figures = {f"figures/{name}.{kind}" for name in ("factors", "scale") for kind in ("png", "svg")}
-    assert names == tables | {"summary.json"} | figures
-    told = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert told["reference_degC"] == 23.0
-    assert len(told["factors"]) == 3 * 3 * 5
-    words = [*words[:6], "--speed", 200, "--cycles", "2,3", "--reference", 20, "--no-figures"]
-    fast = command("lambda", "shen-lhdr-specimen", *words, "-o", tmp_path / "fast")
-    assert fast.exit_code == 0, fast.output
-    assert "mean speed of 200 mm/s" in fast.output
 
 
 BAD_WORDS: list[tuple[list[Any], list[str]]] = [
