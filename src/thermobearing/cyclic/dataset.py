@@ -188,9 +188,9 @@ def _build_dataset(
         coordinates["time"] = ("time", clock[0], meanings["clock"])
     plain = {key: as_attribute(value) for key, value in attributes.items()}
     dataset = xr.Dataset(data, coords=coordinates, attrs=plain)
-    for key, variable in dataset.variables.items():
+    for own, variable in dataset.variables.items():
         if not variable.attrs:
-            about = quantity(str(key))
+            about = quantity(str(own))
             variable.attrs = {
                 k: v for k, v in about.attributes.items() if k != "units" or about.stored
             }
