@@ -63,8 +63,7 @@ class Within(Strict):
     absolute: Annotated[float, Field(gt=0, le=1e6)] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """Require one of the two tolerances."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         both = ("per_cent" in given) == ("absolute" in given)
         return ["give either per_cent or absolute"] if both else []
 
@@ -104,8 +103,7 @@ class Limit(Comparison):
     below: Number | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """Require one limit at least."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         return [] if {"above", "below"} & set(given) else ["give above, below or both"]
 
 
@@ -140,8 +138,7 @@ class Claim(Strict):
     figure: str | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """Require an expression, or that test data are needed."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         rule = given.get("rule")
         kind = rule.get("kind") if isinstance(rule, dict) else getattr(rule, "kind", None)
         both = (kind == "needs-test-data") == ("computed" in given)

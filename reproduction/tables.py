@@ -44,8 +44,7 @@ class PrintedRow(Strict):
     note: str = ""
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """Require one of three."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         count = sum(name in given for name in ("data", "computed", "why"))
         return [] if count == 1 else ["give exactly one of data, computed, why"]
 

@@ -66,8 +66,7 @@ class CompoundLead(Strict):
     clock: Clock | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One way to say how stiff it is."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         if ("shear_modulus" in given) == ("stiffness_ratio" in given):
             return ["give either shear_modulus (K_l H/A_l) or stiffness_ratio (K_1/K_2)"]
         return []

@@ -46,8 +46,7 @@ class Exposure(Strict):
     source: str = ""
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """A factor without a source is nobody's."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         factors = [given.get(key, 1.0) for key in ("stiffness", "strength")]
         if any(value != 1.0 for value in factors) and not str(given.get("source", "")).strip():
             return ['give the source of the factors, source = "..."']

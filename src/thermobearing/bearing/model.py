@@ -46,8 +46,7 @@ class TemperatureLaw(Strict):
     hysteretic: Factors | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """Half a range, half a table, or a table out of order."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         found = []
         table = [name for name in ("temperatures", "elastic", "hysteretic") if name in given]
         if ("coldest" in given) != ("warmest" in given):
@@ -109,8 +108,7 @@ class Validity(Strict):
     lead_temperature: Annotated[list[Celsius], Ends] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """A range without a quantity says nothing."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         if set(given) & set(cls.model_fields):
             return []
         return [f"give one of {', '.join(cls.model_fields)} at least, as [lowest, highest]"]

@@ -82,7 +82,7 @@ class Strict(BaseModel):
         super().__setattr__(name, value)
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         """Return what is wrong with the combination of the keys that were given."""
         return []
 
@@ -93,7 +93,7 @@ class Strict(BaseModel):
         if not isinstance(data, dict):
             return handler(data)
         given = {name: value for name, value in data.items() if value is not None}
-        faults = [_fault("conflict", text, (), data) for text in cls.conflicts(given)]
+        faults = [_fault("conflict", text, (), data) for text in cls._conflicts(given)]
         try:
             found = handler({name: _marked(cls, name, value) for name, value in data.items()})
         except ValidationError as error:

@@ -77,8 +77,7 @@ class Climate(Strict):
     cold_spells: ColdSpells | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """A day needs a coldest and a warmest hour."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         hours = [given.get("coldest_hour", "6 h"), given.get("warmest_hour", "14 h")]
         return ["coldest_hour and warmest_hour are the same"] if hours[0] == hours[1] else []
 

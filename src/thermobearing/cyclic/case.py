@@ -303,8 +303,7 @@ class Rig(Sourced):
     speed: Annotated[float, in_unit("mm/s"), Field(ge=1e-6, le=1e6)] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """A rig without a limit says nothing."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         if set(given) & set(LIMITS):
             return []
         return ['give one limit at least: force = "... kN", stroke = "... mm", speed = "... mm/s"']

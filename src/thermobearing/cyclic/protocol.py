@@ -101,8 +101,7 @@ class Cycles(Strict):
     closing_strain: Strain | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One amplitude and one timing."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         amplitude = _exactly_one(given, "strain", "amplitude")
         return amplitude + _exactly_one(given, "speed", "period", "frequency")
 
@@ -131,8 +130,7 @@ class Ramp(Strict):
     duration: Seconds | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One target and one timing."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         return _exactly_one(given, "to_strain", "to") + _exactly_one(given, "speed", "duration")
 
     def target(self, total_rubber_thickness: float) -> float:
@@ -153,8 +151,7 @@ class Rest(Strict):
     within: Annotated[float, in_unit("K"), Field(ge=1e-6, le=1000)] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One way to end."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         return _exactly_one(given, "duration", "within")
 
     @property
@@ -185,8 +182,7 @@ class Recorded(Strict):
     displacement_mm: Annotated[tuple[Place, ...], Field(max_length=MAX_STEPS)] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """A file, or both lists."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         lists = {"time_s", "displacement_mm"} & set(given)
         if ("file" in given) == bool(lists) or len(lists) == 1:
             return ["give either file, or both time_s and displacement_mm"]

@@ -42,8 +42,7 @@ class Motion(Strict):
     acceleration: Annotated[tuple[Sample, ...], Field(max_length=MOST_SAMPLES)] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """Samples say nothing about themselves."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         missing = [key for key in ("unit", "dt") if key not in given]
         if "acceleration" in given and missing:
             return [f"acceleration: samples need {' and '.join(missing)} too"]
@@ -198,8 +197,7 @@ class OnLine(Strict):
     weather: Annotated[str, Field(min_length=1)] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One way to say the air."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         both = {"ambient", "weather"} <= set(given)
         return ["give ambient or weather, not both"] if both else []
 

@@ -134,8 +134,7 @@ class SpecimenState(Strict):
     turn_hysteretic: Annotated[list[Length], Many] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """The whole memory, or temperatures alone."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         lacking = [name for name in MEMORY if name not in given]
         turns = [name for name in OF_LOOPS if name not in given]
         if len(lacking) == len(MEMORY):

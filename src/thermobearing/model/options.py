@@ -60,8 +60,7 @@ class EndFace(Strict):
     heat_capacity: Annotated[float, in_unit("kJ/(m^2 K)"), Field(gt=0, le=1e6)] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One of the two; what is behind the face goes with a film."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         if ("eta" in given) == ("film" in given):
             return ["give either eta (1 adiabatic to 3 at ambient) or film"]
         if "eta" in given and "heat_capacity" in given:

@@ -72,9 +72,8 @@ class RestPart(Part):
     within: Annotated[float, in_unit("K"), Field(ge=1e-6, le=1000)] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One way to end."""
-        return Rest.conflicts(given)
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
+        return Rest._conflicts(given)
 
     def test(self) -> CyclicTest:
         """The test that is done."""

@@ -62,7 +62,7 @@ class Spring(Strict):
     damping_ratio: Ratio = 0.0
 
     @classmethod
-    def conflicts(cls, given: dict[str, object]) -> list[str]:
+    def _conflicts(cls, given: dict[str, object]) -> list[str]:
         """One of the two stiffnesses."""
         if ("stiffness" in given) == ("rotational_stiffness" in given):
             return ["give either stiffness or rotational_stiffness"]
@@ -125,7 +125,7 @@ class Damping(Strict):
     modes: Annotated[tuple[ModeNumber, ...], Field(min_length=1, max_length=2)] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, object]) -> list[str]:
+    def _conflicts(cls, given: dict[str, object]) -> list[str]:
         """Keys that say nothing for the kind, and ratios of which nobody knows what they mean."""
         kind = given.get("kind", "modal")
         faults = []

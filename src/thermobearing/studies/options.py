@@ -157,8 +157,7 @@ class SiteHazard(Strict):
     return_period: Periods | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """Return the fault of a curve without a rate, or with two."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         both = [name for name in ("rate", "return_period") if name in given]
         return [] if len(both) == 1 else ["give rate, or return_period"]
 

@@ -86,8 +86,7 @@ class Sidecar(Strict):
     detrend: Literal["", "force", "displacement", "both"] = ""
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One way to name the files, one way to make a clock, known names only."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         faults = [
             f"give either {one} or {other}"
             for one, other in (("file", "blocks"), ("speed", "sampling"))

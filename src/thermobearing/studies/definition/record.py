@@ -48,8 +48,7 @@ class Picked(Strict):
     weights: Weights | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """Weights mean something only where it is drawn."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         faults = []
         if "weights" in given and given.get("random") is not True:
             faults.append("weights: only with random = true")
@@ -125,9 +124,8 @@ class MotionFactor(Picked):
     _made: Made | None = PrivateAttr(default=None)
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """Records or random phases, and what belongs to either."""
-        faults = super().conflicts(given)
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
+        faults = super()._conflicts(given)
         count, weights = given.get("count"), given.get("weights")
         if isinstance(count, int) and isinstance(weights, list) and len(weights) != count:
             faults.append(f"weights: {len(weights)} of them for {count} motions")
@@ -189,9 +187,8 @@ class ScaleFactor(Drawn, Picked):
     damping: Annotated[float, Field(gt=0, lt=1)] | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """A period belongs to a spectral acceleration, and to that alone."""
-        faults = super().conflicts(given)
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
+        faults = super()._conflicts(given)
         if (given.get("measure") == "Sa") != ("period" in given):
             faults.append('period: measure = "Sa" needs one, the others have none')
         if "damping" in given and given.get("measure") != "Sa":
@@ -236,10 +233,9 @@ class AmbientFactor(Drawn, Picked):
         self._series = series
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """One way to say the air, and nothing of another."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         ways = [key for key in ("levels", "distribution", "weather", "climate") if key in given]
-        faults = super().conflicts(given)
+        faults = super()._conflicts(given)
         if len(ways) != 1:
             told = f"; got {', '.join(ways)}" if ways else ""
             faults.append(f"give one of levels, distribution, weather and climate{told}")
@@ -347,8 +343,7 @@ class Design(Strict):
     lockstep: bool | None = None
 
     @classmethod
-    def conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """What each kind of draw asks for."""
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         kind, samples = given.get("kind", "factorial"), given.get("samples")
         faults = []
         if kind != "factorial" and samples is None:
