@@ -28,6 +28,7 @@ SCRAGGING, SCRAGGING_STRAIN = "scragging.amplitude", "scragging.strain"
 MULLINS, MULLINS_DECAY = "scragging.mullins_amplitude", "scragging.mullins_decay"
 MULLINS_RENEWAL = "scragging.mullins_renewal"
 VIRGIN = (SCRAGGING, SCRAGGING_STRAIN, MULLINS, MULLINS_DECAY, MULLINS_RENEWAL)
+OF_YIELDING = {ALPHA, SHAPE, D_Y, HARDENING, N_T}  # linear rubber has none of them
 SPAN = 10.0  # between ambient temperatures that identify m_T and n_T [K]
 TIE = re.compile(r"([^=]+)=(?:([^=*]+)\*)?([^=*]+)")
 

@@ -24,30 +24,12 @@ import numpy as np
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.core.records import Floats
+from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.forward import ForwardModel
-from thermobearing.identify.fit.parameters import (
-    ALPHA,
-    C_V,
-    D_Y,
-    ENDS,
-    HARDENING,
-    K_L,
-    K_R,
-    K_V,
-    M_T,
-    N_T,
-    SHAPE,
-    SIGMA_Y,
-    ParameterSet,
-    available,
-    default_free,
-    dotted_value,
-    with_values,
-)
 from thermobearing.identify.fit.problem import AT_BOUND, Problem, half_cycles, linearised
 from thermobearing.identify.records.cycles import TURN, turning_points
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.uncertainty.assumed import CLEAR, OF_YIELDING, Group, linearise_assumed
+from thermobearing.identify.uncertainty.assumed import CLEAR, Group, linearise_assumed
 
 SATURATED = 0.55  # part of a leg after which Z counts as saturated
 YIELD_STRAINS = (0.05, 0.1, 0.18, 0.3, 0.5, 0.8)  # d_y / t_r to try
@@ -96,46 +78,44 @@ def _with_temperature(
 
 
 def loop_start(
-    records: list[TestRecord], pset: ParameterSet, models: list[ForwardModel]
+    records: list[TestRecord], pset: kinds.ParameterSet, models: list[ForwardModel]
 ) -> dict[str, float]:
-    """Return starting values of the free parameters by dotted key.
-
-    `models` are the coarse ones of the records.
-    """
+    """Return starting values of the free parameters by dotted key, from the coarse models."""
     base, fixed = pset.base, {p.kind.key for p in pset.parameters if not p.free}
     h, geometry = base.hysteresis, base.geometry
     layers = geometry.rubber_layers
     ambients = np.array([record.ambient for record in records])
     loops = [backbone(record, base.total_rubber_thickness) for record in records]
     strengths = [q for q, _, _ in loops]
-    lead = _lead_strength(base, min(strengths), free=SIGMA_Y not in fixed)
+    lead = _lead_strength(base, min(strengths), free=kinds.SIGMA_Y not in fixed)
     rubber = [max(q - lead, 0.05 * q) for q in strengths]
     reference = h.reference_temperature
     q, n_t = _with_temperature(
-        rubber, ambients, reference, h.hysteretic_temperature_coefficient, N_T not in fixed
+        rubber, ambients, reference, h.hysteretic_temperature_coefficient, kinds.N_T not in fixed
     )
     layer = [layers * k for _, _, k in loops]
     elastic, m_t = _with_temperature(
-        layer, ambients, reference, h.elastic_temperature_coefficient, M_T not in fixed
+        layer, ambients, reference, h.elastic_temperature_coefficient, kinds.M_T not in fixed
     )
     hardening = float(np.mean([b for _, b, _ in loops])) * max(strengths) / max(rubber)
-    common = {HARDENING: min(hardening, 1.9), M_T: m_t, N_T: n_t}
+    common = {kinds.HARDENING: min(hardening, 1.9), kinds.M_T: m_t, kinds.N_T: n_t}
     if base.rate is not None:
-        common[K_V] = VISCOUS_SHARE * elastic / layers
-        common[C_V] = common[K_V] * RELAXATION
+        common[kinds.K_V] = VISCOUS_SHARE * elastic / layers
+        common[kinds.C_V] = common[kinds.K_V] * RELAXATION
     trials = []
     for strain, shape, lead_yield in product(*_lists(base, fixed)):
         trial = dict(common)
         if h.post_yield_ratio == 1.0:
-            trial[K_R] = elastic
+            trial[kinds.K_R] = elastic
         else:
-            d_y = strain * geometry.rubber_thickness if D_Y not in fixed else h.yield_displacement
-            trial |= {D_Y: d_y, SHAPE: shape, K_R: elastic + q / d_y}
-            trial[ALPHA] = elastic / trial[K_R]
+            d_y = strain * geometry.rubber_thickness if strain else h.yield_displacement
+            trial |= {kinds.D_Y: d_y, kinds.SHAPE: shape, kinds.K_R: elastic + q / d_y}
+            trial[kinds.ALPHA] = elastic / trial[kinds.K_R]
         if base.lead is not None:
             area = base.lead.core_area / NEWTON_PER_KILONEWTON
-            trial[SIGMA_Y] = lead / (base.lead.cores * area) if lead else base.lead.yield_stress
-            trial[K_L] = trial[SIGMA_Y] * area / (lead_yield * base.total_rubber_thickness)
+            stress = lead / (base.lead.cores * area) if lead else base.lead.yield_stress
+            stiffness = stress * area / (lead_yield * base.total_rubber_thickness)
+            trial |= {kinds.SIGMA_Y: stress, kinds.K_L: stiffness}
         trials.append({key: value for key, value in trial.items() if key not in fixed})
     costs = [_cost(base, trial, records, models) for trial in trials]
     return trials[int(np.argmin(costs))]
@@ -144,9 +124,9 @@ def loop_start(
 def _lists(base: Bearing, fixed: set[str]) -> tuple[tuple[float, ...], ...]:
     """Return yield strains, shapes and yield displacements of lead to try."""
     linear = base.hysteresis.post_yield_ratio == 1.0
-    strains = YIELD_STRAINS if not linear and D_Y not in fixed else (0.0,)
-    shapes = SHAPES if not linear and SHAPE not in fixed else (0.0,)
-    lead = LEAD_YIELD if base.lead is not None and K_L not in fixed else LEAD_YIELD[1:2]
+    strains = YIELD_STRAINS if not linear and kinds.D_Y not in fixed else (0.0,)
+    shapes = SHAPES if not linear and kinds.SHAPE not in fixed else (0.0,)
+    lead = LEAD_YIELD if base.lead is not None and kinds.K_L not in fixed else LEAD_YIELD[1:2]
     return strains, shapes, lead
 
 
@@ -163,7 +143,7 @@ def _cost(
     base: Bearing, values: dict[str, float], records: list[TestRecord], models: list[ForwardModel]
 ) -> float:
     total = 0.0
-    bearing = with_values(base, values)
+    bearing = kinds.with_values(base, values)
     for record, model in zip(records, models, strict=True):
         predicted = model.run(bearing)
         if predicted is None:
@@ -198,18 +178,15 @@ class Sensitivity:
 
 
 def candidates(problem: Problem, groups: Sequence[Group]) -> list[str]:
-    """Return the dotted keys that the default free set is chosen from.
-
-    They are the usual ones, and all others whose source has an uncertainty.
-    """
+    """Return the usual keys, and all others whose source has an uncertainty."""
     bearing = problem.pset.base
-    usual = default_free(bearing, [record.ambient for record in problem.records])
+    usual = kinds.default_free(bearing, [record.ambient for record in problem.records])
     linear = bearing.hysteresis.post_yield_ratio == 1.0
     known = {key for group in groups for key in group.keys}
     more = [
         kind.key
-        for kind in available(bearing)
-        if kind.key in known and not (linear and kind.key in OF_YIELDING)
+        for kind in kinds.available(bearing)
+        if kind.key in known and not (linear and kind.key in kinds.OF_YIELDING)
     ]
     return list(dict.fromkeys([*usual, *more]))
 
@@ -217,9 +194,16 @@ def candidates(problem: Problem, groups: Sequence[Group]) -> list[str]:
 def sensitivities(problem: Problem, cube: Floats, groups: Sequence[Group]) -> list[Sensitivity]:
     """Return how well tests would determine each candidate, and which are therefore free."""
     free = [p.kind.key for p in problem.pset.free]
-    usual = default_free(problem.pset.base, [record.ambient for record in problem.records])
+    usual = kinds.default_free(problem.pset.base, [record.ambient for record in problem.records])
     limits = np.array([NOTHING * WIDE if key in usual else BETTER for key in free])
-    spreads = np.array([_spread(problem, key, groups) for key in free])
+    base = problem.pset.base
+    sources = {key: group for group in reversed(groups) for key in group.keys}
+    spreads = np.array(
+        [
+            sources[key].step(kinds.dotted_value(base, key) or 0.0) if key in sources else 0.0
+            for key in free
+        ]
+    )
     stated = spreads > 0.0
     slopes = np.array([p.slope(float(u)) for p, u in zip(problem.pset.free, cube, strict=True)])
     jacobian = problem.jacobian(cube) * (np.where(stated, spreads, 1.0) / slopes)
@@ -228,7 +212,7 @@ def sensitivities(problem: Problem, cube: Floats, groups: Sequence[Group]) -> li
     information = columns.T @ (columns * _worth(problem)[:, None]) / MISFIT**2
     prior = np.array([WIDE**-2] * len(free) + [1.0] * beside.shape[1])
     ratios, kept = np.zeros(len(free)), np.ones(len(free), dtype=bool)
-    movable = stated & (np.array(free) != K_R)
+    movable = stated & (np.array(free) != kinds.K_R)
     while True:
         left = np.sqrt(np.diag(np.linalg.inv(information + np.diag(prior))))[: len(free)]
         ratios = np.where(kept, left, ratios)
@@ -241,14 +225,6 @@ def sensitivities(problem: Problem, cube: Floats, groups: Sequence[Group]) -> li
         Sensitivity(key, float(spread), float(spread * ratio), bool(keep), key in usual)
         for key, spread, ratio, keep in zip(free, spreads, ratios, kept, strict=True)
     ]
-
-
-def _spread(problem: Problem, key: str, groups: Sequence[Group]) -> float:
-    """Return the standard uncertainty of the source of a parameter, in its unit; 0 without one."""
-    for group in groups:
-        if key in group.keys:
-            return group.step(dotted_value(problem.pset.base, key) or 0.0)
-    return 0.0
 
 
 def _worth(problem: Problem) -> Floats:
@@ -271,7 +247,7 @@ def without_needless(
 
     E2 of lead without softening is one: free it would stop at its end of 0 in half of all fits.
     """
-    ends = {key: end for key, end in ENDS if key in added}
+    ends = {key: end for key, end in kinds.ENDS if key in added}
     if not ends:
         return problem, cube
     linear = linearised(problem, cube, fine=False)
@@ -280,7 +256,7 @@ def without_needless(
     needless = []
     for p, u, error in zip(problem.pset.free, cube.tolist(), stderr.tolist(), strict=True):
         if p.kind.key in ends:
-            file = dotted_value(problem.pset.base, p.kind.key) or 0.0
+            file = kinds.dotted_value(problem.pset.base, p.kind.key) or 0.0
             reach = CLEAR * error if np.isfinite(error) else AT_BOUND
             if abs(u - p.place(ends[p.kind.key])) < reach and abs(u - p.place(file)) < reach:
                 needless.append(p.kind.key)

@@ -26,7 +26,10 @@ from thermobearing.identify.records.treatment import (
     Finding,
     Treatment,
     describe_treatment,
+    note,
+    refuse,
     treat,
+    warn,
 )
 from thermobearing.results.metrics import loop_energy
 
@@ -181,13 +184,13 @@ def check_test(
 def _check_file(record: TestRecord) -> Iterator[Finding]:
     """Yield what the file did not say, and what of it is not used."""
     for text in record.assumptions:
-        yield Finding("warning", "assumed", text)
+        yield warn("assumed", text)
     if record.unused:
-        yield Finding("note", "columns", f"columns not used: {', '.join(record.unused)}")
+        yield note("columns", f"columns not used: {', '.join(record.unused)}")
     if record.rubber_thickness is not None:
         size = f"{record.rubber_thickness:.4g} mm"
         said = f"displacement over strain gives a total rubber thickness of {size}"
-        yield Finding("note", "rubber", said)
+        yield note("rubber", said)
 
 
 def _check_numbers(record: TestRecord) -> Iterator[Finding]:
@@ -195,8 +198,7 @@ def _check_numbers(record: TestRecord) -> Iterator[Finding]:
     back = np.flatnonzero(~(np.diff(record.time) > 0.0))
     if len(back):
         k = int(back[0])
-        yield Finding(
-            "refused",
+        yield refuse(
             "time",
             f"time does not increase from {record.time[k]:g} to {record.time[k + 1]:g} s "
             f"(rows {k + 1} and {k + 2}): files joined, or columns swapped?",
@@ -205,7 +207,7 @@ def _check_numbers(record: TestRecord) -> Iterator[Finding]:
     for name, unit in UNITS.items():
         values = getattr(record, name)
         if np.ptp(values) <= 1e-9 * max(1.0, float(np.abs(values).max())):
-            yield Finding("refused", name, f"{name} is constant at {values[0]:g} {unit}")
+            yield refuse(name, f"{name} is constant at {values[0]:g} {unit}")
             return
 
 
@@ -216,15 +218,13 @@ def _check_sign(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
     energy = sum(loop_energy(d[rows], f[rows]) for rows in loops)
     along = float(np.corrcoef(d, f)[0, 1])
     if energy < 0.0 and along > 0.0:
-        yield Finding(
-            "refused",
+        yield refuse(
             "columns",
             f"the loops give back work ({energy:.4g} kN mm) although force goes with displacement: "
             "the columns of displacement and force look swapped",
         )
     elif not along > 0.0:
-        yield Finding(
-            "refused",
+        yield refuse(
             "sign",
             "force has the opposite sign of displacement: set flip_force = true in the sidecar",
         )
@@ -238,8 +238,7 @@ def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     same_block = np.diff(record.block) == 0
     lost = (gaps > GAP_FACTOR * usual) & (ways > GAP_WAY * record.peak_displacement) & same_block
     for k in np.flatnonzero(lost)[:3]:
-        yield Finding(
-            "warning",
+        yield warn(
             "sampling",
             f"no samples from {record.time[k]:.4g} to {record.time[k + 1]:.4g} s, while the "
             f"bearing moved {ways[k]:.3g} mm",
@@ -247,9 +246,8 @@ def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     speed = float(np.sum(ways[moving]) / max(float(np.sum(gaps[moving])), 1e-12))
     if not SLOWEST <= speed <= FASTEST:
         said = f"mean speed is {speed:.3g} mm/s: is the unit of time or displacement right?"
-        yield Finding("warning", "speed", said)
-    yield Finding(
-        "note",
+        yield warn("speed", said)
+    yield note(
         "sampling",
         f"{len(record.time)} samples, usually {1e3 * usual:.3g} ms apart, mean speed "
         f"{speed:.3g} mm/s, {int(((gaps > PAUSE) & ~moving).sum())} gaps longer than {PAUSE:g} s "
@@ -258,35 +256,33 @@ def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     fewest = min((c.last - c.first for c in full), default=FEW_SAMPLES)
     if fewest < FEW_SAMPLES:
         said = f"a cycle has only {fewest} samples"
-        yield Finding("refused" if fewest < FEWEST_SAMPLES else "warning", "sampling", said)
+        yield (refuse if fewest < FEWEST_SAMPLES else warn)("sampling", said)
 
 
 def _check_cycles(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     """Yield the number of full cycles, and a record that does not begin and end at zero."""
     if not full:
-        yield Finding(
-            "refused",
+        yield refuse(
             "cycles",
             "no full cycle (zero, one side, other side, zero) was found: a fit needs reversals",
         )
         return
     if len(full) == 1:
-        yield Finding(
-            "warning",
+        yield warn(
             "cycles",
             "one cycle only: nothing tells the virgin loop from the later ones, amplitude "
             "dependence (b) from stiffness, or heating from the rest",
         )
     levels = sum(c.number == 1 for c in full)
-    yield Finding("note", "cycles", f"{len(full)} full cycles at {levels} amplitudes in a row")
+    yield note("cycles", f"{len(full)} full cycles at {levels} amplitudes in a row")
     first, last = record.displacement[0], record.displacement[-1]
     away = ENDS_AWAY * record.peak_displacement
     if abs(last) > away:
         said = f"the record ends at {last:.4g} mm, in the middle of a cycle: truncated?"
-        yield Finding("warning", "end", said)
+        yield warn("end", said)
     if abs(first) > away:
         said = f"the record begins at {first:.4g} mm: the model has to get there first, from rest"
-        yield Finding("warning", "begin", said)
+        yield warn("begin", said)
 
 
 def _check_zero(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
@@ -303,8 +299,7 @@ def _check_zero(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
         sure = len(zeros) >= FEWEST_ZEROS and abs(offset) > max(SURE * error, SLIGHT * peak)
         shown = f"{offset:.2g} {UNITS[name]}"
         if abs(offset) > OFFSET * peak or sure:
-            yield Finding(
-                "warning",
+            yield warn(
                 "offset",
                 f"the middle of the {name} loops is at {shown} ({abs(offset) / peak:.1%} of the "
                 f'peak), not at zero: left in; {name}_offset = "{shown}" in the sidecar takes it '
@@ -314,7 +309,7 @@ def _check_zero(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
             near.append(f"{shown} in the {name}")
     if near:
         said = f"middle of the loops at {' and '.join(near)}: no more than these cycles can tell"
-        yield Finding("note", "zero", said)
+        yield note("zero", said)
 
 
 def _find_clipped(record: TestRecord) -> NDArray[np.bool_]:
@@ -331,8 +326,7 @@ def _find_clipped(record: TestRecord) -> NDArray[np.bool_]:
 def _check_saturation(record: TestRecord, clipped: NDArray[np.bool_]) -> Iterator[Finding]:
     if clipped.any():
         largest = float(np.abs(record.force[clipped]).max())
-        yield Finding(
-            "warning",
+        yield warn(
             "saturation",
             f"force is clipped at {largest:.4g} kN in {int(clipped.sum())} samples: the load cell "
             "or amplifier was saturated; a fit leaves them out, and peak forces of the test are "
@@ -350,19 +344,17 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
     strain = record.peak_displacement / rubber
     reached = f"displacement reaches {record.peak_displacement:.4g} mm"
     if strain > LARGEST_STRAIN:
-        yield Finding(
-            "refused",
+        yield refuse(
             "strain",
             f"{reached}, {strain:.0%} of the total rubber thickness of {rubber:g} mm: wrong unit, "
             "or the wrong bearing?",
         )
     elif strain < SMALLEST_STRAIN:
         said = f"displacement reaches {strain:.1%} of the total rubber thickness only: wrong unit?"
-        yield Finding("warning", "strain", said)
+        yield warn("strain", said)
     file = record.rubber_thickness
     if file is not None and abs(file - rubber) > OTHER_RUBBER * rubber:
-        yield Finding(
-            "warning",
+        yield warn(
             "rubber",
             f"displacement over strain gives a total rubber thickness of {file:.4g} mm, but "
             f"the bearing has {rubber:g} mm: the wrong bearing, or a wrong unit?",
@@ -375,12 +367,12 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
     stated = f"the equivalent shear modulus at the largest amplitude is {modulus:.3g} MPa"
     if modulus < SOFTEST:
         slip = _suspected_slip(modulus, strain)
-        yield Finding("refused", "unit", f"{stated}, less than any rubber has{slip}")
+        yield refuse("unit", f"{stated}, less than any rubber has{slip}")
     elif modulus > STIFFEST:
         slip = _suspected_slip(modulus, strain)
-        yield Finding("refused", "unit", f"{stated}, more than any bearing has{slip}")
+        yield refuse("unit", f"{stated}, more than any bearing has{slip}")
     else:
-        yield Finding("note", "unit", stated)
+        yield note("unit", stated)
 
 
 def _suspected_slip(modulus: float, strain: float) -> str:
@@ -399,10 +391,9 @@ def _check_thermocouples(record: TestRecord) -> Iterator[Finding]:
     for title, values in record.temperatures.items():
         if values.min() < COLDEST or values.max() > HOTTEST:
             said = f"{title} runs from {values.min():.3g} to {values.max():.3g} degC: broken?"
-            yield Finding("warning", "thermocouple", said)
+            yield warn("thermocouple", said)
         elif abs(values[0] - record.ambient) > 5.0:
-            yield Finding(
-                "warning",
+            yield warn(
                 "thermocouple",
                 f"{title} starts at {values[0]:.3g} degC, the ambient is {record.ambient:g} degC",
             )

@@ -11,6 +11,7 @@ rest, a fit by samples is a fit to the rests.
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -58,6 +59,9 @@ class Finding:
     level: Literal["refused", "warning", "note"]
     check: str
     sentence: str
+
+
+refuse, warn, note = (partial(Finding, level) for level in ("refused", "warning", "note"))
 
 
 def _find_rests(record: TestRecord) -> list[tuple[int, int]]:
@@ -339,8 +343,7 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
     record = found.record
     if found.rests:
         part = found.resting / len(record.time)
-        yield Finding(
-            "note",
+        yield note(
             "rests",
             f"{_count(len(found.rests), 'rest')}, {part:.0%} of the samples: a fit holds the "
             "displacement at its mean there, and leaves their force out",
@@ -350,7 +353,7 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
     ]
     if shown:
         said = f"noise (standard deviation) of {' and '.join(shown)}"
-        yield Finding("note", "noise", said)
+        yield note("noise", said)
     for name, flags in found.spikes.items():
         if not flags.any():
             continue
@@ -362,17 +365,17 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
             f"{off[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
         )
         if record.despike:
-            yield Finding("note", "spikes", f"{said}: removed, as asked")
+            yield note("spikes", f"{said}: removed, as asked")
         else:
             ask = "despike = true in the sidecar, or --despike, takes them out"
-            yield Finding("warning", "spikes", f"{said}: left in; {ask}")
+            yield warn("spikes", f"{said}: left in; {ask}")
     for name, drift in found.drifts.items():
         said = f"the zero of the {name} drifts by {drift.total:.3g} {UNITS[name]} over the record"
         if name in _detrended(record):
-            yield Finding("note", "drift", f"{said}: removed as a straight line in time, as asked")
+            yield note("drift", f"{said}: removed as a straight line in time, as asked")
         else:
             ask = f'detrend = "{name}" in the sidecar, or --detrend {name}, takes a straight line'
-            yield Finding("warning", "drift", f"{said}: left in; {ask} in time out")
+            yield warn("drift", f"{said}: left in; {ask} in time out")
 
 
 def _count(count: int, name: str) -> str:

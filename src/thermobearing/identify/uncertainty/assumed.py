@@ -19,15 +19,7 @@ from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
-from thermobearing.identify.fit.parameters import (
-    ALPHA,
-    D_Y,
-    HARDENING,
-    N_T,
-    SHAPE,
-    dotted_value,
-    with_values,
-)
+from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.problem import Linear, Problem
 from thermobearing.identify.records.cycles import dead_band, estimate_noise, turning_points
 from thermobearing.identify.records.record import TestRecord
@@ -40,7 +32,6 @@ NORMAL = 10**6  # degrees of freedom with which Student's distribution is the no
 AMBIENT = "ambient"
 OF_TESTS = (AMBIENT, "turns", "force")  # keys of the tests, not of the bearing
 UNSEEN = 1e-3  # of the variance: numbers that move the residuals less are not seen by the tests
-OF_YIELDING = {ALPHA, SHAPE, D_Y, HARDENING, N_T}  # linear rubber has none of them
 
 
 class Group(Strict):
@@ -116,9 +107,9 @@ class Assumed:
 
 def shifted(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
     """Return a bearing whose numbers of a group are off by so many standard uncertainties."""
-    values = {key: dotted_value(bearing, key) for key in group.keys}
+    values = {key: kinds.dotted_value(bearing, key) for key in group.keys}
     known = {key: value for key, value in values.items() if value is not None}
-    return with_values(
+    return kinds.with_values(
         bearing, {key: round(v + sigmas * group.step(v), 12) for key, v in known.items()}
     )
 
@@ -136,8 +127,8 @@ def assumed_groups(
     for group in groups:
         keys = [key for key in group.keys if key not in identified]
         if linear:
-            keys = [key for key in keys if key not in OF_YIELDING]
-        values = [dotted_value(bearing, key) for key in keys]
+            keys = [key for key in keys if key not in kinds.OF_YIELDING]
+        values = [kinds.dotted_value(bearing, key) for key in keys]
         if any(value is not None and group.step(value) > 0.0 for value in values):
             found.append(group.model_copy(update={"keys": keys}))
     return found

@@ -11,21 +11,12 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import compound_of, lead_cores, split_parts
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.schema import validated
-from thermobearing.identify.fit.parameters import (
-    BY_KEY,
-    C_V,
-    D_Y,
-    K_L,
-    K_R,
-    K_V,
-    KINDS,
-    dotted_value,
-)
+from thermobearing.identify.fit import parameters as kinds
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
 from thermobearing.tables.text import read_text
 
 MOST = 10_000  # samples that can be asked for
-SIZED = (K_R, D_Y, K_L, K_V, C_V)  # numbers that go with the size of a bearing
+SIZED = (kinds.K_R, kinds.D_Y, kinds.K_L, kinds.K_V, kinds.C_V)  # they go with the size
 FAR = 10.0  # standard deviations from the mean of the samples, ...
 APART = 0.2  # ... and this part of it: not the bearing that they are of
 ALIKE = 1e-6  # relative difference of two compounds that are one, their files read and written
@@ -114,10 +105,10 @@ def _fitted(bearing: Bearing, beside: Path) -> Bearing:
 def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where: str) -> None:
     """Refuse samples of a bearing of another size, by the numbers that depend on the size."""
     for key in set(keys) & set(SIZED):
-        values = np.array([dotted_value(one, key) for one in some])
-        own, mean = dotted_value(bearing, key) or 0.0, float(values.mean())
+        values = np.array([kinds.dotted_value(one, key) for one in some])
+        own, mean = kinds.dotted_value(bearing, key) or 0.0, float(values.mean())
         if abs(own - mean) > max(FAR * float(values.std()), APART * abs(mean)):
-            kind = BY_KEY[key]
+            kind = kinds.BY_KEY[key]
             raise InputError(
                 f"{kind.symbol} is {mean:.4g} {kind.unit} in the samples and {own:.4g} in "
                 f"{bearing.name}: they are of another bearing; a bearing made of the fitted "
@@ -128,7 +119,7 @@ def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where
 
 def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
     """Return the dotted keys of the columns."""
-    known = {kind.symbol: kind.key for kind in KINDS}
+    known = {kind.symbol: kind.key for kind in kinds.KINDS}
     faults, keys = [], []
     data = bearing.model_dump()
     for symbol in (text.strip() for text in head):
