@@ -18,8 +18,7 @@ from thermobearing.earthquake.soaking import soaked_hours
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.columns import number_paths, value_at, with_numbers
 from thermobearing.studies.definition.designs import plan
-from thermobearing.studies.definition.distributions import Distribution
-from thermobearing.studies.definition.record import Study
+from thermobearing.studies.definition.record import Distribution, Study
 from thermobearing.studies.run.prepare import Preparer
 
 LHDR, HDR, BILINEAR = "shen-lhdr-bridge", "shen-hdr-bridge", "shen-bilinear-bridge"

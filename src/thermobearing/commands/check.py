@@ -213,8 +213,8 @@ def _study_facts(study: Study) -> dict[str, str]:
     """What a study would run."""
     facts = {"design": study.design.kind, "runs": str(len(plan(with_stand_ins(study))))}
     for column in list_columns(study):
-        told = f"{column.count} levels"
-        if column.count == 1:
+        told = f"{len(column.levels)} levels"
+        if len(column.levels) == 1:
             told = str(column.levels[0])
         elif column.distribution is not None:
             low, high = column.distribution.reach

@@ -389,12 +389,7 @@ class StudyFigures(drawing.Figures):
         return f"{what}, {column_words(demand)} beyond {limit}{of}"
 
     def draw_all(self, asked: Question | None = None) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure that this study has, by name of its file.
-
-        Raises
-        ------
-        InputError : a hazard curve is given, and no capacity.
-        """
+        """Return what draws each figure that this study has, by name of its file."""
         result, asked = self._result, asked or self._result.asked
         found: dict[str, Callable[[], Figure]] = {}
         if AMBIENT in result.factors:

@@ -78,12 +78,7 @@ class Question:
         return self.capacity
 
     def chosen_curves(self, result: "StudyResult") -> tuple[dict[Any, Fragility], Any]:
-        """Return curves of each temperature, and that over the climate (or None); of one bearing.
-
-        Raises
-        ------
-        InputError : no capacity is given.
-        """
+        """Return curves of each temperature, and that over the climate or None, of one bearing."""
         capacity = self.chosen_capacity(result)
         how: dict[str, Any] = {"demand": self.chosen_demand(result)}
         how |= {"method": self.method, "failed": self.failed}
@@ -118,12 +113,7 @@ class Question:
         return self._followed[names]
 
     def chosen_rates(self, result: "StudyResult") -> tuple[dict[Any, Fragility], dict[Any, Rate]]:
-        """Return the curves, and the annual rate of each with that over the climate last.
-
-        Raises
-        ------
-        InputError : no hazard curve, or no capacity.
-        """
+        """Return the curves, and the annual rate of each with that over the climate last."""
         if self.hazard is None:
             raise InputError("annual rates need a hazard curve")
         curves, climate = self.chosen_curves(result)
@@ -216,10 +206,6 @@ def make_asked(table: Mapping[str, Any], where: str, folder: Path = Path()) -> A
 
     None stands for an option that was not given; `where` names the file in messages, and names of
     files are relative to `folder`.
-
-    Raises
-    ------
-    InputError : all faults in one message.
     """
     given = {name: value for name, value in table.items() if value is not None}
     hazard, weather = given.get("hazard"), given.get("weather")

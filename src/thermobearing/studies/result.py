@@ -439,10 +439,6 @@ def study_result(directory: str | Path, question: Question | None = None) -> Stu
     """Return the result of a study so far, complete or not.
 
     `question` is that of its directory by default.
-
-    Raises
-    ------
-    InputError : it is not the directory of a study, or no run is done.
     """
     store = Store(Path(directory))
     table = store.table()

@@ -54,13 +54,8 @@ KINDS = {"i": "int64", "u": "int64", "f": "float64", "b": "bool_"}  # the rest i
 Labels = Mapping[str, tuple[str, str]]  # unit ("1" of a pure number) and meaning of each column
 
 
-def the_parquet() -> Any:
-    """Return the modules pyarrow and pyarrow.parquet, which are an extra.
-
-    Raises
-    ------
-    InputError : pyarrow is not installed.
-    """
+def _the_parquet() -> Any:
+    """Return the modules pyarrow and pyarrow.parquet, which are an extra."""
     try:
         import pyarrow
         import pyarrow.parquet
@@ -71,7 +66,7 @@ def the_parquet() -> Any:
 
 def parquet_bytes(table: pd.DataFrame, labels: Labels, notes: Mapping[str, Any]) -> bytes:
     """Return a table as the content of a file; equal tables make equal bytes, and NaN is null."""
-    arrow, parquet = the_parquet()
+    arrow, parquet = _the_parquet()
     fields, arrays = [], []
     for name, column in table.items():
         kind = getattr(arrow, KINDS.get(column.dtype.kind, "string"))()
@@ -101,7 +96,7 @@ def _digest(before: bytes, after: bytes) -> bytes:
 
 def read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
     """Return the tables of some files below each other; InputError for one that is unreadable."""
-    arrow, parquet = the_parquet()
+    arrow, parquet = _the_parquet()
     names = None if columns is None else list(columns)
     found = []
     for path in paths:
@@ -115,7 +110,7 @@ def read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) ->
 
 def read_labels(path: Path) -> dict[str, tuple[str, str]]:
     """Return unit and meaning of the columns of a file."""
-    schema = the_parquet()[1].read_schema(path)
+    schema = _the_parquet()[1].read_schema(path)
     marks = {field.name: field.metadata or {} for field in schema}
     return {
         name: (m.get(UNIT, b"").decode(), m.get(MEANING, b"").decode()) for name, m in marks.items()
@@ -127,7 +122,7 @@ def read_notes(path: Path, *, sealed: bool = True) -> tuple[dict[str, Any], int]
 
     Its digest must be right if it is `sealed`; files of directories of format 1 are not.
     """
-    arrow, parquet = the_parquet()
+    arrow, parquet = _the_parquet()
     try:
         content = path.read_bytes()
         before, given, after = _around_digest(content)
@@ -145,13 +140,7 @@ MOST_ROWS = 1_048_575  # of a sheet of a workbook, without its head
 
 
 def write_table(table: pd.DataFrame, path: Path, *, overwrite: bool = False) -> None:
-    """Write a table of runs as text (.csv) or as a workbook (.xlsx).
-
-    Raises
-    ------
-    InputError : another ending, more runs than a sheet has rows, openpyxl is not installed.
-    OutputError : the file exists, or cannot be written.
-    """
+    """Write a table of runs as text (.csv) or as a workbook (.xlsx)."""
     if path.suffix == ".csv":
         write_file(path, without_formulas(table).to_csv(index=False), overwrite=overwrite)
         return
@@ -279,12 +268,7 @@ class Store:
         return [shard for shard in range(self.shards) if self.is_done(shard)]
 
     def write(self, shard: int, done: Done) -> None:
-        """Keep the results of a shard; its table comes last, and marks it as done.
-
-        Raises
-        ------
-        OutputError : the disk is full or not writable; nothing of it is kept.
-        """
+        """Keep the results of a shard; its table comes last, and marks it as done."""
         if done.histories:
             self.write_histories(f"{shard:05d}.nc", done.histories)
         labels = read_labels(self.directory / PLAN) | {
@@ -343,13 +327,8 @@ def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | 
     """Return the directory of a study and its plan: a new one, or the one that was begun.
 
     `size` is that of a shard in a new directory; None for that of `shard_size`.
-
-    Raises
-    ------
-    OutputError : it holds something else, or cannot be written.
-    InputError : it was begun with another study, or with another version.
     """
-    the_parquet()
+    _the_parquet()
     digest = _input_digest(study, runs)
     planned = parquet_bytes(runs, label_plan(study, list(map(str, runs))), {"input": digest})
     if not (directory / MANIFEST).exists():

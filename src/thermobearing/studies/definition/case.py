@@ -1,4 +1,4 @@
-"""A study as data: from the table of its file to checked parts, every fault found."""
+"""A study from the table of its file: checked parts, all faults in one message."""
 
 import re
 from pathlib import Path
@@ -60,22 +60,16 @@ STUDIES = Library("study", "studies")
 
 
 def load_study(name_or_path: str | Path) -> Study:
-    r"""A study from its TOML file (docs/files.md).
+    """Return a study from its TOML file (docs/files/study.md), or an example such as "cold-town".
 
-    `name_or_path`: "cold-town", "cold-town-levels" (examples, of no real place), or a file; names
-    of files in it are relative to its folder.
+    Names of files in it are relative to its folder. InputError has all faults of the file.
     """
     path = STUDIES.path(name_or_path)
     return with_kept(make_study(case_table(path), str(path), path.parent), path.parent)
 
 
 def make_study(table: dict[str, Any], where: str, folder: Path = Path()) -> Study:
-    """Check a study from the table of a file; paths in it are relative to `folder`.
-
-    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
-    >>> make_study({"kind": "study", "name": "p1", "factors": factors}, "example").design.kind
-    'factorial'
-    """
+    """Check a study from the table of a file; paths in it are relative to `folder`."""
     unknown = [
         f'unknown key "{key}"{nearest(key, Study.model_fields)}'
         for key in table

@@ -11,15 +11,14 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import Strict, find_unit, validated
 from thermobearing.core.records import Floats, Ints
 from thermobearing.identify.fit.parameters import ALIASES
-from thermobearing.studies.definition.distributions import Distribution
 from thermobearing.studies.definition.record import (
     OF_FACTORS,
+    Distribution,
     MotionFactor,
     Picked,
     Posterior,
     Study,
     list_numbers,
-    probabilities,
 )
 
 Path = tuple[str | int, ...]
@@ -54,15 +53,15 @@ class Target:
     of: str
 
     def change(self, level: int, record: Strict, number: float) -> dict[Path, float]:
-        """What a factor or value makes of the number in a record of a level; {} without it."""
+        """Return the number of a record of a level, changed, by its path; {} without it."""
         path = self.paths[level]
         if path is None:
             return {}
         return {path: number * value_at(record, path) if self.of == "factor" else number}
 
 
-def find_target(name: str, of: str, levels: Mapping[str, Sequence[Strict]]) -> Target:
-    """Where a dotted name leads."""
+def _find_target(name: str, of: str, levels: Mapping[str, Sequence[Strict]]) -> Target:
+    """Return where a dotted name leads."""
     part, key = spelled(name)
     if part not in levels:
         raise InputError(f'factors: no part "{part}" in "{name}"; known: {", ".join(levels)}')
@@ -81,18 +80,19 @@ def find_target(name: str, of: str, levels: Mapping[str, Sequence[Strict]]) -> T
 
 
 def _nearest(name: str, names: set[str]) -> str:
-    """The nearest name, or those of the part that it begins with."""
+    """Return the nearest name, or those of the part that it begins with."""
     close = nearest(name, names)
     if not close.startswith("; known"):
         return close
-    within = sorted(one for one in names if one.rpartition(".")[0] == name.rpartition(".")[0])
+    part = name.rpartition(".")[0]
+    within = sorted(one for one in names if one.rpartition(".")[0] == part)
     return nearest(name, within or {one.rpartition(".")[0] + ".…" for one in names})
 
 
 def number_paths(record: Strict, without: Sequence[str] = ()) -> dict[str, tuple[Path, str | None]]:
-    """Dotted names of all numbers of a record that are no counts: where they are, their unit.
+    """Return path and unit of all numbers of a record that are no counts, by dotted name.
 
-    Things in a list go by their name, or by that of their body where that tells them apart.
+    Things in a list go by their name, or by that of their body where that is unique.
     """
     found = _numbers(record, "", ())
     return {name: (path, unit) for name, path, unit in found if path[0] not in without}
@@ -113,7 +113,7 @@ def _numbers(record: Strict, before: str, above: Path) -> Iterator[tuple[str, Pa
 
 
 def _labels(items: list[Any] | tuple[Any, ...]) -> list[str]:
-    """What tells a thing in a list apart: its name, its body, or its number."""
+    """Return what identifies a thing in a list: its name, its body, or its number."""
     names = [str(getattr(item, "name", getattr(item, "body", ""))) for item in items]
     return [
         f".{name}" if name and names.count(name) == 1 else f"[{number}]"
@@ -122,20 +122,20 @@ def _labels(items: list[Any] | tuple[Any, ...]) -> list[str]:
 
 
 def spelled(name: str) -> tuple[str, str]:
-    """Part and dotted key of a number, symbols of the source written out."""
+    """Return part and dotted key of a number; of "bearing.K_r" hysteresis.layer_stiffness."""
     part, _, key = name.partition(".")
     return part, ALIASES.get(key, key) if part == "bearing" else key
 
 
 def value_at(record: Any, path: Path) -> float:
-    """The number that is there."""
+    """Return the number at a path."""
     for step in path:
         record = record[step] if isinstance(step, int) else getattr(record, step)
     return float(record)
 
 
 def with_numbers(record: S, changes: Mapping[Path, float]) -> S:
-    """The record with other numbers, its limits not checked again: quick, for every run."""
+    """Return the record with other numbers; quick, its limits are not checked again."""
     update: dict[str, Any] = {}
     for key in dict.fromkeys(path[0] for path in changes):
         inner = {path[1:]: value for path, value in changes.items() if path[0] == key}
@@ -145,7 +145,7 @@ def with_numbers(record: S, changes: Mapping[Path, float]) -> S:
 
 
 def _changed(value: Any, changes: Mapping[Path, float]) -> Any:
-    """A number, a record or a list of records with other numbers."""
+    """Return a number, a record or a list of records with other numbers."""
     if () in changes:
         return changes[()]
     if isinstance(value, Strict):
@@ -159,7 +159,7 @@ def _changed(value: Any, changes: Mapping[Path, float]) -> Any:
 
 
 def moves_heat(path: Path) -> bool:
-    """Whether a number of a bearing goes into its heat cells."""
+    """Return whether a number of a bearing goes into its heat cells."""
     if path[0] not in WITHOUT_HEAT:
         return True
     within = WITHOUT_HEAT[path[0]]
@@ -167,7 +167,7 @@ def moves_heat(path: Path) -> bool:
 
 
 def moves_warmth(target: Target) -> bool:
-    """Whether a varied number changes how warm a bearing at rest becomes."""
+    """Return whether a varied number changes the temperature of a bearing at rest."""
     path = next(one for one in target.paths if one is not None)
     if target.part == "case":
         return path[:2] in FACES
@@ -189,7 +189,7 @@ class Column:
     levels : names of things, or numbers; none of a distribution.
     distribution : of a number.
     chances : of each level, where one is drawn by lot; None where all are met.
-    share : a number in [0, 1) that says which sample, or which hour of the weather.
+    share : a number in [0, 1) that selects a sample, or an hour of the weather.
     """
 
     name: str
@@ -203,19 +203,14 @@ class Column:
         """Whether each sample draws it; else its levels meet those of all others."""
         return self.share or self.distribution is not None or self.chances is not None
 
-    @property
-    def count(self) -> int:
-        """Number of levels."""
-        return len(self.levels)
-
     def of(self, places: Ints) -> Any:
-        """Numbers at places of the levels; the places themselves where levels are things."""
+        """Return numbers at places of the levels; the places themselves of things."""
         if self.levels and isinstance(self.levels[0], str):
             return places
         return np.array(self.levels, dtype=np.float64)[places]
 
     def at(self, probability: Floats) -> Any:
-        """The same at probabilities, for a factor that is drawn."""
+        """Return numbers (or places) at probabilities, for a factor that is drawn."""
         if self.share:
             return probability
         if self.distribution is not None:
@@ -225,7 +220,7 @@ class Column:
 
 
 def list_columns(study: Study) -> list[Column]:
-    """Columns of a study: things first, then numbers, those with dotted names last."""
+    """Return the columns of a study: things, then numbers, those with dotted names last."""
     factors = study.factors
     columns = []
     for name in THINGS:
@@ -247,14 +242,27 @@ def list_columns(study: Study) -> list[Column]:
     return columns
 
 
+def _chances(factor: Picked, count: int) -> list[float] | None:
+    weights = list(factor.weights) if factor.weights is not None else [1.0] * count
+    return [weight / sum(weights) for weight in weights] if factor.random else None
+
+
+def _number(factor: Any, name: str, unit: str | None, key: str) -> Column:
+    """Return the column of a factor that is a number."""
+    found = list_numbers(factor, unit, key)
+    if isinstance(found, Distribution):
+        return Column(name, distribution=found)
+    return Column(name, found, chances=_chances(factor, len(found)))
+
+
 def list_targets(study: Study) -> list[Target]:
-    """Where the dotted names of a study lead; of a posterior, in the bearing that it is of."""
+    """Return where the dotted names of a study lead; of a posterior, in its bearing."""
     levels = _levels_by_part(study)
-    return [find_target(name, one.of, levels) for name, one in study.factors.numbers.items()]
+    return [_find_target(name, one.of, levels) for name, one in study.factors.numbers.items()]
 
 
 def _levels_by_part(study: Study) -> dict[str, list[Strict]]:
-    """The records whose numbers have dotted names, by the first part of the name."""
+    """Return the records whose numbers have dotted names, by the first part of the name."""
     bearings = study.factors.bearing.levels
     return {
         "bearing": [one.bearing if isinstance(one, Posterior) else one for one in bearings],
@@ -263,30 +271,18 @@ def _levels_by_part(study: Study) -> dict[str, list[Strict]]:
     }
 
 
-def _chances(factor: Picked, count: int) -> list[float] | None:
-    return probabilities(factor.weights, count) if factor.random else None
-
-
-def _number(factor: Any, name: str, unit: str | None, key: str) -> Column:
-    """Column of a factor that is a number."""
-    found = list_numbers(factor, unit, key)
-    if isinstance(found, Distribution):
-        return Column(name, distribution=found)
-    return Column(name, found, chances=_chances(factor, len(found)))
-
-
 LARGEST_SCALE = 1000.0
 CUT = "; cut it off with low and high, or take a narrower one"
 
 
 def reach_faults(study: Study) -> list[str]:
-    """What is wrong with the numbers that a study may meet, one run in a million included."""
+    """Return the faults of numbers that a study may meet, one run in a million included."""
     ends: dict[str, tuple[float, float]] = {}
     drawn: dict[str, str] = {}
     for column in list_columns(study):
         if column.distribution is not None:
             ends[column.name] = column.distribution.reach
-            drawn[column.name] = f"a {column.distribution.kind} distribution "
+            drawn[column.name] = f"a {column.distribution.kind} distribution reaches "
         elif column.levels and not isinstance(column.levels[0], str):
             numbers = np.array(column.levels, dtype=np.float64)
             ends[column.name] = float(numbers.min()), float(numbers.max())
@@ -294,37 +290,29 @@ def reach_faults(study: Study) -> list[str]:
 
 
 def check_numbers(study: Study, numbers: Mapping[str, Floats]) -> None:
-    """InputError where drawn numbers, by name of their column, leave what is allowed."""
-    ends = {}
-    for name, values in numbers.items():
-        known = values[~np.isnan(values)]
-        if len(known):
-            ends[name] = float(known.min()), float(known.max())
-    found = _faults(study, ends, {})
-    if found:
+    """Raise InputError where drawn numbers, by name of their column, leave what is allowed."""
+    known = {name: values[~np.isnan(values)] for name, values in numbers.items()}
+    ends = {name: (float(v.min()), float(v.max())) for name, v in known.items() if len(v)}
+    if found := _faults(study, ends, {}):
         raise InputError(found)
 
 
 def _faults(
     study: Study, ends: Mapping[str, tuple[float, float]], drawn: Mapping[str, str]
 ) -> list[str]:
-    """Faults of the smallest and the largest number of each column."""
+    """Return the faults of the smallest and the largest number of each column."""
     faults = []
-    scale = study.factors.scale
-    top = LARGEST_SCALE
-    for name, low, high, unit in (
-        ("scale", 0.0, top, scale.unit or ""),
-        (AMBIENT, COLDEST, HOTTEST, "degC"),
-    ):
-        if name not in ends:
-            continue
-        smallest, largest = ends[name]
-        wrong = smallest if smallest < low or (smallest == low == 0.0) else largest
-        if smallest < low or largest > high or (name == "scale" and smallest <= 0.0):
-            key = "scale" if name == "scale" else "ambient"
-            least = "greater than 0 and at most" if name == "scale" else f"{low:g} to"
+    scale, top = study.factors.scale, LARGEST_SCALE
+    limits = {"scale": (0.0, top, scale.unit or ""), AMBIENT: (COLDEST, HOTTEST, "degC")}
+    for name in (name for name in limits if name in ends):
+        (low, high, unit), (smallest, largest) = limits[name], ends[name]
+        positive = name == "scale"
+        if smallest < low or largest > high or (positive and smallest <= 0.0):
+            wrong = smallest if smallest < low or smallest == low == 0.0 else largest
+            least = "greater than 0 and at most" if positive else f"{low:g} to"
             faults.append(
-                f"factors.{key}: {_reaches(drawn, name)}{wrong:g} {unit}".rstrip()
+                f"factors.{'scale' if positive else 'ambient'}: "
+                + f"{drawn.get(name, '')}{wrong:g} {unit}".rstrip()
                 + f": must be {least} {high:g} {unit}".rstrip()
                 + (CUT if name in drawn else "")
             )
@@ -335,34 +323,23 @@ def _faults(
     return faults
 
 
-def _reaches(drawn: Mapping[str, str], name: str) -> str:
-    """Words for where a number comes from."""
-    return f"{drawn[name]}reaches " if name in drawn else ""
-
-
 def _target_faults(
     target: Target, records: list[Any], ends: tuple[float, float], drawn: Mapping[str, str]
 ) -> list[str]:
-    """What is wrong with a bearing, a structure or a case that has the number."""
+    """Return the faults of a bearing, a structure or a case with the number."""
     for level, record in enumerate(records):
         path = target.paths[level]
         if path is None:
             continue
         for number in ends:
             made = with_numbers(record, target.change(level, record, number))
-            found = _wrong(made)
-            if found:
-                what = f"{number:g} of it" if target.of == "factor" else f"{number:g}"
-                said = f"factors.{target.name}: {_reaches(drawn, target.name)}{what}: "
-                more = "" if target.of == "value" else f" (it is {value_at(record, path):g})"
-                return [f"{said}{found}{more}{CUT if target.name in drawn else ''}"]
+            try:
+                validated(type(made), made.model_dump(), "", from_file=False)
+            except InputError as error:
+                what, more = f"{number:g}", ""
+                if target.of == "factor":
+                    what, more = f"{number:g} of it", f" (it is {value_at(record, path):g})"
+                text = f"factors.{target.name}: {drawn.get(target.name, '')}{what}: "
+                text += "; ".join(error.problems) + more
+                return [text + (CUT if target.name in drawn else "")]
     return []
-
-
-def _wrong(record: Strict) -> str:
-    """What keeps a record from being one; nothing if it is."""
-    try:
-        validated(type(record), record.model_dump(), "", from_file=False)
-    except InputError as error:
-        return "; ".join(error.problems)
-    return ""

@@ -18,7 +18,6 @@ import pandas as pd
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats, Ints
-from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.motions.record import GroundMotion
 from thermobearing.studies.definition.columns import (
     AMBIENT,
@@ -38,8 +37,8 @@ from thermobearing.studies.definition.record import COLUMNS, MOST_RUNS, Design, 
 RUN_BYTES = 8  # of the digest that names a run: among ten million, two alike once in 400 000
 
 
-def digest(*parts: Any) -> bytes:
-    """Digest of numbers, texts and arrays, the same on every machine."""
+def _digest(*parts: Any) -> bytes:
+    """Return a digest of numbers, texts and arrays, the same on every machine."""
     found = hashlib.sha256()
     for part in parts:
         if isinstance(part, bytes):
@@ -55,83 +54,57 @@ def digest(*parts: Any) -> bytes:
 
 
 def _motion_digest(motion: GroundMotion, factor: float) -> bytes:
-    """Of the samples of a motion, whatever file they come from, and the factor of its level."""
-    return digest(motion.dt, motion.acceleration, factor)
+    """Return a digest of the samples of a motion, from any file, and the factor of its level."""
+    return _digest(motion.dt, motion.acceleration, factor)
 
 
-def shared_digest(case: EarthquakeCase) -> bytes:
-    """Of what all runs share: the case without what the factors hold, and without documents."""
-    table = case.model_dump(
+def _shared_digest(study: Study, levels: Levels) -> bytes:
+    """Return a digest of the case without factors and documents, and of the weather."""
+    table = study.case.model_dump(
         exclude={"structure", "bearings", "motions", "ambient", "weather", "sources", "rig"}
     )
     for key in ("keep", "keep_every"):
         table["analysis"].pop(key)
-    return digest(table)
+    weather = levels.weather
+    air = [] if weather is None else [weather.temperature, weather.recurs]
+    return _digest(_digest(table), *air, study.factors.ambient.history)
 
 
-def _run_ids(heads: Sequence[bytes], of_row: Ints, numbers: Floats) -> list[str]:
-    """Names of runs, 16 hexadecimal digits each."""
-    raw, width = numbers.astype("<f8").tobytes(), 8 * numbers.shape[1]
-    return [
-        hashlib.blake2b(
-            heads[head] + raw[row * width : (row + 1) * width], digest_size=RUN_BYTES
-        ).hexdigest()
-        for row, head in enumerate(of_row.tolist())
-    ]
+def _run_ids(
+    study: Study, levels: Levels, places: Mapping[str, Ints], numbers: Mapping[str, Floats]
+) -> list[str]:
+    """Return names of runs, 16 hexadecimal digits each.
 
-
-class Contents:
-    """What the levels of a study hold; rows of a plan have their places among them.
-
-    Attributes
-    ----------
-    levels : the levels themselves.
-    intensities : of each motion, with the factor of its level, see `intensity`.
+    `places` are those of the things of each row, of bearings in `Levels.bearings`; `numbers` have
+    NaN where a run has no such number.
     """
-
-    def __init__(self, study: Study) -> None:
-        factors = study.factors
-        self.levels = Levels(study)
-        motions, given = self.levels.motions, [one.factor for one in self.levels.listed]
-        self.intensities = np.array(
-            [
-                factor * intensity(motion, factors.scale)
-                for motion, factor in zip(motions, given, strict=True)
-            ]
-        )
-        weather = self.levels.weather
-        air = [] if weather is None else [weather.temperature, weather.recurs]
-        self._shared = digest(shared_digest(study.case), *air, factors.ambient.history)
-        self._parts = {
-            "structure": [digest(one) for one in factors.structure.levels],
-            "bearing": [digest(one) for one in self.levels.bearings],
-            "motion": [_motion_digest(*one) for one in zip(motions, given, strict=True)],
-        }
-
-    def heads(self, places: Mapping[str, Ints], names: Sequence[str]) -> tuple[list[bytes], Ints]:
-        """Digests of what rows have besides their numbers, and which of them each row has."""
-        counts = [len(self._parts[name]) for name in THINGS]
-        whole = np.ravel_multi_index(tuple(places[name] for name in THINGS), counts)
-        different, of_row = np.unique(whole, return_inverse=True)
+    shared = _shared_digest(study, levels)
+    pairs = zip(levels.motions, [one.factor for one in levels.listed], strict=True)
+    parts = {
+        "structure": [_digest(one) for one in study.factors.structure.levels],
+        "bearing": [_digest(one) for one in levels.bearings],
+        "motion": [_motion_digest(*one) for one in pairs],
+    }
+    counts = [len(parts[name]) for name in THINGS]
+    whole = np.ravel_multi_index(tuple(places[name] for name in THINGS), counts)
+    names = sorted(numbers)
+    values = np.column_stack([numbers[name] for name in names])
+    without = np.isnan(values)
+    ids = np.empty(len(values), dtype=object)
+    for gaps in np.unique(without, axis=0):
+        rows = np.flatnonzero((without == gaps).all(axis=1))
+        known = [name for name, gap in zip(names, gaps, strict=True) if not gap]
+        different, of_row = np.unique(whole[rows], return_inverse=True)
         heads = []
         for here in zip(*np.unravel_index(different, counts), strict=True):
-            things = [self._parts[name][place] for name, place in zip(THINGS, here, strict=True)]
-            heads.append(digest(self._shared, *things, list(names)))
-        return heads, of_row
-
-    def ids(self, places: Mapping[str, Ints], numbers: Mapping[str, Floats]) -> list[str]:
-        """Names of runs, 16 hexadecimal digits each."""
-        names = sorted(numbers)
-        values = np.column_stack([numbers[name] for name in names])
-        without = np.isnan(values)
-        ids = np.empty(len(values), dtype=object)
-        for gaps in np.unique(without, axis=0):
-            rows = np.flatnonzero((without == gaps).all(axis=1))
-            own = {name: place[rows] for name, place in places.items()}
-            told = [name for name, gap in zip(names, gaps, strict=True) if not gap]
-            heads, of_row = self.heads(own, told)
-            ids[rows] = _run_ids(heads, of_row, values[rows][:, ~gaps])
-        return [str(text) for text in ids]
+            things = [parts[name][place] for name, place in zip(THINGS, here, strict=True)]
+            heads.append(_digest(shared, *things, known))
+        own = values[rows][:, ~gaps].astype("<f8")
+        raw, width = own.tobytes(), 8 * own.shape[1]
+        for row, head in enumerate(of_row.tolist()):
+            content = heads[head] + raw[row * width : (row + 1) * width]
+            ids[rows[row]] = hashlib.blake2b(content, digest_size=RUN_BYTES).hexdigest()
+    return [str(text) for text in ids]
 
 
 A, B, SWAPPED = "A", "B", "AB"
@@ -151,42 +124,22 @@ class Draws:
     """
 
     values: Floats
-    sample: np.ndarray[Any, np.dtype[np.int64]]
+    sample: Ints
     matrix: list[str] | None = None
 
 
 def plan(study: Study) -> pd.DataFrame:
-    """All runs of a study, one row each; the same study gives the same rows to the last bit.
+    """Return all runs of a study, one row each; the same study gives the same bits.
 
-    Parameters
-    ----------
-    study : from `load_study` or `make_study`.
-
-    Returns
-    -------
-    DataFrame : `run` (from 0), `id` (16 hexadecimal digits: a digest of all that goes into the run,
-        whatever its place in the plan; equal input has an equal one), `seed` (from it), `sample`,
-        with Saltelli's arrangement `matrix`, then a column for each factor: structure, bearing,
-        motion, scale, ambient_degC, and numbers by their dotted names.
-
-    Raises
-    ------
-    InputError : too many runs, draws without `samples` or the other way round, drawn numbers that
-        a bearing or a structure may not have.
-
-    Examples
-    --------
-    >>> factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ["0 degC"]}
-    >>> factors["scale"] = [0.5, 1.0]
-    >>> from thermobearing.studies.definition.case import make_study
-    >>> runs = plan(make_study({"kind": "study", "name": "p1", "factors": factors}, "example"))
-    >>> runs[["run", "bearing", "scale"]].values.tolist()
-    [[0, 'shen-hdr-bridge', 0.5], [1, 'shen-hdr-bridge', 1.0]]
+    The columns are `run` (from 0), `id` (16 hexadecimal digits: a digest of the input of the run,
+    whatever its place in the plan), `seed` (from it), `sample`, with Saltelli's arrangement
+    `matrix`, then a column for each factor: structure, bearing, motion, scale, ambient_degC, and
+    numbers by their dotted names. InputError for too many runs, samples that do not go with the
+    factors, or drawn numbers that a bearing or a structure may not have.
     """
     columns = list_columns(study)
     picked, each, cells = _picked(study, columns)
-    rows = len(each[0].sample)
-    frame = pd.DataFrame({"run": np.arange(cells * rows)})
+    frame = pd.DataFrame({"run": np.arange(cells * len(each[0].sample))})
     frame["sample"] = np.tile(each[0].sample, cells)
     if each[0].matrix is not None:
         frame["matrix"] = pd.Categorical(each[0].matrix * cells)
@@ -194,36 +147,38 @@ def plan(study: Study) -> pd.DataFrame:
 
 
 def in_lockstep(study: Study) -> bool:
-    """Whether runs of a study are carried out side by side; a study alone decides it.
+    """Return whether runs of a study are carried out side by side; a study alone decides it.
 
     Runs side by side have the heat of their cells in common, so that a study which varies it from
     run to run goes one by one.
     """
-    case, asked = study.case, study.design.lockstep
+    case, wanted = study.case, study.design.lockstep
     alone = case.analysis.method == "predictor-corrector" or study.keep.histories == "all"
-    if alone or asked is False or any(moves_warmth(target) for target in list_targets(study)):
+    if alone or wanted is False or any(moves_warmth(target) for target in list_targets(study)):
         return False
     columns = list_columns(study)
     drawn = [column for column in columns if column.drawn]
-    cells = math.prod(column.count for column in columns if not column.drawn)
-    return asked is True or cells * _rows(study.design, drawn) >= MANY
+    cells = math.prod(len(column.levels) for column in columns if not column.drawn)
+    return wanted is True or cells * _rows(study.design, drawn) >= MANY
 
 
 def _rows(design: Design, drawn: Sequence[Column]) -> int:
-    """Draws of each combination of levels."""
+    """Return the number of draws of each combination of levels."""
     return (design.samples or 1) * (len(drawn) + 2 if design.arrangement == "saltelli" else 1)
 
 
 def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], list[Draws], int]:
-    """Places, numbers and shares of every row by column; the draws; combinations of levels."""
+    """Return places, numbers and shares of every row by column; draws; combinations of levels."""
     crossed = [column for column in columns if not column.drawn]
     drawn = [column for column in columns if column.drawn]
-    cells = math.prod(column.count for column in crossed)
+    cells = math.prod(len(column.levels) for column in crossed)
     _refuse(study.design, cells, drawn)
     own = 1 if study.design.paired else cells
     each = [_draws(study.design, drawn, cell) for cell in range(own)]
     rows = len(each[0].sample)
-    places = np.array(list(product(*(range(column.count) for column in crossed))), dtype=np.int64)
+    places = np.array(
+        list(product(*(range(len(column.levels)) for column in crossed))), dtype=np.int64
+    )
     picked: dict[str, Any] = {}
     for number, column in enumerate(crossed):
         picked[column.name] = column.of(np.repeat(places[:, number], rows))
@@ -234,7 +189,7 @@ def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], li
 
 
 def _refuse(design: Design, cells: int, drawn: Sequence[Column]) -> None:
-    """InputError for a design that does not go with the factors, or makes too many runs."""
+    """Raise InputError for a design that does not fit the factors, or makes too many runs."""
     names = ", ".join(column.name for column in drawn)
     if drawn and design.samples is None:
         raise InputError(f"design: how many draws of {names}? Give samples")
@@ -252,7 +207,7 @@ def _refuse(design: Design, cells: int, drawn: Sequence[Column]) -> None:
 
 
 def _draws(design: Design, drawn: Sequence[Column], cell: int) -> Draws:
-    """Probabilities of one combination of levels, or of all that share them."""
+    """Return probabilities of one combination of levels, or of all that share them."""
     samples, width = design.samples or 1, len(drawn)
     seed = [design.seed] if design.paired else [design.seed, cell]
     rng = np.random.default_rng(seed)
@@ -272,7 +227,7 @@ def _draws(design: Design, drawn: Sequence[Column], cell: int) -> Draws:
 
 
 def _points(kind: str, width: int, samples: int, rng: np.random.Generator) -> Floats:
-    """Points of a design in the unit cube, [samples, width]."""
+    """Return points of a design in the unit cube, [samples, width]."""
     if width == 0:
         return np.zeros((samples, 0))
     if kind not in ("latin-hypercube", "sobol"):
@@ -285,8 +240,8 @@ def _points(kind: str, width: int, samples: int, rng: np.random.Generator) -> Fl
     return np.asarray(made.random_base2(samples.bit_length() - 1), dtype=np.float64)
 
 
-def settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, Any]:
-    """What was picked with shares made samples and hours, and no number where there is none."""
+def _settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, Any]:
+    """Return what was picked, with samples and hours for shares, NaN for missing numbers."""
     found = dict(picked)
     if SAMPLE in found:
         counts = levels.counts[found["bearing"]]
@@ -305,23 +260,24 @@ def settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, A
 def _with_ids(
     study: Study, columns: Sequence[Column], picked: dict[str, Any], frame: pd.DataFrame
 ) -> pd.DataFrame:
-    """The plan with names and seeds of runs, and its columns as a reader wants them."""
-    contents, scale = Contents(study), study.factors.scale
-    found = settled(study, contents.levels, picked)
-    strength = contents.intensities[found["motion"]]
-    given = scale.of == "intensity"  # to the last bit as given, so that stripes are whole
+    """Return the plan with names and seeds of runs, and its columns for readers."""
+    levels, scale = Levels(study), study.factors.scale
+    found = _settled(study, levels, picked)
+    pairs = zip(levels.motions, levels.listed, strict=True)
+    strengths = np.array([one.factor * intensity(motion, scale) for motion, one in pairs])
+    strength = strengths[found["motion"]]
+    given = scale.of == "intensity"  # to the last bit as given, so that stripes are complete
     intensities = found["scale"] if given else found["scale"] * strength
     if given:
         found["scale"] = intensities / strength
     check_numbers(study, {name: found[name] for name in found if name not in THINGS})
     none = np.full(len(frame), -1, dtype=np.int64)
     places = {name: found[name] for name in THINGS}
-    places["bearing"] = contents.levels.place(places["bearing"], found.get(SAMPLE, none))
+    places["bearing"] = levels.place(places["bearing"], found.get(SAMPLE, none))
     of = {name: one.of for name, one in study.factors.numbers.items()}
-    air = AMBIENT if HOUR not in found else HOUR
-    numbers = {name: found[name] for name in ("scale", air)}
+    numbers = {name: found[name] for name in ("scale", AMBIENT if HOUR not in found else HOUR)}
     numbers |= {f"{'.'.join(spelled(name))} {of[name]}": found[name] for name in of}
-    ids = contents.ids(places, numbers)
+    ids = _run_ids(study, levels, places, numbers)
     frame.insert(1, "id", ids)
     frame.insert(2, "seed", [int(text, 16) >> SPARE for text in ids])
     for column in columns:

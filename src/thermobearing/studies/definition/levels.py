@@ -38,33 +38,29 @@ class Levels:
         self.study = study
 
     @cached_property
-    def samples(self) -> list[list[Bearing]]:
-        """Samples of each level of the bearing; none of one that is a single bearing."""
+    def _each(self) -> list[list[AnyBearing]]:
+        """Bearings of each level: the samples of a posterior, or a single one."""
         return [
-            posterior_bearings(one.bearing, Path(one.posterior), one.count)[1:]
+            list(posterior_bearings(one.bearing, Path(one.posterior), one.count)[1:])
             if isinstance(one, Posterior)
-            else []
+            else [one]
             for one in self.study.factors.bearing.levels
         ]
 
     @cached_property
     def bearings(self) -> list[AnyBearing]:
         """All bearings, level after level."""
-        found: list[AnyBearing] = []
-        for one, samples in zip(self.study.factors.bearing.levels, self.samples, strict=True):
-            if isinstance(one, Posterior):
-                found += samples
-            else:
-                found.append(one)
-        return found
+        return [bearing for level in self._each for bearing in level]
 
     @cached_property
     def counts(self) -> Ints:
         """Number of samples of each level of the bearing; 0 of a single one."""
-        return np.array([len(samples) for samples in self.samples], dtype=np.int64)
+        levels = zip(self._each, self.study.factors.bearing.levels, strict=True)
+        counts = [len(each) if isinstance(one, Posterior) else 0 for each, one in levels]
+        return np.array(counts, dtype=np.int64)
 
     def place(self, level: Ints, sample: Ints) -> Ints:
-        """Places in `bearings` of samples (-1: none) of levels."""
+        """Return places in `bearings` of samples (-1: none) of levels."""
         taken = np.maximum(self.counts, 1)
         return np.asarray((np.cumsum(taken) - taken)[level] + np.maximum(sample, 0))
 
@@ -85,7 +81,7 @@ class Levels:
 
 
 def study_weather(ambient: AmbientFactor) -> Hourly | None:
-    """The weather of a study, read or made up once."""
+    """Return the weather of a study, read or generated once."""
     if ambient.series is None and ambient.weather is not None:
         ambient.keep_series(read_weather(ambient.weather))
     if ambient.series is None and ambient.climate is not None:
@@ -103,9 +99,9 @@ OTHERS = ("cores", "confined", "end_spreading")
 
 
 def settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> None:
-    """The levels of a table `factors.bearing` replaced by what they stand for.
+    """Replace the levels of a table `factors.bearing` by records of bearings and posteriors.
 
-    A fit or a drawing may stand in the table itself instead of `levels`, or be one of them.
+    A calibration or a compound may stand in the table itself instead of `levels`.
     """
     own: dict[str, Any] = {}
     if {"posterior", "compound"} & set(table):
@@ -136,7 +132,7 @@ def settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> N
 
 
 def _level(item: Any, folder: Path) -> list[AnyLevel]:
-    """What one entry of the levels stands for."""
+    """Return the records of one entry of the levels."""
     if isinstance(item, str | Path):
         return [load_device(folder / item if str(item).endswith(".toml") else item)]
     if isinstance(item, dict) and "posterior" in item and item.get("kind") != "posterior":
@@ -147,7 +143,7 @@ def _level(item: Any, folder: Path) -> list[AnyLevel]:
 
 
 def _posterior(item: dict[str, Any], folder: Path) -> Posterior:
-    """The samples of a fit, its directory or its file; they are read once to be checked."""
+    """Return the samples of a calibration, by its directory or file; read once to be checked."""
     _refuse_unknown(item, OF_POSTERIOR)
     given = item["posterior"]
     if not isinstance(given, str | Path) or not str(given):
@@ -176,7 +172,7 @@ def _posterior(item: dict[str, Any], folder: Path) -> Posterior:
 
 
 def _drawn(item: dict[str, Any], folder: Path) -> list[Bearing]:
-    """Bearings of a compound, one for each combination of the sizes that are given."""
+    """Return bearings of a compound, one for each combination of the sizes that are given."""
     _refuse_unknown(item, OF_DRAWING)
     size = item.get("size")
     if not isinstance(size, dict) or not size:
@@ -186,6 +182,8 @@ def _drawn(item: dict[str, Any], folder: Path) -> list[Bearing]:
     for key in size:
         if key not in (*SIZES, *OTHERS):
             raise InputError(f'size: unknown key "{key}"{nearest(key, [*SIZES, *OTHERS])}')
+    if missing := [key for key in ("layers", "shim") if key not in size]:
+        raise InputError(f"size: missing {' and '.join(missing)}")
     compounds = _listed(item["compound"])
     several = {"compound": compounds} | {key: _listed(value) for key, value in size.items()}
     for key in set(SIZES) & set(size):
@@ -198,20 +196,13 @@ def _drawn(item: dict[str, Any], folder: Path) -> list[Bearing]:
         one = dict(zip(several, values, strict=True))
         compound = one.pop("compound")
         own = folder / compound if is_path(compound) else compound
-        told = [str(item.get("name", Path(str(compound)).stem))]
-        told += [f"{key} {one[key]}" for key in vary if key != "compound"]
+        words = [str(item.get("name", Path(str(compound)).stem))]
+        words += [f"{key} {one[key]}" for key in vary if key != "compound"]
         if "name" in item and "compound" in vary:
-            told.append(Path(str(compound)).stem)
-        found.append(_made(" ".join(told), own, one))
+            words.append(Path(str(compound)).stem)
+        name = " ".join(words).replace("/", " ").replace("\\", " ")
+        found.append(new_bearing(name, own, **one))
     return found
-
-
-def _made(name: str, compound: Any, size: dict[str, Any]) -> Bearing:
-    """One bearing of a compound."""
-    missing = [key for key in ("layers", "shim") if key not in size]
-    if missing:
-        raise InputError(f"size: missing {' and '.join(missing)}")
-    return new_bearing(name.replace("/", " ").replace("\\", " "), compound, **size)
 
 
 def _listed(value: Any) -> list[Any]:

@@ -107,12 +107,7 @@ class Recipe:
 
 
 def recipes(factor: MotionFactor) -> list[Recipe]:
-    """Return what the motions of a factor with `matched` are made of.
-
-    Raises
-    ------
-    InputError : no such spectrum, records that cannot be adjusted.
-    """
+    """Return what the motions of a factor with `matched` are made of."""
     assert factor.matched is not None
     spectrum = load_spectrum(factor.matched, factor.zone_factor or 1.0)
     if factor.levels is None:

@@ -1,8 +1,10 @@
-"""The records of a study: what all runs share, what differs, how combinations are chosen."""
+"""The records of a study: case, factors with levels or distributions, design."""
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -15,21 +17,175 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Name, OneLine, Strict, in_unit
 from thermobearing.border.toml import to_table
+from thermobearing.border.units import parse_quantity
 from thermobearing.climate.hourly import Hourly
+from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Temperature
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.inputs import Motion
-from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.record import GroundMotion, acceleration_unit
 from thermobearing.motions.spectrum import DAMPING, response_spectrum
 from thermobearing.motions.synthesis import LARGEST_SEED
 from thermobearing.structure.model import Structure
-from thermobearing.studies.definition.distributions import (
-    MM_PER_M,
-    Distribution,
-    Drawn,
-    read_distribution,
-    settled_number,
-)
+
+Kind = Literal["normal", "lognormal", "uniform", "triangular"]
+Number = float | str | None  # text where the factor has a unit
+# Each way to give a distribution, by its kind; `low` and `high` truncate the first two besides.
+WAYS: dict[str, tuple[tuple[str, ...], ...]] = {
+    "normal": (("mean", "sd"), ("mean", "cov")),
+    "lognormal": (("median", "cov"), ("median", "log_sd"), ("mean", "cov")),
+    "uniform": (("low", "high"),),
+    "triangular": (("low", "mode", "high"),),
+}
+TRUNCATED = ("normal", "lognormal")  # have no ends of their own
+PURE = ("cov", "log_sd")  # have no unit whatever the number is
+ACCELERATION = "m/s^2"
+MM_PER_M = 1000.0
+NUMBER = re.compile(r"^(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*)?$")
+RARE = 1e-6  # a study of a million runs meets what is as rare as this
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """A distribution of one number, truncated at `low` and `high`.
+
+    Attributes
+    ----------
+    kind : "normal", "lognormal", "uniform" or "triangular".
+    centre : mean, median, or mode.
+    spread : standard deviation; of a lognormal one that of the logarithm; none of the others.
+    low, high : ends.
+    """
+
+    kind: Kind
+    centre: float
+    spread: float
+    low: float = -math.inf
+    high: float = math.inf
+
+    @cached_property
+    def _whole(self) -> Any:
+        """The distribution of scipy, not truncated."""
+        from scipy import stats  # takes a second to read; processes that run need it not
+
+        width = self.high - self.low
+        match self.kind:
+            case "normal":
+                return stats.norm(self.centre, self.spread)
+            case "lognormal":
+                return stats.lognorm(self.spread, scale=self.centre)
+            case "uniform":
+                return stats.uniform(self.low, width)
+        return stats.triang((self.centre - self.low) / width, self.low, width)
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """Probabilities below `low` and below `high`, if it were not truncated."""
+        return float(self._whole.cdf(self.low)), float(self._whole.cdf(self.high))
+
+    def at(self, probability: Floats) -> Floats:
+        """Return the values that are not exceeded with a probability, in [0, 1]."""
+        below, above = self.ends
+        inside = below + np.asarray(probability, dtype=np.float64) * (above - below)
+        return np.clip(np.asarray(self._whole.ppf(inside), np.float64), self.low, self.high)
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Values as small and as large as one run in a million has."""
+        smallest, largest = self.at(np.array([RARE, 1.0 - RARE]))
+        return float(smallest), float(largest)
+
+
+def _number(value: float | str, unit: str | None) -> float:
+    """Return a number of a study file: text with a unit where there is one, else a plain number.
+
+    An acceleration may have any unit that records have: m/s2, g, gal, ...
+    """
+    if unit is None:
+        if isinstance(value, str):
+            raise InputError(f'"{value}": must be a plain number, without a unit')
+        return float(value)
+    if not isinstance(value, str):
+        raise InputError(f'{value!r} has no unit; write "{value} {unit}" if that is meant')
+    if unit != ACCELERATION:
+        return parse_quantity(value, unit)
+    number = NUMBER.match(value.strip())
+    if number is None or not number["unit"]:
+        raise InputError(f'"{value}": give a number with its unit, such as "2 m/s2"')
+    return float(number["number"]) * acceleration_unit(number["unit"]) / MM_PER_M
+
+
+class Drawn(Strict):
+    """Keys of a number that has a distribution; `WAYS` has those that go together."""
+
+    distribution: Kind | None = None
+    mean: Number = None
+    median: Number = None
+    mode: Number = None
+    sd: Number = None
+    cov: Number = None
+    log_sd: Number = None
+    low: Number = None
+    high: Number = None
+
+    def read(self, unit: str | None, key: str) -> Distribution:
+        """Return the distribution of a number with this unit (None: pure); InputError at `key`."""
+        kind = self.distribution
+        assert kind is not None
+        given = {name: getattr(self, name) for name in Drawn.model_fields if name != "distribution"}
+        given = {name: value for name, value in given.items() if value is not None}
+        ends = {"low", "high"} if kind in TRUNCATED else set()
+        if not any(set(way) == set(given) - ends for way in WAYS[kind]):
+            takes = " or ".join(" and ".join(way) for way in WAYS[kind])
+            more = "; low and high cut it off" if ends else ""
+            got = ", ".join(given) or "nothing"
+            raise InputError(f"{key}: a {kind} distribution takes {takes}{more}; got {got}")
+        if unit == "degC" and (kind == "lognormal" or "cov" in given):
+            raise InputError(
+                f"{key}: of a temperature: normal with mean and sd, uniform or triangular"
+            )
+        numbers, faults = {}, []
+        for name, value in given.items():
+            own = None if name in PURE else "K" if (name, unit) == ("sd", "degC") else unit
+            try:
+                numbers[name] = _number(value, own)
+            except InputError as error:
+                faults += error.lines(f"{key}.{name}")
+        if faults:
+            raise InputError(faults)
+        return _distribution(kind, numbers, key)
+
+
+def _distribution(kind: Kind, numbers: dict[str, float], key: str) -> Distribution:
+    """Return the distribution with these numbers; InputError where they make none."""
+    low, high = numbers.get("low", -math.inf), numbers.get("high", math.inf)
+    for name in ("sd", "cov", "log_sd"):
+        if not numbers.get(name, 1.0) > 0.0:
+            raise InputError(f"{key}.{name} = {numbers[name]:g}: must be greater than 0")
+    if not low < high:
+        raise InputError(f"{key}: low = {low:g} must be less than high = {high:g}")
+    cov = numbers.get("cov", 0.0)
+    if kind == "normal":
+        centre = numbers["mean"]
+        spread = numbers["sd"] if "sd" in numbers else abs(centre) * cov
+        if spread == 0.0:
+            raise InputError(f"{key}: a cov of a mean of 0 is no spread; give sd")
+    elif kind == "lognormal":
+        spread = numbers["log_sd"] if "log_sd" in numbers else math.sqrt(math.log1p(cov * cov))
+        centre = numbers["median"] if "median" in numbers else numbers["mean"]
+        if not centre > 0.0:
+            raise InputError(f"{key}: a lognormal distribution is of numbers greater than 0")
+        centre = centre if "median" in numbers else centre / math.sqrt(1.0 + cov * cov)
+    else:
+        mode = numbers.get("mode", low)
+        if not low <= mode <= high:
+            raise InputError(f"{key}: mode = {mode:g} must be between low and high")
+        return Distribution(kind, mode, 0.0, low, high)
+    made = Distribution(kind, centre, spread, low, high)
+    if not made.ends[1] - made.ends[0] > RARE:
+        raise InputError(f"{key}: next to nothing of the distribution is between low and high")
+    return made
+
 
 MOST_LEVELS = 10_000
 Weights = Annotated[tuple[Annotated[float, Field(gt=0, le=1e9)], ...], Field(min_length=1)]
@@ -268,19 +424,19 @@ class NumberFactor(Drawn, Picked):
 def list_numbers(
     factor: ScaleFactor | AmbientFactor | NumberFactor, unit: str | None, key: str
 ) -> list[float] | Distribution:
-    """Levels or distribution of a factor that is a number."""
+    """Return levels or distribution of a factor that is a number with this unit (None: pure)."""
     if (factor.levels is None) == (factor.distribution is None):
         raise InputError(f"{key}: give either levels or a distribution")
     if factor.levels is None:
         if factor.random:
             raise InputError(f"{key}.random: only of levels; a distribution is always drawn")
-        return read_distribution(factor, unit, key)
+        return factor.read(unit, key)
     if isinstance(factor, AmbientFactor):
         return list(factor.levels)
     numbers, faults = [], []
     for number, level in enumerate(factor.levels):
         try:
-            numbers.append(settled_number(level, unit))
+            numbers.append(_number(level, unit))
         except InputError as error:
             faults += error.lines(f"{key}.levels[{number}]")
     if not faults and len(set(numbers)) < len(numbers):
@@ -288,12 +444,6 @@ def list_numbers(
     if faults:
         raise InputError(faults)
     return numbers
-
-
-def probabilities(weights: Sequence[float] | None, count: int) -> list[float]:
-    """Of each of so many levels, one in all."""
-    given = list(weights) if weights is not None else [1.0] * count
-    return [weight / sum(given) for weight in given]
 
 
 COLUMNS = {"PGA": "PGA_m_s2", "PGV": "PGV_m_s", "Sa": "Sa_m_s2"}

@@ -57,12 +57,7 @@ Finished = Generator[tuple[Work, Done | None]]
 
 @contextmanager
 def only_writer(directory: Path, part: str = "") -> Iterator[None]:
-    """Keep others from writing the study, or a part of it such as "3-of-8".
-
-    Raises
-    ------
-    OutputError : another process writes it, or nobody can.
-    """
+    """Keep others from writing the study, or a part of it such as "3-of-8"."""
     with ExitStack() as stack:
         _lock(stack, directory, directory, shared=bool(part))
         if part:
@@ -96,27 +91,7 @@ def run_study(
     size: int | None = None,
     progress: Progress | None = None,
 ) -> Status:
-    """Carry out a study, or what is missing of it; a failed run does not raise.
-
-    Parameters
-    ----------
-    study : from `load_study` or `make_study`.
-    directory : new, or where this study was begun.
-    executor, jobs, address, shard, progress : as of `study`.
-    size : runs of a shard, in a new directory; by default a hundredth of the study (in lockstep a
-        25th), 16 to 1008.
-
-    Returns
-    -------
-    Status : with a table of why runs failed, and whether Ctrl-C interrupted it.
-
-    Raises
-    ------
-    InputError : arguments that cannot be used; another study was begun there; pyarrow or
-        distributed are not installed; no scheduler answers.
-    OutputError : the directory holds something else, another process writes the study, the disk is
-        full, or workers die again and again. What is done is kept.
-    """
+    """Carry out a study, or what is missing of it; a failed run does not raise."""
     directory = Path(directory)
     part = check_start(directory, executor, jobs, address, shard, size)
     study, runs, store = _opened(study, directory, size, jobs)
@@ -259,10 +234,6 @@ def repeat_run(study: Study, run: int) -> EarthquakeResult:
 
     Where the study has weather, the bearing begins as warm as in it; the case of the result has
     the ambient temperature of that hour only.
-
-    Raises
-    ------
-    InputError : there is no such run.
     """
     runs = plan(study)
     if not 0 <= run < len(runs):

@@ -179,12 +179,7 @@ class Preparer:
         self._others: list[Device | None] | None = None
 
     def make_task(self, row: Mapping[str, Any]) -> Task:
-        """Return what `run_task` takes for a row of `plan(study).to_dict("records")`.
-
-        Raises
-        ------
-        InputError : numbers that do not go together in this run.
-        """
+        """Return what `run_task` takes for a row of `plan(study).to_dict("records")`."""
         structure, bearing, motion = (self._places[name][str(row[name])] for name in THINGS)
         level = {"structure": structure, "bearing": bearing, "case": 0}
         place = int(self.levels.place(np.array(bearing), np.array(int(row.get(SAMPLE, -1)))))

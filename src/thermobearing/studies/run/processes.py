@@ -77,10 +77,6 @@ def call_on_processes(
 
     A few items are on their way at a time, so that memory does not grow with their number.
     Processes that die are replaced, and what they had is done again.
-
-    Raises
-    ------
-    OutputError : they die again and again.
     """
     if jobs <= 1:
         yield from ((item, call(shared, item)) for item in items)

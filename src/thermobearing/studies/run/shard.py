@@ -90,12 +90,7 @@ def run_shard(study: Study, plan_rows: pd.DataFrame) -> pd.DataFrame:
 def carried_out(
     preparer: Preparer, plan_rows: pd.DataFrame, *, histories: bool = False
 ) -> Done | None:
-    """Return the results of a shard; None if this process was stopped before it was complete.
-
-    Raises
-    ------
-    BrokenError : every run raised what no run should.
-    """
+    """Return the results of a shard; None if this process was stopped before it was complete."""
     rows = plan_rows.to_dict("records")
     every = preparer.study.case.analysis.keep_every if histories else 0
     found: list[Measured] = []
@@ -193,11 +188,6 @@ def on_dask(
     """Yield shards done by the workers of a cluster; one whose worker dies goes to another.
 
     `address` is that of the scheduler, "tcp://host:8786", or a `distributed.Client`.
-
-    Raises
-    ------
-    InputError : distributed is not installed, or no scheduler answers at the address.
-    OutputError : the scheduler is gone, or a shard kills its workers again and again.
     """
     with ExitStack() as stack:
         client = _client(address, stack)

@@ -93,12 +93,7 @@ class Status:
 
 
 def study_status(directory: str | Path, *, interrupted: bool = False) -> Status:
-    """Return how far the study in a directory is, even while another process writes there.
-
-    Raises
-    ------
-    InputError : it is not the directory of a study.
-    """
+    """Return how far the study in a directory is, even while another process writes there."""
     store = Store(Path(directory))
     shards = store.done()
     table = store.table(["run", "outcome", "sentence"], shards)
@@ -171,12 +166,7 @@ class Forecast:
 
 
 def forecast(study: Study, jobs: int | None = None) -> Forecast:
-    """Carry out a few runs of a study, and extrapolate to all.
-
-    Raises
-    ------
-    InputError : what `plan` refuses.
-    """
+    """Carry out a few runs of a study, and extrapolate to all."""
     study, motions, making = with_first_motion(study)
     runs = plan(study)
     some = runs.iloc[np.unique(np.linspace(0, len(runs) - 1, TRIED).astype(int))]

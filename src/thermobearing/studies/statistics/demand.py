@@ -67,10 +67,6 @@ def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Co
     Without a column `outcome` all runs completed. Runs that could not start for their input or
     for a fault of the program are left out in any case. A run whose pier exceeded its limits
     exceeds every capacity of a pier; its other demands are those computed, but for "collapse".
-
-    Raises
-    ------
-    InputError : no such column, or no run completed.
     """
     if failed not in get_args(Failed):
         raise InputError(f'failed is "left-out" or "collapse", not {failed!r}')
@@ -164,34 +160,7 @@ def demand_against(
     shares: Sequence[float] = FRACTILES,
     level: float = LEVEL,
 ) -> pd.DataFrame:
-    """Return how a demand is spread at each temperature (or value of another column of numbers).
-
-    Parameters
-    ----------
-    table : of runs.
-    demand : column that is looked at.
-    across : column of numbers; more than 20 different ones are put into 12 classes of equally
-        many runs, at their mean.
-    by : columns whose values have rows of their own, such as ("bearing",).
-    failed : runs that failed are "left-out", or count as "collapse" (an infinite demand).
-    shares : of the runs below each fractile.
-    level : confidence of the band of the median, a share in (0, 1).
-
-    Returns
-    -------
-    DataFrame : the columns of `by`, the column `across`, `runs`, `failed`, `mean`, a column for
-        each share (`0.16`), `median_low` and `median_high`.
-
-    Raises
-    ------
-    InputError : a column is missing.
-
-    Examples
-    --------
-    >>> runs = pd.DataFrame({"ambient_degC": [-20, -20, 23, 23], "drift": [3.0, 5.0, 1.0, 2.0]})
-    >>> demand_against(runs, "drift")[["ambient_degC", "runs", "mean"]].values.tolist()
-    [[-20.0, 2.0, 4.0], [23.0, 2.0, 1.5]]
-    """
+    """Return how a demand is spread at each temperature (or value of another column of numbers)."""
     check_level(level)
     runs = counted(table, demand, failed)
     at = numbers(table, across)
@@ -255,12 +224,7 @@ def ranked_by(table: pd.DataFrame) -> str:
 
 
 def worst_runs(table: pd.DataFrame, count: int = WORST, by: str | None = None) -> list[int]:
-    """Return the numbers of the completed runs with the largest demand, the worst first.
-
-    Raises
-    ------
-    InputError : no such column.
-    """
+    """Return the numbers of the completed runs with the largest demand, the worst first."""
     whole = table[table[OUTCOME] == COMPLETED]
     if len(whole) == 0:
         return []

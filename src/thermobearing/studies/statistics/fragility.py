@@ -168,26 +168,7 @@ def ida_curves(
     *,
     failed: Failed = "left-out",
 ) -> Ida:
-    """Return curves of incremental dynamic analysis from a table of runs.
-
-    Parameters
-    ----------
-    table : of runs, one for each curve and intensity.
-    demand, intensity : names of columns of numbers; intensities above 0.
-    by : columns that identify curves: the motion, and every other factor that differs.
-    failed : runs that failed are "left-out", or count as "collapse" of their curve.
-
-    Raises
-    ------
-    InputError : no such column, two runs at one intensity of a curve, or no curve of more than
-        one intensity.
-
-    Examples
-    --------
-    >>> runs = pd.DataFrame({"motion": ["a", "a"], "scale": [1.0, 2.0], "drift": [1.0, 3.0]})
-    >>> ida_curves(runs, "drift", "scale").crossings(2.0)["capacity"].tolist()
-    [1.5]
-    """
+    """Return curves of incremental dynamic analysis from a table of runs."""
     runs = counted(table, demand, failed)
     return _ida(runs, positive(runs.table, intensity), demand, intensity, by)
 
@@ -349,38 +330,7 @@ def fragility_curve(
     seed: int = 0,
     name: str = "",
 ) -> Fragility:
-    """Return a fragility curve from a table of runs.
-
-    Parameters
-    ----------
-    table : of runs; the column `outcome` marks failed ones.
-    demand : column that is compared with the capacity.
-    capacity : > 0, in the unit of the demand.
-    intensity : column of the intensity of the motion, > 0.
-    method : "stripes", "ida" or "cloud".
-    failed : runs that failed are "left-out", or count as "collapse" (beyond any capacity).
-    groups : column whose values are drawn again as a whole by the bootstrap; None: every run by
-        itself. A column that does not exist is as None.
-    curves : of "ida": columns that identify its curves.
-    band : "bootstrap" (studentised, right with a dozen motions too), "percentile" (of the same
-        bootstrap: too narrow with fewer than 40 motions), or "profile" (stripes only; the runs
-        must be independent).
-    level : confidence of the bands, a share in (0, 1).
-    samples : of the bootstrap.
-    seed : of the bootstrap.
-    name : of the curve.
-
-    Raises
-    ------
-    InputError : a column is missing, or holds what has no logarithm.
-
-    Examples
-    --------
-    >>> runs = pd.DataFrame({"scale": [1.0] * 4 + [2.0] * 4, "drift": [1, 1, 1, 3, 1, 3, 3, 3]})
-    >>> found = fragility_curve(runs, "drift", 2.0, "scale", band="profile")
-    >>> round(found.median, 3), round(found.dispersion, 3)
-    (1.414, 0.514)
-    """
+    """Return a fragility curve from a table of runs."""
     draw = _resample(table, groups, samples, seed)
     how = demand, capacity, intensity, method, failed, curves, band, level
     return _fragility(table, draw, name, *how)
@@ -405,29 +355,6 @@ def fragility_curves(
 
     The bootstrap draws the same motions for all of them, so that differences and ratios of what
     they lead to have bands too.
-
-    Parameters
-    ----------
-    table, demand, capacity, intensity : as of `fragility_curve`.
-    by : column whose values have a curve each.
-    method, failed, groups, curves, level, samples, seed : as of `fragility_curve`.
-
-    Returns
-    -------
-    dict : by value, in increasing order as far as they have one.
-
-    Raises
-    ------
-    InputError : as of `fragility_curve`, with the value that it is about.
-
-    Examples
-    --------
-    >>> cold = pd.DataFrame({"scale": [1.0] * 4 + [2.0] * 4, "drift": [1, 1, 1, 3, 1, 3, 3, 3]})
-    >>> warm = cold.assign(scale=2.0 * cold["scale"])
-    >>> runs = pd.concat([cold.assign(air=-20.0), warm.assign(air=23.0)])
-    >>> found = fragility_curves(runs, "drift", 2.0, "scale", "air")
-    >>> {air: round(curve.median, 3) for air, curve in found.items()}
-    {-20.0: 1.414, 23.0: 2.828}
     """
     draw = _resample(table, groups, samples, seed)
     labels = np.asarray(column(table, by), dtype=object)

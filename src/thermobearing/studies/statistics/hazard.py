@@ -47,12 +47,6 @@ class Hazard:
     intensity : increasing, > 0, in the unit of the measure.
     rate : of exceedance [1/year], decreasing, > 0.
     measure : of the intensity: "PGA" [m/s2], "PGV" [m/s], "Sa" [m/s2], or your own word.
-
-    Examples
-    --------
-    >>> site = Hazard([1.0, 2.0, 4.0], [1e-2, 2.5e-3, 6.25e-4], "PGA")
-    >>> float(site.at(3.0)[0]).__round__(6)
-    0.001111
     """
 
     intensity: Floats
@@ -106,31 +100,7 @@ class Hazard:
 
 
 def load_hazard(path: str | Path, measure: str = "PGA", unit: str | None = None) -> Hazard:
-    r"""Return a hazard curve from a file with columns of intensity and rate.
-
-    Parameters
-    ----------
-    path : text with any separator, or `.xlsx`. One column is called as the measure, with its unit,
-        the other `rate [1/year]` or `return_period [year]`.
-    measure : "PGA", "PGV", "Sa", or the name of your own column.
-    unit : of your own column.
-
-    Returns
-    -------
-    Hazard
-
-    Raises
-    ------
-    InputError : unreadable, a column or unit is missing, or rates do not fall.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> file = Path(tempfile.mkdtemp()) / "site.csv"
-    >>> _ = file.write_text("PGA [cm/s^2],return_period [year]\n100,50\n400,1000\n")
-    >>> load_hazard(file).intensity.tolist(), load_hazard(file).rate.tolist()
-    ([1.0, 4.0], [0.02, 0.001])
-    """
+    r"""Return a hazard curve from a file with columns of intensity and rate."""
     unit = unit or INTENSITY_UNITS.get(measure)
     if unit is None:
         known = ", ".join(INTENSITY_UNITS)
@@ -185,25 +155,6 @@ def annual_rate(curve: "Fragility | ClimateFragility", hazard: Hazard) -> Rate:
 
     Earthquakes beyond the last intensity of the hazard curve count with the probability there,
     those below the first not at all; notes say where that may matter.
-
-    Parameters
-    ----------
-    curve : `Fragility`, or that of a climate, in the intensity of the hazard curve.
-    hazard : of the site.
-
-    Returns
-    -------
-    Rate
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> from thermobearing.studies.statistics.fragility import fragility_curve
-    >>> runs = pd.DataFrame({"PGA": [1.0] * 4 + [2.0] * 4, "drift": [1, 1, 1, 3, 1, 3, 3, 3]})
-    >>> curve = fragility_curve(runs, "drift", 2.0, "PGA")
-    >>> site = Hazard([0.01, 100.0], [100.0, 1e-6], "PGA")
-    >>> round(annual_rate(curve, site).rate, 5)
-    0.00848
     """
     at, weights = hazard.points()
     start, stop, last = hazard.intensity[:1], hazard.intensity[-1:], float(hazard.rate[-1])
@@ -327,13 +278,7 @@ class ClimateFragility:
         return "; ".join(said)
 
     def rates(self, hazard: Hazard) -> pd.DataFrame:
-        """Return the annual rate at each temperature, and its part of the total.
-
-        Returns
-        -------
-        DataFrame : temperature, share of the time, rate with its band [1/year], `part` of the
-            total rate.
-        """
+        """Return the annual rate at each temperature, and its part of the total."""
         rows = []
         for (temperature, part), share in zip(self.parts.items(), self.shares, strict=True):
             alone = ClimateFragility({temperature: part}, np.ones(1))
@@ -352,20 +297,6 @@ def shares_of_time(levels: Sequence[float], temperatures: Any) -> Floats:
 
     An hour between two of them counts for both, by how close it is, so that what is linear in the
     temperature between them is met; one beyond the ends counts for the end.
-
-    Parameters
-    ----------
-    levels : temperatures that have runs [degC].
-    temperatures : of the site, such as one an hour [degC].
-
-    Returns
-    -------
-    array : share of each level, in the order given; 1 together.
-
-    Examples
-    --------
-    >>> shares_of_time([-20.0, 0.0, 20.0], [0.0, 10.0, 20.0, 25.0]).tolist()
-    [0.0, 0.375, 0.625]
     """
     at = np.asarray(levels, dtype=float)
     values = np.asarray(temperatures, dtype=float).ravel()

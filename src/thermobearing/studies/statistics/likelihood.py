@@ -495,10 +495,6 @@ def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
     """Return the lognormal curve of a regression of the demand, and the share of collapse.
 
     Demands are > 0, and infinite for a collapse.
-
-    Raises
-    ------
-    InputError : fewer than three runs that did not collapse.
     """
     stood = np.isfinite(demand)
     if stood.sum() < 3 or len(np.unique(at[stood])) < 2:

@@ -81,36 +81,7 @@ def sobol_table(
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> pd.DataFrame:
-    """Return Sobol' indices of every drawn factor of a study in Saltelli's arrangement.
-
-    Parameters
-    ----------
-    table : of runs with the columns `matrix` ("A", "B", "AB <factor>") and `sample`; of one
-        combination of levels.
-    demand : column whose variance is shared out.
-    failed : rows with a failed run are "left-out"; "collapse" has no variance, and is refused.
-    level : confidence of the bands, a share in (0, 1).
-    samples, seed : of the bootstrap.
-
-    Returns
-    -------
-    DataFrame : `factor`, `first` and `total` with their bands, `rows` that count and `left_out`.
-
-    Raises
-    ------
-    InputError : the table has no such arrangement, too few whole rows, or no variance.
-
-    Examples
-    --------
-    >>> x, y = np.random.default_rng(1).random((2, 256, 2))
-    >>> both = {"A": x, "B": y, "AB a": np.c_[y[:, 0], x[:, 1]], "AB b": np.c_[x[:, 0], y[:, 1]]}
-    >>> made = [
-    ...     pd.DataFrame({"matrix": name, "sample": range(256), "drift": at @ [1.0, 2.0]})
-    ...     for name, at in both.items()
-    ... ]
-    >>> sobol_table(pd.concat(made), "drift")["total"].round(1).tolist()
-    [0.2, 0.9]
-    """
+    """Return Sobol' indices of every drawn factor of a study in Saltelli's arrangement."""
     runs = _runs(table, demand, failed, level)
     matrix, sample = column(table, MATRIX), column(table, SAMPLE)
     factors = list(dict.fromkeys(m[len(SWAPPED) :] for m in matrix if m.startswith(SWAPPED)))
@@ -153,35 +124,7 @@ def variance_shares(
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> pd.DataFrame:
-    """Return the share of the variance that each factor explains by itself (correlation ratio).
-
-    Parameters
-    ----------
-    table : of runs, of any design in which the factors were chosen independently.
-    demand : column whose variance is shared out.
-    factors : columns; one that is the same in all runs explains nothing.
-    together : those of them that the column `sample` draws at once: their shares cannot be
-        separated, and they have one, with all their names.
-    failed : runs that failed are "left-out"; "collapse" is refused.
-    level : confidence of the bands, a share in (0, 1).
-    samples, seed : of the bootstrap, which draws runs.
-
-    Returns
-    -------
-    DataFrame : `factor`, `share` with its band, `levels` or classes, `rows` that count and
-        `left_out`; the last row, "together and the rest", is what no factor explains by itself.
-
-    Raises
-    ------
-    InputError : a column is missing, or the demand does not vary.
-
-    Examples
-    --------
-    >>> rows = [(m, t, m + 2 * t) for m in (0, 1) for t in (0, 1) for _ in range(50)]
-    >>> runs = pd.DataFrame(rows, columns=["motion", "ambient", "drift"])
-    >>> variance_shares(runs, "drift", ["motion", "ambient"])["share"].round(1).tolist()
-    [0.2, 0.8, 0.0]
-    """
+    """Return the share of the variance that each factor explains by itself (correlation ratio)."""
     runs = _runs(table, demand, failed, level)
     values = runs.demand - runs.demand.mean()
     if len(values) < LEAST_ROWS or np.ptp(values) == 0.0:
