@@ -173,7 +173,7 @@ def _bridge_values(bearing: Bearing, model: BearingModel) -> dict[str, float]:
     )
     (task,) = build_tasks(case)
     device = Device(bearing, model.constants, model.stack)
-    lines = tuple(replace(line, device=device) for line in task.lines)
+    lines = tuple(line._replace(device=device) for line in task.lines)
     task = replace(task, device=device, lines=lines)
     result = label_study(case, [task], [run_task(task)])
     row = result.table.iloc[0]

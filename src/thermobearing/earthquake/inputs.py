@@ -24,11 +24,11 @@ Sample = Annotated[float, Field(ge=-1e12, le=1e12)]
 
 
 class Motion(Strict):
-    """A built-in motion, a file, or samples; what a file does not say itself.
+    """A built-in motion, a file with what it does not say itself, or samples.
 
-    `label` is its name in tables and figures: that of the motion, told apart from others of that
-    name by component, ending, factor or folder. `group` names those whose peaks a mean is taken
-    over; by default the standard spectrum of a built-in motion. `acceleration` holds the samples
+    `label` is its name in tables and figures: that of the motion, made different from others of
+    that name by component, ending, factor or folder. `group` names those whose peaks are averaged;
+    by default the standard spectrum of a built-in motion. `acceleration` holds the samples
     of one that is no file, in `unit`, every `dt`.
     """
 
@@ -49,7 +49,7 @@ class Motion(Strict):
         return []
 
     def load(self) -> GroundMotion:
-        """The ground motion itself, under its label, not yet scaled."""
+        """Return the ground motion under its label, not yet scaled."""
         if self.acceleration is not None:
             loaded = motion_from_arrays(
                 self.acceleration,
@@ -65,7 +65,7 @@ class Motion(Strict):
 
 
 def make_table(motion: GroundMotion) -> dict[str, Any]:
-    """A ground motion as the table of a case; InputError if its size speaks against mm/s2."""
+    """Return a ground motion as the table of a case; InputError for a size that is not mm/s2."""
     try:
         check_size(motion.pga, "mm/s2", instrument=True, trusted=False)
     except InputError as error:
@@ -86,13 +86,10 @@ def make_table(motion: GroundMotion) -> dict[str, Any]:
 def settle_motions(
     items: Sequence[Any], folder: Path, key: str = "motions[{}]"
 ) -> tuple[list[Any], list[GroundMotion], list[str]]:
-    """Motions as tables that name absolute files; what they hold; what is wrong with them.
+    """Return motions as tables that name absolute files, the motions, and the faults.
 
-    Parameters
-    ----------
-    items : names, paths, tables, GroundMotions or Motions.
-    folder : paths are relative to it.
-    key : of one of them in messages, with braces for its number.
+    `items` are names, paths (relative to `folder`), tables, GroundMotions or Motions; `key` names
+    one of them in messages, with braces for its number.
     """
     tables: list[Any] = []
     loaded: list[GroundMotion] = []
@@ -113,7 +110,7 @@ def settle_motions(
 
 
 def _made(table: dict[str, Any]) -> Motion | None:
-    """The motion of a table; None for faults that the check of the whole case will tell."""
+    """Return the motion of a table; None for faults that the check of the case reports."""
     try:
         return validated(Motion, table, "motion")
     except InputError:
@@ -121,7 +118,7 @@ def _made(table: dict[str, Any]) -> Motion | None:
 
 
 def _table(item: Any, folder: Path) -> Any:
-    """One motion as a table; what is none stays as it is, for the checks to find."""
+    """Return one motion as a table; anything else as it is, for the checks to find."""
     if isinstance(item, GroundMotion):
         return make_table(item)
     if isinstance(item, Motion):
@@ -141,7 +138,7 @@ def _table(item: Any, folder: Path) -> Any:
 
 
 def _tell_apart(tables: list[Any], loaded: list[GroundMotion]) -> list[str]:
-    """Give motions of one name labels that differ; what cannot be told apart is a fault."""
+    """Give motions of one name labels that differ; return the faults where that fails."""
     faults = []
     names = [motion.name for motion in loaded]
     for name in dict.fromkeys(names):
@@ -161,7 +158,7 @@ def _tell_apart(tables: list[Any], loaded: list[GroundMotion]) -> list[str]:
 
 
 def _ends(motions: list[tuple[dict[str, Any], GroundMotion]]) -> list[str]:
-    """What tells motions of one name apart: the first of these that does."""
+    """Return ends of labels that differ: component, ending, factor, folder or number."""
     paths = [Path(table["name"]) for table, _ in motions]
     ways = [
         [f"-{motion.component}" if motion.component else "" for _, motion in motions],
@@ -177,16 +174,11 @@ Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]
 
 
 class OnLine(Strict):
-    """What one bearing line has for itself; what is left out is that of the study.
+    """Input of one bearing line; keys that are left out are those of the analysis.
 
-    Attributes
-    ----------
-    line : its name in the structure.
-    bearing : of this line, whatever the study compares.
-    count, equivalent_stiffness : instead of the structure's; the resolved case has them there.
-    ambient : temperature of its air and of its bearings at the start [degC], in [-100, 100].
-    weather : file of its air, a table or EPW, that ends when the earthquake begins, instead of
-        `ambient`.
+    `line` is its name in the structure, whose `count` and `equivalent_stiffness` it replaces;
+    `ambient` the temperature there and of its bearings at the start [degC]; `weather` a file, a
+    table or EPW, that ends when the earthquake begins, instead of `ambient`.
     """
 
     line: Annotated[str, Field(min_length=1, max_length=60)]
@@ -216,7 +208,7 @@ def settle_lines(table: dict[str, Any], folder: Path) -> list[str]:
 
 
 def lines_faults(lines: Sequence[OnLine], structure: Structure) -> list[str]:
-    """Lines that the structure does not have, or twice; air that cannot be read."""
+    """Return faults of lines: unknown or given twice, weather that cannot be read."""
     names = [line.name for line in structure.bearings]
     given = [item.line for item in lines]
     found = [
@@ -238,7 +230,7 @@ def lines_faults(lines: Sequence[OnLine], structure: Structure) -> list[str]:
 
 
 def weather_faults(path: str, key: str) -> list[str]:
-    """What keeps a file from being the air before an earthquake."""
+    """Return why a file cannot be the weather before an earthquake."""
     try:
         time = read_air(path).time
     except InputError as error:
@@ -252,23 +244,13 @@ def weather_faults(path: str, key: str) -> list[str]:
 def into_structure(
     lines: Sequence[OnLine], structure: Structure
 ) -> tuple[tuple[OnLine, ...], Structure]:
-    """Counts and stiffnesses of lines put into the structure, and the lines without them."""
-    changes = {
-        item.line: {
-            key: value
-            for key, value in (
-                ("count", item.count),
-                ("equivalent_stiffness", item.equivalent_stiffness),
-            )
-            if value is not None
-        }
-        for item in lines
-    }
+    """Put counts and stiffnesses of lines into the structure; return the lines without them."""
+    own = {"count", "equivalent_stiffness"}
+    changes = {item.line: item.model_dump(include=own, exclude_none=True) for item in lines}
     if not any(changes.values()):
         return tuple(lines), structure
     bearings = [line.model_copy(update=changes.get(line.name, {})) for line in structure.bearings]
-    none = {"count": None, "equivalent_stiffness": None}
-    left = [item.model_copy(update=none) for item in lines]
+    left = [item.model_copy(update=dict.fromkeys(own)) for item in lines]
     known = {line.name for line in bearings}  # a count of no line is for the checks to find
     rest = tuple(
         item
@@ -276,13 +258,10 @@ def into_structure(
         if (item.bearing, item.ambient, item.weather) != (None, None, None)
         or item.line not in known
     )
-    told = {
-        key: text
-        for key, text in structure.sources.items()
-        if not any(
-            key == f"bearings[{place}].{name}"
-            for place, line in enumerate(structure.bearings)
-            for name in changes.get(line.name, {})
-        )
+    changed = {
+        f"bearings[{place}].{key}"
+        for place, line in enumerate(structure.bearings)
+        for key in changes.get(line.name, ())
     }
-    return rest, structure.model_copy(update={"bearings": bearings}).with_sources(told)
+    sources = {key: text for key, text in structure.sources.items() if key not in changed}
+    return rest, structure.model_copy(update={"bearings": bearings}).with_sources(sources)

@@ -107,19 +107,11 @@ PIERS: Final = {  # of the table of piers, likewise
     "ductility": "pier_part_ductility",
     "moment_max_kN_m": "pier_part_moment_max",
 }
-GOVERNING: Final = {  # peaks of a run: that of the line or pier that goes farthest
-    "bearing_displacement_max": "line_displacement_max",
-    "bearing_strain_max": "line_strain_max",
-    "bearing_force_max": "line_force_max",
-    "bearing_energy_end": "line_energy_end",
-    "pier_displacement_max": "pier_part_displacement_max",
-    "pier_displacement_residual": "pier_part_displacement_residual",
-    "pier_top_displacement_max": "pier_part_top_displacement_max",
-    "pier_top_acceleration_max": "pier_part_top_acceleration_max",
-    "pier_rotation_max": "pier_part_rotation_max",
-    "pier_ductility": "pier_part_ductility",
-    "pier_moment_max": "pier_part_moment_max",
-}
+# Peaks of a run: that of the line or pier that goes farthest.
+GOVERNING: Final = {
+    f"bearing_{name}": f"line_{name}"
+    for name in ("displacement_max", "strain_max", "force_max", "energy_end")
+} | {name.replace("pier_part_", "pier_"): name for name in PIERS.values()}
 
 
 def largest(values: Floats) -> float:
@@ -164,6 +156,7 @@ def history_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]
     """Return each of `HISTORIES` by name, and temperatures of layers and of cells that are kept."""
     device, bearing = task.reported.device, history.bearing(task.reported_line)
     heat, count = device.heats, len(history.rows.q)
+    missing = np.full(count, np.nan)
     return structure_traces(task, history) | {
         "time": history.rows.books["clock"],
         "bearing_displacement": bearing["displacement"],
@@ -175,9 +168,7 @@ def history_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]
         "bearing_speed": loading_speed(bearing),
         "bearing_clock": bearing["clock"],
         "bearing_energy": bearing["work_in"],
-        "lead_temperature": bearing["lead_temperature"]
-        if device.has_lead
-        else np.full(count, np.nan),
+        "lead_temperature": bearing["lead_temperature"] if device.has_lead else missing,
         "rubber_temperature": history.layers(task.reported_line) if heat else np.empty((count, 0)),
         "temperature": history.cells(task.reported_line) if heat else np.empty((count, 0)),
     }
@@ -306,10 +297,8 @@ def _actuator_work(task: "Task", history: StructureHistory) -> float:
     reached; the error of the force counts too. Negative where they feed energy to the structure.
     """
     found = -float(history.rows.books["bearings"][-1])
-    lines = enumerate(
-        zip(task.case.structure.bearings, task.prepared.matrices.line_rows, strict=True)
-    )
-    for b, (line, row) in lines:
+    lines = zip(task.case.structure.bearings, task.prepared.matrices.line_rows, strict=True)
+    for b, (line, row) in enumerate(lines):
         force = history.bearing(b)["force"]
         felt = force - force[0]
         if task.noise is not None:

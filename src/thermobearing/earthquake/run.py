@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -55,7 +55,7 @@ BLIND = np.zeros(1)  # temperature of a bilinear bearing, which has none: no rou
 
 @dataclass(frozen=True)
 class Device:
-    """A bearing ready to be shaken; `stack` is None for a bilinear one, which has no heat."""
+    """A bearing with its constants; `stack` is None for a bilinear one, which has no heat."""
 
     bearing: Bearing | BilinearBearing
     constants: Constants
@@ -73,38 +73,33 @@ class Device:
 
     @property
     def tears(self) -> float:
-        """Strain beyond which nothing is left to be modelled; a design may begin far off."""
+        """Strain beyond which the model does not hold; a design may begin far off."""
         return LARGEST_STRAIN if self.heats else 100.0
 
 
-@dataclass(frozen=True)
-class Shaking:
-    """A ground motion at the ends of the steps: `ground` [mm/s2], `dt` [s]."""
+class Shaking(NamedTuple):
+    """A ground motion at the ends of the steps."""
 
     motion: GroundMotion
-    dt: float
-    ground: Floats
+    dt: float  # of the steps [s]
+    ground: Floats  # [steps + 1] acceleration [mm/s2]
 
 
-@dataclass(frozen=True)
-class OneLine:
-    """The bearings of one line in one run: what they are, how warm they are, in what air [degC]."""
+class OneLine(NamedTuple):
+    """The bearings of one line in one run, at the start [degC]."""
 
     device: Device
-    temperature: Floats
+    temperature: Floats  # [cells]
     lead: float | None
     ambient: float
 
 
 @dataclass(frozen=True)
 class Task:
-    """One run of a study; a plain record, so that any executor can carry it away.
-
-    `device` is that of the study, which lines may have another instead of.
-    """
+    """One run; a plain record, so that any executor can take it."""
 
     prepared: Prepared
-    device: Device
+    device: Device  # of the analysis; lines may have another one
     shaking: Shaking
     ambient: float
     lines: tuple[OneLine, ...]
@@ -238,7 +233,7 @@ def judged(
 def _refuse_too_much(
     case: EarthquakeCase, devices: Sequence[Device], motions: Sequence[GroundMotion]
 ) -> None:
-    """InputError for a study that would take hours, or more memory than there is."""
+    """Refuse an analysis that would take hours, or more memory than there is."""
     lines, climates = len(case.structure.bearings), case.climates * len(case.modes)
     coordinates = 2.0 * len(case.structure.bodies)
     runs = []

@@ -1,15 +1,13 @@
-"""A bearing at rest through hourly weather of years: its temperatures at every hour in one pass.
+"""Temperatures of a bearing at rest at every hour of years of weather, in one pass.
 
-At rest the heat model is linear: where an hour leads to is a matrix times the temperatures at its
-beginning (cells, lead, and what lead remembers) plus two columns times the air at its two ends.
-The matrix is what the one coupled step (core/step.py) makes of unit temperatures, in the growing
-steps of a rest, so there is no second heat model; a series of fifty years is then a matrix product
-an hour. Soaking from an earlier hour (`run.soaked`) comes to the same.
+At rest the heat model is linear: the temperatures after an hour are a matrix times those before it
+(cells, lead, and the memory of lead) plus two columns times the ambient temperature at its ends.
+The coupled step (core/step.py) gives the matrix from unit temperatures, in the growing steps of a
+rest, so there is no second heat model. Soaking from an earlier hour (`run.soaked`) agrees.
 """
 
-from dataclasses import dataclass
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -33,37 +31,27 @@ AT_REST = 1e9  # clock of a core whose half-space has settled [s]
 SPIN_UP = 60 * DAY  # hours before the first of a typical year
 
 
-@dataclass(frozen=True)
-class HourMap:
-    """Where an hour of rest leads to: `kept @ before + early * air + late * air an hour later`."""
+class HourMap(NamedTuple):
+    """An hour of rest: `kept @ before + early * air + late * air an hour later`."""
 
     kept: Floats  # [n, n]
     early: Floats  # [n]
     late: Floats  # [n]
 
 
-@dataclass(frozen=True)
-class Soaked:
-    """A bearing at some hours: cell temperatures [hours, cells] and that of the lead [hours].
+class Soaked(NamedTuple):
+    """A bearing at some hours."""
 
-    `lead` is None for a bearing without.
-    """
-
-    temperature: Floats
-    lead: Floats | None
+    temperature: Floats  # [hours, cells]
+    lead: Floats | None  # [hours]; None without
 
     def at(self, place: int) -> tuple[Floats, float | None]:
-        """Temperatures of cells and lead at one of the hours, as `run.soaked` returns them."""
+        """Return temperatures of cells and lead at one of the hours, as `run.soaked`."""
         return self.temperature[place], None if self.lead is None else float(self.lead[place])
 
 
 def hour_map(constants: Constants) -> HourMap:
-    """The map of an hour at rest, from the coupled step.
-
-    Parameters
-    ----------
-    constants : of a bearing with a stack of cells.
-    """
+    """Return the map of an hour at rest of a bearing with a stack of cells."""
     size = len(constants.cells.capacity) + _has_lead(constants) + len(constants.lead_modes)
     nothing, still = np.zeros(size), Ambient(np.array([0.0, HOUR]), np.zeros(2))
     kept = np.column_stack([_after_an_hour(constants, unit, still) for unit in np.eye(size)])
@@ -77,7 +65,7 @@ def _has_lead(constants: Constants) -> bool:
 
 
 def _after_an_hour(constants: Constants, before: Floats, air: Ambient) -> Floats:
-    """Temperatures after an hour at rest [degC]: cells, lead, terms of lead."""
+    """Return temperatures after an hour at rest [degC]: cells, lead, terms of lead."""
     cells = len(constants.cells.capacity)
     state = new_state(constants, before[:cells])
     spare = new_state(constants, before[:cells])
@@ -89,8 +77,7 @@ def _after_an_hour(constants: Constants, before: Floats, air: Ambient) -> Floats
     segment = build_segments(CyclicTest(dt=10.0, steps=[rest]), 1.0)[0]
     nothing = np.zeros(len(segment.x), dtype=bool)
     segment, nothing, _ = cut_rests(constants, segment, nothing, 0.0)
-    air_of_steps = air.means(0.0, segment.dt)
-    path = Path(segment.x, segment.dt, air_of_steps, nothing, 0.0)
+    path = Path(segment.x, segment.dt, air.means(0.0, segment.dt), nothing, 0.0)
     march(constants, new_workspace(constants), state, spare, path, room_for(constants, 1, ()))
     return _vector(constants, state)
 
@@ -101,19 +88,10 @@ def _vector(constants: Constants, state: State) -> Floats:
 
 
 def soaked_hours(device: Device, weather: Hourly, hours: Ints | None = None) -> Soaked:
-    """Temperatures of a bearing at hours of a weather that it has been in since the beginning.
+    """Return the temperatures of a bearing at some hours (all by default) of a weather.
 
-    At hour 0 it is as warm as the air; of a typical year, it has had the sixty days before.
-
-    Parameters
-    ----------
-    device : from `run.build_device`.
-    weather : hourly.
-    hours : those that are wanted, in any order; all of them by default.
-
-    Raises
-    ------
-    InputError : an hour that the weather does not have.
+    It is in the weather from hour 0, then at the ambient temperature; in a typical year, from sixty
+    days earlier. InputError: an hour that the weather does not have.
     """
     wanted = np.arange(len(weather)) if hours is None else np.asarray(hours, dtype=np.int64)
     if len(wanted) and not 0 <= wanted.min() <= wanted.max() < len(weather):
@@ -131,16 +109,9 @@ def soaked_hours(device: Device, weather: Hourly, hours: Ints | None = None) -> 
 
 
 def history_weights(constants: Constants, hours: int) -> Floats:
-    """What the air of some hours leaves behind: temperatures are these weights times the air.
+    """Return weights [n, hours + 1]: temperatures are weights times the air at full hours.
 
-    Parameters
-    ----------
-    constants : of a bearing with a stack of cells, at first as warm as the air.
-    hours : of the history, at least 1.
-
-    Returns
-    -------
-    [n, hours + 1] : rows are cells, lead and what lead remembers; columns the air at full hours.
+    Rows are cells, lead and the memory of lead of a bearing that is at first as warm as the air.
     """
     hour = hour_map(constants)
     begin = _uniform(constants, 1.0)
@@ -157,13 +128,9 @@ def history_weights(constants: Constants, hours: int) -> Floats:
 def soaked_history(
     constants: Constants, weights: Floats, air: Floats
 ) -> tuple[Floats, float | None]:
-    """Temperatures of cells and lead at the end of some hours, as `run.soaked` returns them.
+    """Return temperatures of cells and lead at the end of some hours, as `run.soaked`.
 
-    Parameters
-    ----------
-    constants : of the bearing.
-    weights : from `history_weights`.
-    air : at the full hours [degC], the end included.
+    `weights` are from `history_weights`; `air` is at the full hours [degC], the end included.
     """
     found = weights @ air
     cells = len(constants.cells.capacity)
@@ -175,7 +142,7 @@ def _uniform(constants: Constants, air: float) -> Floats:
 
 
 def _through(hour: HourMap, air: Floats, places: Ints, begin: Floats) -> Floats:
-    """States at some increasing places of a series of air."""
+    """Return the states at some increasing places of a series of air."""
     found = np.empty((len(places), len(begin)))
     kept = np.ascontiguousarray(hour.kept.T)
     now, after = begin.copy(), np.empty_like(begin)
@@ -186,23 +153,28 @@ def _through(hour: HourMap, air: Floats, places: Ints, begin: Floats) -> Floats:
 def bearing_weather(
     bearing: str | FilePath | Bearing | BilinearBearing, weather: Hourly, **options: Any
 ) -> "pd.DataFrame":
-    """How warm a bearing at rest is through hourly weather: one row an hour.
+    """Return the temperatures of a bearing at rest in hourly weather: one row an hour.
 
     Parameters
     ----------
-    bearing : a name, a file, or a bearing; none that is bilinear, which has no heat.
-    weather : from `tb.read_weather` or `tb.generate_weather`.
-    **options : of the model and its heat, as in `tb.bridge` with weather: films of 12 W/(m2 K) at
-        faces and side and 10 mm of cover rubber by default.
+    bearing : str, Path or Bearing
+        A name, a file, or a bearing; not a bilinear one, which has no heat.
+    weather : Hourly
+        From `tb.read_weather` or `tb.generate_weather`.
+    **options
+        Of the model and its heat, as in `tb.bridge` with weather: films of 12 W/(m2 K) at faces
+        and side and 10 mm of cover rubber by default.
 
     Returns
     -------
-    DataFrame : hour, date where it is known, air, the mean of the rubber layers, the outermost and
-        the innermost one modelled, and lead where there is some [degC].
+    pandas.DataFrame
+        Hour, date where it is known, ambient temperature, the mean of the rubber layers, the
+        outermost and the innermost one modelled, and lead where there is some [degC].
 
     Raises
     ------
-    InputError : no such bearing, a bilinear one, an unknown option.
+    InputError
+        No such bearing, a bilinear one, an unknown option.
 
     Examples
     --------
