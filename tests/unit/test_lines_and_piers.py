@@ -412,7 +412,7 @@ def test_the_largest_of_all_lines_and_piers_is_said(
 
 def test_the_structure_of_the_docs_is_what_they_say(tmp_path: Path) -> None:
     """k = M/(theta h^2), u_y = theta h; the equivalent stiffness does not touch the response."""
-    text = (Path(__file__).parents[2] / "docs" / "files.md").read_text()
+    text = (Path(__file__).parents[2] / "docs" / "files" / "bridge.md").read_text()
     block = next(b for b in text.split("```") if 'name = "pier and abutment"' in b)
     file = tmp_path / "mine.toml"
     file.write_text(block.removeprefix("toml\n"))

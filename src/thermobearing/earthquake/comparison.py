@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.core.records import Floats
+from thermobearing.earthquake.measures import KEYS
 from thermobearing.model.earlier import REFERENCE
 from thermobearing.results.selection import force_differences, more, temperature_differences
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.result import EarthquakeResult
 
 SINGLE, INNER = "single-temperature", "inner layer"
-KEYS = ("bearing", "motion", "ambient_degC", "mode")
 PEAKS = {  # compared with each other [%]: column of the table of a study
     "peak strain %": "bearing_strain_max",
     "energy %": "bearing_energy_kN_mm",

@@ -37,6 +37,7 @@ from thermobearing.earthquake.measures import (
 from thermobearing.earthquake.result import PART_HISTORIES, EarthquakeResult, run_name
 from thermobearing.model.constants import outside_law
 from thermobearing.model.earlier import BLIND
+from thermobearing.model.element import BearingElement
 from thermobearing.model.handover import (
     MEMORY,
     OF_LOOPS,
@@ -90,10 +91,7 @@ def end_state_at(task: "Task", history: StructureHistory) -> SpecimenState:
 def _labelled_ends(
     tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> dict[str, Any]:
-    """Return the states at the end of all runs as variables, as in those of cyclic tests.
-
-    Nothing where the structure has several bearing lines, which end each elsewhere.
-    """
+    """Return the states at the end of all runs as variables; nothing of several bearing lines."""
     warm = [task.device.stack is not None for task in tasks]
     if not any(warm) or len(tasks[0].case.structure.bearings) > 1:
         return {}
@@ -135,7 +133,7 @@ Traces = Sequence[Mapping[str, Floats]]
 CELLS = {"units": "degC", "long_name": "temperature of the cells, the first at the upper face"}
 
 
-def collect_warnings(
+def _collect_warnings(
     case: EarthquakeCase,
     tasks: Sequence["Task"],
     histories: Sequence[StructureHistory],
@@ -151,7 +149,7 @@ def collect_warnings(
         said = [f"{bearing.name}: {text}" for text in implausible(bearing)]
         ranges = calibration_ranges(bearing)
         rows: list[Row] = []
-        for k, lines in mine:
+        for k, lines in mine.items():
             name = _name(tasks[k], bearing.name)
             rows += asked_of_tests(name, reached(tasks[k], histories[k], lines), ranges)
         said += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
@@ -159,7 +157,7 @@ def collect_warnings(
         if not isinstance(bearing, BilinearBearing) and case.analysis.model not in BLIND:
             runs = [
                 (_name(tasks[k]), traces[k]["time"], histories[k].layers(line))
-                for k, lines in mine
+                for k, lines in mine.items()
                 for line in lines
             ]
             said += outside_law(bearing.name, bearing.temperature_law, runs)
@@ -175,16 +173,13 @@ def collect_warnings(
 
 def _bearings(
     tasks: Sequence["Task"],
-) -> dict[str, tuple[Bearing | BilinearBearing, list[tuple[int, list[int]]]]]:
+) -> dict[str, tuple[Bearing | BilinearBearing, dict[int, list[int]]]]:
     """Return every bearing by name, with its runs and the lines that it is on in them."""
-    found: dict[str, tuple[Bearing | BilinearBearing, list[tuple[int, list[int]]]]] = {}
+    found: dict[str, tuple[Bearing | BilinearBearing, dict[int, list[int]]]] = {}
     for k, task in enumerate(tasks):
-        lines: dict[str, list[int]] = {}
         for line, one in enumerate(task.lines):
-            lines.setdefault(one.device.bearing.name, []).append(line)
-            found.setdefault(one.device.bearing.name, (one.device.bearing, []))
-        for name, mine in lines.items():
-            found[name][1].append((k, mine))
+            mine = found.setdefault(one.device.bearing.name, (one.device.bearing, {}))[1]
+            mine.setdefault(k, []).append(line)
     return found
 
 
@@ -298,7 +293,7 @@ def label_study(
             **parts_coords,
         },
         attrs=_attributes(case, tasks, histories)
-        | collect_warnings(case, tasks, histories, traces),
+        | _collect_warnings(case, tasks, histories, traces),
     )
     return EarthquakeResult(dataset)
 
@@ -346,7 +341,7 @@ def _part_history(name: str, task: "Task", history: StructureHistory) -> Floats:
 
 
 def _bodies(task: "Task", history: StructureHistory) -> Floats:
-    """Absolute acceleration of the masses of each body, at the steps that are kept [m/s2]."""
+    """Return the absolute acceleration of the masses of each body at kept steps [m/s2]."""
     structure, every = task.case.structure, task.case.analysis.keep_every
     rows = [
         displacement_row(structure, body.name, mean_height(structure, body.name))
@@ -410,19 +405,15 @@ def _attributes(
     attrs["periods_s"] = np.asarray(prepared.modes.periods).tolist()
     attrs["damping_ratios"] = np.asarray(prepared.ratios).tolist()
     attrs["coordinates"] = list(matrices.coordinates)
-    seen: dict[str, Any] = {}
-    for task in tasks:
-        seen.setdefault(task.device.bearing.name, task)
-    for name, task in seen.items():
+    first = {task.device.bearing.name: task for task in reversed(tasks)}
+    for name, task in reversed(first.items()):
         attrs[f"initial_periods_s:{name}"] = _initial_periods(task).tolist()
         attrs[f"bilinear:{name}"] = int(isinstance(task.device.bearing, BilinearBearing))
     return attrs
 
 
 def _initial_periods(task: "Task") -> Floats:
-    """Periods with the initial stiffness of the bearings at the temperature of the start."""
-    from thermobearing.model.element import BearingElement
-
+    """Return periods with the initial stiffness of the bearings at the start."""
     matrices, structure = task.prepared.matrices, task.case.structure
     small = 1e-6
     each = np.zeros(len(task.lines))

@@ -106,7 +106,7 @@ def select_part(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
     return dataset.assign(kept).assign_attrs({part: name})
 
 
-def strong_part(data: xr.Dataset, runs: Sequence[int], name: str = "") -> tuple[float, float]:
+def _strong_part(data: xr.Dataset, runs: Sequence[int], name: str = "") -> tuple[float, float]:
     """Return start and end [s] of what is shown of some runs of one motion.
 
     From 5 to 95 % of the Arias intensity and a fifth more on both sides, with the largest value
@@ -240,7 +240,7 @@ class EarthquakeFigures(RunPanels):
         title = f"{what}, strong part of the motion"
         figure = self._grid(title, "time [s]", y, draw, strain=strain, sizes=peaks, notes=True)
         for panel, runs, motion in self._cells(figure):
-            panel.set_xlim(*strong_part(self._data, self._runs_of(motion=motion), name))
+            panel.set_xlim(*_strong_part(self._data, self._runs_of(motion=motion), name))
             for run in runs:
                 values = factor * self._values(name, run)
                 place = _peak_place(values)
@@ -255,25 +255,25 @@ class EarthquakeFigures(RunPanels):
     def _plane(self, x: str, y: str, factor: float = 1.0, other: float = 1.0) -> Draw:
         """Return what draws a path in the plane of two histories."""
 
-        def draw(ax: Axes, run: int, colour: str) -> None:
+        def _draw(ax: Axes, run: int, colour: str) -> None:
             a, b = factor * self._values(x, run), other * self._values(y, run)
             width, height = max(np.ptp(a), 1e-12), max(np.ptp(b), 1e-12)
             kept = drawing.thin_loops(a, b, width, height)
             ax.plot(a[kept], b[kept], color=colour, linewidth=0.8, linestyle=self._line(run))
 
-        return draw
+        return _draw
 
     def _time(self, name: str, factor: float = 1.0) -> Draw:
         """Return what draws a history."""
 
-        def draw(ax: Axes, run: int, colour: str) -> None:
+        def _draw(ax: Axes, run: int, colour: str) -> None:
             time, values = self._values("time", run), factor * self._values(name, run)
             if np.isfinite(values).all():
                 kept = drawing.thin(values, TIME_BINS)
                 look: drawing.Look = {"linewidth": 0.7, "linestyle": self._line(run)}
                 ax.plot(time[kept], values[kept], color=colour, **look)
 
-        return draw
+        return _draw
 
     def loops(self, ax: Axes | None = None, *, label: str = "", color: str | None = None) -> Figure:
         """Return the force of one bearing against its strain, as Fig. 6.9 and 6.12.
@@ -287,13 +287,13 @@ class EarthquakeFigures(RunPanels):
         """
         plain = self._plane("bearing_strain", "bearing_force", 100.0)
 
-        def draw(panel: Axes, run: int, colour: str) -> None:
+        def _draw(panel: Axes, run: int, colour: str) -> None:
             plain(panel, run, color or colour)
             if label and run == 0:
                 panel.get_lines()[-1].set_label(label)
 
         what, sizes = "hysteresis of one bearing", "bearing_strain_max"
-        return self._grid(what, STRAIN, FORCE, draw, ax, strain="x", sizes=sizes)
+        return self._grid(what, STRAIN, FORCE, _draw, ax, strain="x", sizes=sizes)
 
     def largest_loops(self) -> Figure:
         """Return the largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
@@ -326,13 +326,13 @@ class EarthquakeFigures(RunPanels):
     def modes(self) -> Figure:
         """Return loops of the specimen in both modes, as Fig. 3.16 to 3.19."""
 
-        def draw(ax: Axes, run: int) -> None:
+        def _draw(ax: Axes, run: int) -> None:
             strain = 100.0 * self._values("bearing_strain", run)
             look = MODE_LOOKS[self._result.modes[run]]
             ax.plot(strain, self._values("bearing_force", run), linewidth=0.9, **look)
 
         what = "real time over pseudo-dynamic"
-        figure = bearing_grid(self, what, LOOP_PANEL, (STRAIN, FORCE), draw)
+        figure = bearing_grid(self, what, LOOP_PANEL, (STRAIN, FORCE), _draw)
         handles = [Line2D([], [], label=MODE_NAMES[k], **look) for k, look in MODE_LOOKS.items()]
         drawing.legend_below(figure, handles)
         return figure
@@ -413,7 +413,7 @@ class EarthquakeFigures(RunPanels):
         highest = {"rubber": 0.0, "lead": 0.0}
         for ax, (bearing, name), motion in cells:
             self._rise(ax, name, self._runs_of(bearing=bearing, motion=motion))
-            ax.set_xlim(*strong_part(self._data, self._runs_of(motion=motion)))
+            ax.set_xlim(*_strong_part(self._data, self._runs_of(motion=motion)))
             highest[name] = max(highest[name], ax.get_ylim()[1])
         for ax, (_, name), _ in cells:  # one scale for all rubber and one for all lead
             ax.set_ylim(-0.04 * highest[name], (1.0 + NOTE_ROOM) * highest[name])
@@ -500,7 +500,7 @@ class EarthquakeFigures(RunPanels):
         """
         used: dict[str, str] = {}
 
-        def draw(ax: Axes, run: int) -> None:
+        def _draw(ax: Axes, run: int) -> None:
             time = self._data["time"].values[run]
             inside = np.isfinite(time)
             ends = [float(self._data[name][run]) for name in ("loop_start", "loop_end")]
@@ -522,7 +522,7 @@ class EarthquakeFigures(RunPanels):
                 used[label] = colour
 
         what, labels = "shares of the force in the largest loop", (DISPLACEMENT, FORCE)
-        figure = bearing_grid(self, what, PANEL, labels, draw, zero=True)
+        figure = bearing_grid(self, what, PANEL, labels, _draw, zero=True)
         known = [label for _, label, _ in (WHOLE, *SHARES, *BILINEAR) if label in used]
         handles = [Line2D([], [], color=used[label], label=label) for label in known]
         dashed = [Line2D([], [], **DASHED)] if len(self._run_modes) > 1 else []
@@ -536,7 +536,7 @@ class EarthquakeFigures(RunPanels):
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return what draws each figure that the analysis holds data for, by name of its file."""
 
-        def holds(name: str) -> bool:
+        def _holds(name: str) -> bool:
             return name in self._data and bool(np.isfinite(self._data[name].values).any())
 
         compared = self._result.compared
@@ -549,12 +549,12 @@ class EarthquakeFigures(RunPanels):
             "deck": self.deck,
             "peaks": self.peaks,
             "parts": self.parts if self._result.has_parts else None,
-            "largest_loops": self.largest_loops if holds("loop_start") else None,
+            "largest_loops": self.largest_loops if _holds("loop_start") else None,
             "modes": self.modes if {"rt", "pd"} <= set(self._run_modes) else None,
-            "hinge": self.hinge if holds("pier_rotation") else None,
-            "temperature": self.temperature if holds("rubber_temperature") else None,
-            "profiles": self.profiles if holds("depth") else None,
-            "shares": self.shares if holds("lead_temperature") else None,
+            "hinge": self.hinge if _holds("pier_rotation") else None,
+            "temperature": self.temperature if _holds("rubber_temperature") else None,
+            "profiles": self.profiles if _holds("depth") else None,
+            "shares": self.shares if _holds("lead_temperature") else None,
             "speed": self.speed if self._data.attrs["command"] == "hybrid" else None,
             "comparison": partial(comparison_figure, compared) if compared else None,
             "comparison_loops": partial(comparison_loops, compared) if compared else None,

@@ -19,6 +19,13 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.run import Task
 
 MM_PER_M, KN_MM_PER_KN_M = 1e3, 1e3
+KEYS: Final = ("bearing", "motion", "ambient_degC", "mode")  # of a run in tables
+PLACES: Final = {  # columns that name the governing line or pier: dimension, peak of the parts
+    "strain_line": ("line", "line_strain_max"),
+    "force_line": ("line", "line_force_max"),
+    "displacement_pier": ("pier_part", "pier_part_displacement_max"),
+    "ductility_pier": ("pier_part", "pier_part_ductility"),
+}
 HISTORIES: Final = (  # in the dataset
     "ground_acceleration",
     "bearing_displacement",

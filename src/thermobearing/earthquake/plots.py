@@ -27,15 +27,15 @@ def interactive_plots(result: EarthquakeResult) -> dict[str, Plot]:
     panels = _Panels(result)
     force, strain = "force of one bearing [kN]", "shear strain [%]"
     found = {
-        "loops": panels.plane("bearing_strain", "bearing_force", 100.0, (strain, force)),
-        "strain": panels.history("bearing_strain", 100.0, strain),
-        "pier": panels.history("pier_displacement", 1.0, "pier top relative to its base [mm]"),
-        "deck": panels.history("deck_acceleration", 1.0, "acceleration of the deck [m/s²]"),
-        "hinge": panels.plane(
+        "loops": panels._plane("bearing_strain", "bearing_force", 100.0, (strain, force)),
+        "strain": panels._history("bearing_strain", 100.0, strain),
+        "pier": panels._history("pier_displacement", 1.0, "pier top relative to its base [mm]"),
+        "deck": panels._history("deck_acceleration", 1.0, "acceleration of the deck [m/s²]"),
+        "hinge": panels._plane(
             "pier_rotation", "pier_moment", 1e3, ("rotation [mrad]", "moment [kN m]")
         ),
-        "temperature": panels.temperatures(),
-        "profiles": panels.profiles(),
+        "temperature": panels._temperatures(),
+        "profiles": panels._profiles(),
     }
     return {name: plot for name, plot in found.items() if plot is not None}
 
@@ -58,17 +58,17 @@ class _Panels:
         self.both = len(set(result.modes)) > 1
         self.points = int(np.clip(ALL_POINTS // max(result.runs, 1), 120, POINTS))
 
-    def label(self, run: int) -> str:
+    def _label(self, run: int) -> str:
         """Return the temperature of a run, and its mode where there are several."""
         air = degrees([float(self.data["ambient"].values[run])])
         return f"{air}, {self.result.modes[run]}" if self.both else air
 
-    def values(self, name: str, run: int) -> Floats:
+    def _values(self, name: str, run: int) -> Floats:
         """Return a history of a run as far as it goes."""
         kept = np.isfinite(self.data["time"].values[run])
         return np.asarray(self.data[name].values[run][kept], dtype=float)
 
-    def choices(self, make: Callable[[int], list[Trace]]) -> Choices:
+    def _choices(self, make: Callable[[int], list[Trace]]) -> Choices:
         """Return the traces of every run that has any, by menu entry."""
         found = {
             name: [trace for run in runs for trace in make(run)]
@@ -76,38 +76,38 @@ class _Panels:
         }
         return {name: traces for name, traces in found.items() if traces}
 
-    def trace(self, run: int, xy: tuple[Floats, Floats]) -> Trace:
+    def _trace(self, run: int, xy: tuple[Floats, Floats]) -> Trace:
         """Return a line of a run; that of a pseudo-dynamic test is dashed."""
         slow = self.both and self.result.modes[run] == "pd"
-        return Trace(self.label(run), *xy, self.colours[run], "dashed" if slow else "line")
+        return Trace(self._label(run), *xy, self.colours[run], "dashed" if slow else "line")
 
-    def plane(self, x: str, y: str, factor: float, titles: tuple[str, str]) -> Plot | None:
+    def _plane(self, x: str, y: str, factor: float, titles: tuple[str, str]) -> Plot | None:
         """Return paths in the plane of two histories."""
 
-        def make(run: int) -> list[Trace]:
-            a, b = factor * self.values(x, run), self.values(y, run)
+        def _make(run: int) -> list[Trace]:
+            a, b = factor * self._values(x, run), self._values(y, run)
             known = len(a) and np.isfinite(a).all() and np.isfinite(b).all()
-            return [self.trace(run, path(a, b, self.points))] if known else []
+            return [self._trace(run, path(a, b, self.points))] if known else []
 
-        choices = self.choices(make)
+        choices = self._choices(_make)
         if x == "bearing_strain":
-            self.add_tested(choices, along="x")
+            self._add_tested(choices, along="x")
         return Plot(*titles, choices) if choices else None
 
-    def history(self, name: str, factor: float, title: str) -> Plot | None:
+    def _history(self, name: str, factor: float, title: str) -> Plot | None:
         """Return a history of every run."""
 
-        def make(run: int) -> list[Trace]:
-            time, values = self.values("time", run), factor * self.values(name, run)
+        def _make(run: int) -> list[Trace]:
+            time, values = self._values("time", run), factor * self._values(name, run)
             known = len(values) and np.isfinite(values).all()
-            return [self.trace(run, history(time, values, self.points))] if known else []
+            return [self._trace(run, history(time, values, self.points))] if known else []
 
-        choices = self.choices(make)
+        choices = self._choices(_make)
         if name == "bearing_strain":
-            self.add_tested(choices, along="y")
+            self._add_tested(choices, along="y")
         return Plot("time [s]", title, choices) if choices else None
 
-    def add_tested(self, choices: Choices, along: Literal["x", "y"]) -> None:
+    def _add_tested(self, choices: Choices, along: Literal["x", "y"]) -> None:
         """Add dashed lines at the largest tested strain in the panels that go beyond it.
 
         Bearings are tested to different strains: one band for all entries would be wrong.
@@ -123,14 +123,14 @@ class _Panels:
             points = (at, other) if along == "x" else (other, at)
             traces.append(Trace(f"tested to {end:g} %", *points, UNTESTED, "dashed"))
 
-    def temperatures(self) -> Plot | None:
+    def _temperatures(self) -> Plot | None:
         """Return the innermost rubber layer (full) and the lead (dashed) of every run."""
 
-        def make(run: int) -> list[Trace]:
-            places, time = self.result.places(run), self.values("time", run)
+        def _make(run: int) -> list[Trace]:
+            places, time = self.result.places(run), self._values("time", run)
             return [
                 Trace(
-                    f"{what}, {self.label(run)}",
+                    f"{what}, {self._label(run)}",
                     *history(time, places[place], self.points // 2),
                     self.colours[run],
                     look,
@@ -139,29 +139,29 @@ class _Panels:
                 if len(places[place]) and np.isfinite(places[place]).all()
             ]
 
-        choices = self.choices(make)
+        choices = self._choices(_make)
         return Plot("time [s]", "temperature [°C]", choices) if choices else None
 
-    def profiles(self) -> Plot | None:
+    def _profiles(self) -> Plot | None:
         """Return temperatures through the height, moved through the motion by a slider."""
         if "temperature" not in self.data:
             return None
         moments = np.linspace(0.0, float(np.nanmax(self.data["time"].values)), MOMENTS)
 
-        def make(run: int) -> list[Trace]:
+        def _make(run: int) -> list[Trace]:
             depth = self.data["depth"].values[run]
             own = np.isfinite(depth)
             if not own.any():
                 return []
-            time = self.values("time", run)
+            time = self._values("time", run)
             at = np.searchsorted(time, moments).clip(0, len(time) - 1)
             frames = rounded(self.data["temperature"].values[run][at][:, own])
             level = -rounded(depth[own])
             y = np.tile(level, (len(moments), 1))
             look = (self.colours[run], "line with points")
-            return [Trace(self.label(run), frames[0], level, *look, y, frames)]
+            return [Trace(self._label(run), frames[0], level, *look, y, frames)]
 
-        choices = self.choices(make)
+        choices = self._choices(_make)
         if not choices:
             return None
         return Plot(

@@ -57,7 +57,7 @@ def input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
         "structure": structure_table(case["structure"], sources.get(case["structure"]["name"])),
         "motions": given_motions_table(case["motions"], result),
     }
-    for bearing in list_all_bearings(case):
+    for bearing in _list_all_bearings(case):
         found |= bearing_tables(bearing, sources.get(str(bearing["name"])))
     if case.get("lines"):
         found["lines"] = _lines_table(case)
@@ -79,7 +79,7 @@ def input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
     return found
 
 
-def list_all_bearings(case: Case) -> list[Mapping[str, Any]]:
+def _list_all_bearings(case: Case) -> list[Mapping[str, Any]]:
     """Bearings of the study and those that lines have of their own, each once."""
     found = {str(one["name"]): one for one in case["bearings"]}
     for line in case.get("lines", []):
@@ -139,7 +139,7 @@ def _lines_table(case: Case) -> Table:
     return Table("Bearing lines of their own", columns, rows)
 
 
-def question(result: EarthquakeResult, case: Case) -> str:
+def _question(result: EarthquakeResult, case: Case) -> str:
     """Return the scope: structure, bearings, motions, temperatures."""
     structure = case["structure"]
     about = structure.get("description") or structure["name"]
@@ -164,7 +164,7 @@ def question(result: EarthquakeResult, case: Case) -> str:
     return f"On {structure['name']} ({about}) with {bearings}: {asked}"
 
 
-def assumptions(result: EarthquakeResult, case: Case) -> list[str]:
+def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
     """Return the assumptions for every run as sentences."""
     attrs, analysis = result.dataset.attrs, case["analysis"]
     kind = str(attrs["damping"])
@@ -190,7 +190,7 @@ def assumptions(result: EarthquakeResult, case: Case) -> list[str]:
         )
     found += _laboratory(case)
     return [
-        text for text in [*found, *model_assumptions(analysis, list_all_bearings(case))] if text
+        text for text in [*found, *model_assumptions(analysis, _list_all_bearings(case))] if text
     ]
 
 
@@ -229,22 +229,22 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
     attrs = result.dataset.attrs
     case = tomllib.loads(attrs["case"])
     command = str(attrs["command"])
-    given = any(one.get("tested_range") is not None for one in list_all_bearings(case))
+    given = any(one.get("tested_range") is not None for one in _list_all_bearings(case))
     return content.build_pieces(
         command,
         f"{COMMANDS[command]} of {attrs['structure']}",
-        question(result, case),
+        _question(result, case),
         _answer(result),
         judged=result.runs > 0,
         inputs=input_tables(result, case),
         tables=result.tables() if result.runs else {},
-        figures=report_figures(result),
-        checks=report_checks(result, case),
+        figures=_report_figures(result),
+        checks=_report_checks(result, case),
         rate_rows=result.tested_range.to_dict("records"),
-        lead_rise=lead_rise(result),
+        lead_rise=_lead_rise(result),
         residuals=_residuals(result, case) if result.runs else (),
         books=balance_table(result) if result.runs else None,
-        assumptions=assumptions(result, case),
+        assumptions=_assumptions(result, case),
         **content.result_parts(result, str(attrs["case"]), command, range_given=given),
     )
 
@@ -253,17 +253,17 @@ def _answer(result: EarthquakeResult) -> list[str]:
     """Return what governs and the effect of the cold; an early end comes first."""
     if not result.runs:
         return [f"No run was finished ({result.outcome}): {tidy(result.sentence)}"]
-    return [*early_words(result), _governing(result), _cold(result)]
+    return [*_early_words(result), _governing(result), _cold(result)]
 
 
-def lead_rise(result: EarthquakeResult) -> float:
+def _lead_rise(result: EarthquakeResult) -> float:
     """Return the largest rise of the lead in any run and line [K]; 0 without lead."""
     own = [result.rises(run)["lead"] for run in range(result.runs)]
     rises = result.lines["lead_rise_K"].tolist() if result.has_parts else own
     return max((float(rise) for rise in rises if rise == rise), default=0.0)
 
 
-def early_words(result: EarthquakeResult) -> list[str]:
+def _early_words(result: EarthquakeResult) -> list[str]:
     """Return a sentence on runs that ended early or are missing; nothing if none did."""
     if result.outcome == "completed":
         return []
@@ -369,14 +369,14 @@ def _heating(result: EarthquakeResult) -> str:
     return f"The motions warm {joined(told)}."
 
 
-def report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
+def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
     """Return the checks: yielding of piers, limits of the rig, tested ranges."""
     if not result.runs:
         return []
     rig = str(case.get("rig", {}).get("name", "rig"))
     found = _ductilities(result)
     found += content.limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
-    names = [str(one["name"]) for one in list_all_bearings(case)]
+    names = [str(one["name"]) for one in _list_all_bearings(case)]
     rows = result.tested_range.to_dict("records")
     return found + content.limit_checks(
         rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names
@@ -444,7 +444,7 @@ LARGEST = {  # figure: column of the table, words for those who do not see the f
 }
 
 
-def report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
+def _report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
     """Return every figure that the analysis holds data for, by name."""
     held = result.plot.draw_all() if result.runs else {}
     plots, shown = interactive_plots(result), part_names(result.dataset)

@@ -14,9 +14,11 @@ from thermobearing.earthquake.comparison import comparison_table, verdict
 from thermobearing.earthquake.measures import (
     BEARING,
     COLUMNS,
+    KEYS,
     LINES,
     LOOP,
     PIERS,
+    PLACES,
     STRUCTURE,
     compute_residuals,
 )
@@ -38,13 +40,7 @@ LARGEST_DAMPING_SHARE = 0.25
 # Of the input, either way: a delay of 5 ms comes to 3 % in the default hybrid test.
 LARGEST_ACTUATOR_SHARE = 0.05
 LABELS = ("bearing", "motion", "ambient", "mode")  # of a run
-RUN = {"bearing": "bearing", "motion": "motion", "ambient": "ambient_degC", "mode": "mode"}
-PLACES = {  # columns that name the governing line or pier: dimension, peak of the parts
-    "strain_line": ("line", "line_strain_max"),
-    "force_line": ("line", "line_force_max"),
-    "displacement_pier": ("pier_part", "pier_part_displacement_max"),
-    "ductility_pier": ("pier_part", "pier_part_ductility"),
-}
+RUN = dict(zip(LABELS, KEYS, strict=True))
 HISTORY = {  # columns of a history: name in the dataset
     "time_s": "time",
     "ground_m_s2": "ground_acceleration",

@@ -275,32 +275,11 @@ def compare_models(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> dict[str, EarthquakeResult]:
-    """Results of models by name, the multi-layer one first.
+    """Return the results of models by name, the multi-layer one first.
 
     Each model makes its own motion of the structure. Bilinear bearings are left out: they have no
-    heat. A model is run for the bearings that it fits (`lead-alone` needs lead).
-
-    Parameters
-    ----------
-    case : with the conservative scheme and automatic stack, as earlier models use them.
-    executor : any `concurrent.futures` executor; threads by default.
-    progress : called with (runs done, all runs) of each model.
-
-    Returns
-    -------
-    dict of EarthquakeResult
-
-    Raises
-    ------
-    InputError : all bearings are bilinear; or scheme, stack or model are not those.
-
-    Examples
-    --------
-    >>> from thermobearing.earthquake.case import make_earthquake_case
-    >>> table = {"command": "hybrid", "bearings": ["shen-hdr-specimen"], "ambient": ["0 degC"]}
-    >>> results = compare_models(make_earthquake_case(table | {"duration": "1 s"}, "example"))
-    >>> list(results)[:2], "lead-alone" in results
-    (['multi-layer', 'adiabatic'], False)
+    heat. A model is run for the bearings that it fits (`lead-alone` needs lead). InputError: see
+    `refuse_incomparable`.
     """
     refuse_incomparable(case)
     results: dict[str, EarthquakeResult] = {}
@@ -314,12 +293,11 @@ def compare_models(
 
 
 def _warm_bearings(case: EarthquakeCase) -> list[Bearing]:
-    """Those that have heat."""
     return [bearing for bearing in case.bearings if isinstance(bearing, Bearing)]
 
 
 def refuse_incomparable(case: EarthquakeCase) -> None:
-    """InputError for a study that earlier models cannot be compared in."""
+    """Refuse a case without the scheme, stack and bearings that earlier models have."""
     options, faults = case.analysis, []
     if not _warm_bearings(case):
         faults.append("bearings: all are bilinear, which no earlier model changes")

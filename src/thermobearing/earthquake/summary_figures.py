@@ -348,37 +348,37 @@ def comparison_figure(results: dict[str, EarthquakeResult]) -> Figure:
         for name, colour in zip(names, colours, strict=True)
     }
 
-    def draw(ax: Axes, name: str, run: int) -> None:
+    def _draw(ax: Axes, name: str, run: int) -> None:
         values = results[name].places(run)[INNER]
         time = results[name]["time"].values[run][: len(values)]
         kept = drawing.thin(values, TIME_BINS)
         ax.plot(time[kept], values[kept], **looks[name])
 
     what = "temperature of the inner layer"
-    return _compare(results, looks, draw, what, ("time [s]", "temperature [°C]"), share=False)
+    return _compare(results, looks, _draw, what, ("time [s]", "temperature [°C]"), share=False)
 
 
 def comparison_loops(results: dict[str, EarthquakeResult]) -> Figure:
     """Return loops of the multi-layer model and of a single temperature (Fig. 4.11, 5.9, 5.12)."""
 
-    def draw(ax: Axes, name: str, run: int) -> None:
+    def _draw(ax: Axes, name: str, run: int) -> None:
         data = results[name].dataset
         kept = np.isfinite(data["time"].values[run])
         strain = 100.0 * data["bearing_strain"].values[run, kept]
         ax.plot(strain, data["bearing_force"].values[run, kept], **LOOP_LOOKS[name])
 
-    return _compare(results, LOOP_LOOKS, draw, "loops of one bearing", (STRAIN, FORCE))
+    return _compare(results, LOOP_LOOKS, _draw, "loops of one bearing", (STRAIN, FORCE))
 
 
 def comparison_strains(results: dict[str, EarthquakeResult]) -> Figure:
     """Return strains of the multi-layer model and of a single temperature (Fig. 5.10, 5.13)."""
 
-    def draw(ax: Axes, name: str, run: int) -> None:
+    def _draw(ax: Axes, name: str, run: int) -> None:
         strain = 100.0 * results[name]["bearing_strain"].values[run].astype(float)
         kept = drawing.thin(strain[np.isfinite(strain)], TIME_BINS)
         ax.plot(results[name]["time"].values[run][kept], strain[kept], **LOOP_LOOKS[name])
 
-    return _compare(results, LOOP_LOOKS, draw, "strain of one bearing", ("time [s]", STRAIN))
+    return _compare(results, LOOP_LOOKS, _draw, "strain of one bearing", ("time [s]", STRAIN))
 
 
 def _compare(
@@ -395,12 +395,12 @@ def _compare(
     keys = list(run_keys(results[REFERENCE]))
     modes = panels._result.modes
 
-    def draw_models(ax: Axes, run: int) -> None:
+    def _draw_models(ax: Axes, run: int) -> None:
         for name in looks if modes[run] == modes[0] else ():
             if keys[run] in runs[name]:
                 draw(ax, name, runs[name][keys[run]])
 
     what = f"{what}, {modes[0]}" if modes[0] else what
-    figure = bearing_grid(panels, what, COMPARISON_SIZE, labels, draw_models, share=share)
+    figure = bearing_grid(panels, what, COMPARISON_SIZE, labels, _draw_models, share=share)
     drawing.legend_below(figure, [Line2D([], [], label=k, **look) for k, look in looks.items()])
     return figure

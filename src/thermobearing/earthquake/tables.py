@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import pandas as pd
 
-from thermobearing.earthquake.measures import BEARING, LOOP, STRUCTURE, farthest
+from thermobearing.earthquake.measures import BEARING, KEYS, LOOP, PLACES, STRUCTURE, farthest
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.ranges import TESTED
@@ -17,7 +17,6 @@ from thermobearing.results.ranges import TESTED
 if TYPE_CHECKING:
     from thermobearing.earthquake.result import EarthquakeResult
 
-KEYS: Final = ("bearing", "motion", "ambient_degC", "mode")
 PEAKS: Final = (  # of a report
     "bearing_strain_max",
     "bearing_force_max_kN",
@@ -38,7 +37,6 @@ CONSOLE: Final = (
     "damping_of_input",
     *PEAKS[-2:],
 )
-PLACES: Final = ("strain_line", "force_line", "displacement_pier", "ductility_pier")
 COLD: Final = (  # compared with the warmest run
     "bearing_strain_max",
     "bearing_force_max_kN",
@@ -98,7 +96,7 @@ def _keys(frame: pd.DataFrame) -> list[str]:
     return [name for name in KEYS if name in frame]
 
 
-def reported_line(result: "EarthquakeResult") -> str:
+def _reported_line(result: "EarthquakeResult") -> str:
     """Return " of line A1", the line whose histories are kept; empty with one of all."""
     return f" of line {result.dataset.attrs['line']}" if result.has_parts else ""
 
@@ -243,14 +241,14 @@ def _cold_table(result: "EarthquakeResult") -> Table:
         return make_table(ratios)
     same = [name for name in ("bearing", "ambient_degC", "mode") if name in ratios]
 
-    def cell(values: "pd.Series[float]") -> Any:
+    def _cell(values: "pd.Series[float]") -> Any:
         known = values.dropna()
         if len(values) == 1 or not len(known):
             return known.iloc[0] if len(known) else ""
         return f"{known.mean():.2f} ({known.min():.2f}–{known.max():.2f})"
 
     frame = pd.DataFrame(
-        dict(zip(same, key, strict=True)) | {name: cell(group[name]) for name in COLD}
+        dict(zip(same, key, strict=True)) | {name: _cell(group[name]) for name in COLD}
         for key, group in ratios.groupby(same, sort=False)
     )
     columns = [quantity(name, unit="", factor=1.0, form=".2f") for name in COLD]
@@ -326,7 +324,7 @@ def _loops_table(result: "EarthquakeResult") -> Table:
     keys = _keys(frame)
     note = "The loop that holds the largest displacement, from zero to zero displacement: K_eq = "
     note += "(|F+| + |F−|)/(|D+| + |D−|), h_eq and G_e as of a test (Eq. 3.1, 3.2)."
-    caption = f"Largest loop of one bearing{reported_line(result)} in each run"
+    caption = f"Largest loop of one bearing{_reported_line(result)} in each run"
     names = [*LOOP][4:7] + [*LOOP][2:4] + [*LOOP][:2] + [*LOOP][7:]
     closed = frame[frame["loop_K_eq_kN_mm"].notna()]
     return make_table(closed, [*keys, *names], caption, keys=len(keys), note=note)
@@ -366,7 +364,7 @@ def balance_table(result: "EarthquakeResult", *, bearing: bool = False) -> Table
     if bearing:
         names = [f"bearing_{name}_kN_mm" for name in BEARING]
         names += ["mechanical_residual", "thermal_residual"]
-        caption = f"Energy balance of one bearing{reported_line(result)}"
+        caption = f"Energy balance of one bearing{_reported_line(result)}"
         note = "Work in = heat released + recoverable; heat released = stored + lost; of a "
         note += "bilinear bearing all heat counts as stored."
     else:

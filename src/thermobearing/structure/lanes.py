@@ -291,7 +291,7 @@ def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
     waiting: dict[Any, list[int]] = {}
     found: dict[int, RunPeaks] = {}
 
-    def finish(key: Any, together: list[int]) -> None:
+    def _finish(key: Any, together: list[int]) -> None:
         shaken = companies[key].shake([runs[k] for k in together])
         found.update(zip(together, shaken, strict=True))
 
@@ -301,9 +301,9 @@ def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
             companies[key] = Company(run)
         waiting.setdefault(key, []).append(number)
         if len(waiting[key]) == WIDTH:
-            finish(key, waiting.pop(key))
+            _finish(key, waiting.pop(key))
     for key, together in waiting.items():
-        finish(key, together)
+        _finish(key, together)
     return [found[number] for number in range(len(runs))]
 
 
