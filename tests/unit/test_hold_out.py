@@ -108,8 +108,8 @@ def test_parameters_by_fold(folded: CrossValidation) -> None:
 
 def test_groups_have_every_temperature() -> None:
     """Given by temperature, in a row: no fit misses all of the cold ones."""
-    tests = [made(at, f"{at:g}", 1.0) for at in (-20.0,)] * 2
-    tests = [replace(tests[0], ambient=at, name=f"{at:g}") for at in (23.0, -20.0, 22.0, -19.0)]
+    one = made(-20.0, "one")
+    tests = [replace(one, ambient=at, name=f"{at:g}") for at in (23.0, -20.0, 22.0, -19.0)]
     found = cross_validate(tests, HDR, folds=2, free=["K_r"], starts=1, limits={"K_eq": 10.0})
     assert [[r.ambient for r in group] for group in found.groups] == [[-20.0, 22.0], [23.0, -19.0]]
     assert [r.ambient for r in found.folds[0].records] == [23.0, -19.0]
@@ -126,26 +126,20 @@ def test_one_test_given_twice_is_one(tmp_path: Path, good: list[TestRecord]) -> 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({}, "either tests to hold out or a number of folds"),
-        ({"folds": 2, "hold_out": "first"}, "either tests to hold out or a number of folds"),
-        ({"hold_out": "all"}, "every test is held out: none is left to fit"),
-        ({"folds": 4}, "folds = 4: must be a whole number from 2 to the number of tests, 3"),
-        ({"folds": 1}, "folds = 1: must be a whole number from 2"),
-        ({"folds": True}, "must be a whole number from 2"),
-        ({"folds": 2.0}, "must be a whole number from 2"),
-        ({"folds": 2, "limits": {"K_eg": 0.1}}, 'did you mean "K_eq"'),
+        ({}, "hold out"),
+        ({"folds": 2, "hold_out": "first"}, "folds"),
+        ({"hold_out": "all"}, "none is left"),
+        *(({"folds": folds}, "from 2 to the number of tests, 3") for folds in (4, 1, True, 2.0)),
+        ({"folds": 2, "limits": {"K_eg": 0.1}}, '"K_eq"'),
         ({"folds": 2, "method": "annealing"}, "least-squares"),
-        ({"hold_out": "nobody.csv"}, "nobody.csv: no such file"),
+        ({"hold_out": "nobody.csv"}, "nobody.csv"),
     ],
 )
 def test_what_cannot_be(good: list[TestRecord], options: dict[str, Any], said: str) -> None:
     known = {"first": good[:1], "all": good[:3]}
     held = options.get("hold_out", ())
-    with pytest.raises(tb.InputError) as told:
+    with pytest.raises(tb.InputError, match=said):
         cross_validate(good[:3], HDR, **options | {"hold_out": known.get(held, held)})
-    assert said in str(told.value)
-    with pytest.raises(tb.InputError, match="one test alone"):
-        cross_validate(good[0], HDR, folds=2)
 
 
 def test_a_test_that_is_none_is_refused_before_the_fit(
@@ -195,15 +189,8 @@ def test_figures(folded: CrossValidation, tmp_path: Path, monkeypatch: pytest.Mo
     )
     folded.save(tmp_path / "out")
     of_tests = [f"held_out_{name}" for name in ("loops", "ratios", "cycles", "residuals")]
-    assert drawn == [
-        "loops",
-        "residuals",
-        "convergence",
-        "correlation",
-        "cycles",
-        "folds",
-        *of_tests,
-    ]
+    of_fit = ["loops", "residuals", "convergence", "correlation", "cycles"]
+    assert drawn == [*of_fit, "folds", *of_tests]
 
 
 def write(folder: Path, record: TestRecord) -> Path:
@@ -227,16 +214,8 @@ def test_command(tmp_path: Path, good: list[TestRecord], faulty: TestRecord) -> 
     assert told["held_out"]["verdict"] == "beyond"
     assert [test["role"] for test in told["held_out"]["tests"]] == ["fitted"] * 2 + ["held out"]
     assert len(told["records"]) == 2
-    assert tb.load_bearing(out / "bearing.toml").hysteresis.layer_stiffness == pytest.approx(
-        30.738, rel=0.01
-    )
-    files_of = {path.name for path in out.iterdir()}
     fitted = {"summary.json", "bearing.toml", "compound.toml", "fit.csv"}
-    assert files_of == fitted | {"table.csv", "cycles.csv"}
-    bad = command("identify", *files, "--folds", "4", *fit, "-o", tmp_path / "bad")
-    assert bad.exit_code == 2
-    assert "the number of tests, 3" in bad.stderr
-    assert not (tmp_path / "bad").exists()
+    assert {path.name for path in out.iterdir()} == fitted | {"table.csv", "cycles.csv"}
 
 
 def test_command_with_folds(tmp_path: Path, good: list[TestRecord]) -> None:

@@ -147,26 +147,23 @@ def test_bearings_and_models_side_by_side(record: TestRecord) -> None:
     ]
     assert len(both.plot.loops().axes) == 1
     assert len(both.plot.ratios().axes) == 5
-    with pytest.raises(tb.InputError, match="needs lead"):
-        tb.validate_bearing(HDR, record, models="lead-alone")
 
 
 @pytest.mark.parametrize(
-    ("options", "pieces"),
+    ("options", "said"),
     [
-        ({"limits": {"K_eg": 0.1}}, ["K_eg", "K_eq"]),
-        ({"limits": {"K_eq": 0.0}}, ["K_eq = 0.0", "more than 0"]),
-        ({"limits": {"K_eq": "15 %"}}, ["K_eq = '15 %'", "0.15 is 15 %"]),
-        ({"models": "adiabatik"}, ["adiabatik", "adiabatic"]),
-        ({"models": []}, ["at least one model"]),
+        ({"limits": {"K_eg": 0.1}}, "K_eg.*K_eq"),
+        ({"limits": {"K_eq": 0.0}}, "K_eq = 0.0"),
+        ({"limits": {"K_eq": "15 %"}}, "K_eq = '15 %'"),
+        ({"models": "adiabatik"}, "adiabatik.*adiabatic"),
+        ({"models": []}, "model"),
+        ({"bearings": []}, "bearing"),
+        ({"models": "lead-alone"}, "needs lead"),
     ],
 )
-def test_what_cannot_be(record: TestRecord, options: dict[str, Any], pieces: list[str]) -> None:
-    with pytest.raises(tb.InputError) as told:
-        tb.validate_bearing(HDR, record, **options)
-    assert all(piece in str(told.value) for piece in pieces)
-    with pytest.raises(tb.InputError, match="at least one bearing"):
-        tb.validate_bearing([], record)
+def test_what_cannot_be(record: TestRecord, options: dict[str, Any], said: str) -> None:
+    with pytest.raises(tb.InputError, match=said):
+        tb.validate_bearing(**{"bearings": HDR, "records": record} | options)
 
 
 def test_command(tmp_path: Path, record: TestRecord) -> None:
@@ -194,7 +191,6 @@ def test_command(tmp_path: Path, record: TestRecord) -> None:
     assert len(fit) == len(record.time)
     assert fit["force_kN"].to_numpy() == pytest.approx(record.force, rel=1e-5, abs=1e-4)
     assert fit["model_T3_degC"].notna().all()
-    assert command(*words).exit_code == 2  # it is there
     bad = command(*words, "--overwrite", "--limit", "K_eq")
     assert bad.exit_code == 2
     assert "QUANTITY=NUMBER" in bad.stderr
