@@ -13,7 +13,7 @@ import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.cli import app
 from thermobearing.identify.records.record import load_test
-from thermobearing.intake.figures import draw_intake, time_axis
+from thermobearing.intake.figures import time_axis
 
 BEARING = "shen-hdr-specimen"
 Floats = NDArray[np.float64]
@@ -239,7 +239,7 @@ def test_rests_do_not_fill_the_picture(tmp_path: Path) -> None:
     assert len(rests) == 4
     assert sum(s.width for s in rests) < 0.5 * axis.end
     assert all(s.shortened for s in rests)
-    figure = draw_intake(found)
+    figure = found.plot()
     assert "shortened" in figure.axes[0].get_xlabel()
     drawn = figure.axes[0].lines[0].get_xdata()
     assert drawn[0] == 0.0

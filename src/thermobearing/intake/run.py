@@ -7,7 +7,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 import tomli_w
@@ -28,6 +28,9 @@ from thermobearing.results.screen import say, show_table
 from thermobearing.tables.guess import ColumnGuess
 from thermobearing.tables.laboratory import COLUMNS, Readings, read_laboratory
 from thermobearing.tables.text import SEPARATORS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FEWEST = 10  # rows of numbers that make a test
 TABLES = ("columns", "units", "thermocouples")
@@ -62,6 +65,12 @@ class Intake:
     def ambient_is_assumed(self) -> bool:
         """Whether neither a column nor a sidecar states the ambient temperature."""
         return "ambient" in self.sidecar and "ambient" not in self.kept
+
+    def plot(self) -> "Figure":
+        """Return the picture: histories with what was found in them, loops, temperatures."""
+        from thermobearing.intake.figures import draw_intake
+
+        return draw_intake(self)
 
     def table(self) -> Table:
         """What each column is taken for, under a line about the file."""
@@ -100,7 +109,7 @@ class Intake:
             "sidecar": self.sidecar,
         }
 
-    def sidecar_text(self, folder: Path) -> str:
+    def _sidecar_text(self, folder: Path) -> str:
         """Return TOML that `load_test` reads, with comments on what to look at.
 
         Files are named as seen from the folder that the sidecar will stand in.
@@ -226,13 +235,13 @@ class Intakes(Result):
             raise OutputError(f"{first}: is there already; correct it, or leave out --beside")
         written = super().save(directory, overwrite=overwrite, figures=figures)
         for item, path in zip(self.files, targets, strict=False):
-            _put(path, item.sidecar_text(path.parent))
+            _put(path, item._sidecar_text(path.parent))
         return written
 
     def _write(self, folder: Path) -> None:
         (folder / SIDECARS).mkdir()
         for item, name in zip(self.files, self.names, strict=True):
-            text = item.sidecar_text(folder / SIDECARS)
+            text = item._sidecar_text(folder / SIDECARS)
             (folder / SIDECARS / f"{name}.toml").write_text(text, encoding="utf-8")
 
 
