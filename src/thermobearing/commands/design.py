@@ -39,7 +39,7 @@ def design(
     """Size isolation bearings: assume a displacement, size, analyse, compare, repeat."""
     from thermobearing.bearing.library import load_bearing
     from thermobearing.design.case import load_design_case, make_design_case
-    from thermobearing.design.output import print_design, print_head, print_round
+    from thermobearing.design.output import print_head, print_round
     from thermobearing.design.run import run_design
 
     groups = [{"lines": [name.strip() for name in text.split(",")]} for text in group or []]
@@ -56,7 +56,7 @@ def design(
     found = run_design(complete, None if end.quiet else print_round, templates=templates)
     found.save(target, overwrite=end.overwrite, figures=not end.no_figures)
     outcome = "completed" if found.usable else found.outcome
-    return end.written(outcome, found.sentence, target, lambda: print_design(found))
+    return end.written(outcome, found.sentence, target, found.show)
 
 
 @command(
@@ -76,14 +76,13 @@ def design(
 def bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> int:
     """Is a bounding analysis good enough? Two bilinear bounds against the coupled model."""
     from thermobearing.design.bounds import BEARINGS
-    from thermobearing.design.output import print_bounds
     from thermobearing.design.run import run_bounds
 
     target = end.target("bounds")
     announce_compiling(end.quiet, STRUCTURES)
     bearings, motions = given.pop("bearings", BEARINGS), given.pop("motions", None)
     report = run_bounds(bearings, motions, fixed_base=fixed_base or None, **given)
-    return end.save(report, target, lambda: print_bounds(report))
+    return end.save(report, target)
 
 
 @command(
@@ -117,7 +116,6 @@ def lambda_(
     """Temperature factors from the coupled model: K_eq, Q_d, K_d, h_eq, energy; and bounds."""
     from thermobearing.bearing.library import load_bearing
     from thermobearing.design.factors import PRESETS
-    from thermobearing.design.output import print_factors
     from thermobearing.design.run import run_factors
     from thermobearing.identify.uncertainty.samples import posterior_bearings
 
@@ -134,4 +132,4 @@ def lambda_(
     listed = cycles not in PRESETS and all(re.fullmatch("[0-9]{1,9}", part) for part in numbers)
     which = [int(part) for part in numbers] if listed else cycles
     report = run_factors(bearings, cycles=which, scale=scale, **given)
-    return end.save(report, target, lambda: print_factors(report))
+    return end.save(report, target)

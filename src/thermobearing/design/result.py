@@ -175,8 +175,12 @@ class Design(Result):
             found[turn.group] = loops | {one.name: third_cycle(one, u) for one in mine}
         return found
 
+    def show(self) -> None:
+        """Print what the command prints."""
+        self._view("output").print_design(self)
+
     def summary(self) -> dict[str, Any]:
-        """The content of summary.json."""
+        """Return the content of summary.json."""
         source, names = source_design(), [bearing.name for bearing in self.bearings]
         return {
             "command": "design",
@@ -278,6 +282,10 @@ class BoundsReport(Result):
         """The result in words, by name of the bearing."""
         return {name: paragraph(table, name) for name, table in self.studies.items()}
 
+    def show(self) -> None:
+        """Print what the command prints."""
+        self._view("output").print_bounds(self)
+
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
         return {
@@ -350,6 +358,10 @@ class FactorReport(Result):
     def coldest(self) -> list[str]:
         """What the coldest temperature makes of the bearing at the largest strain, in words."""
         return coldest_factors(self.table, self.strain)
+
+    def show(self) -> None:
+        """Print what the command prints."""
+        self._view("output").print_factors(self)
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""

@@ -412,11 +412,11 @@ def make_table(name: str, table: pd.DataFrame) -> Table:
     rows = [tuple(row) for row in shown.itertuples(index=False, name=None)]
     left = len(table) - len(shown)
     note = f"The first {MOST_ROWS} of {len(table)} rows; all are in {name}.csv." if left else ""
-    columns = [table_column(str(title), shown[title]) for title in shown.columns]
+    columns = [_table_column(str(title), shown[title]) for title in shown.columns]
     return Table(words(name)[0].capitalize(), columns, rows, note=note)
 
 
-def table_column(title: str, values: "pd.Series[Any]") -> Quantity:
+def _table_column(title: str, values: "pd.Series[Any]") -> Quantity:
     """Return a column of a table of a result directory, in the unit of the file.
 
     Numbers have four digits that count, or as many as are whole; symbols keep small letters.
@@ -450,7 +450,7 @@ def comparison_pieces(directory: Path) -> tuple[Table, dict[str, ReportFigure]]:
     for name in map(str, frame.columns):
         title, _, unit = name.rpartition(" ")  # the unit is the last word, or the end of the key
         in_title = Quantity(f"{title[:1].upper()}{title[1:]}", unit, "+.1f")
-        columns.append(in_title if unit in ("K", "%") else table_column(name, frame[name]))
+        columns.append(in_title if unit in ("K", "%") else _table_column(name, frame[name]))
     rows = frame.astype(object).where(frame.notna(), None).to_numpy().tolist()
     verdict = json.loads((directory / SUMMARY).read_text(encoding="utf-8")).get("verdict")
     note = "".join(f"{key.capitalize()}: {value}. " for key, value in alike.items()) + NOTE

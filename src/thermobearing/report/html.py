@@ -243,7 +243,7 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
     note = table.note.replace(MARKED, MARK)
     if table.marked and MARKED not in table.note:
         note = f"{MARK} {MARK_WORDS}. {note}".strip()
-    shown, rest, why = governing_rows(table)
+    shown, rest, why = _governing_rows(table)
     look = ["table", *["broad"] * (letters > UPRIGHT), *["short"] * (len(rows) < SHORT)]
     return {
         **{"kind": "table", "name": f"table-{number}", "number": number, "key_columns": table.keys},
@@ -264,7 +264,7 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
     }
 
 
-def governing_rows(table: Table) -> tuple[list[int], list[int], str]:
+def _governing_rows(table: Table) -> tuple[list[int], list[int], str]:
     """Return the rows of a long table to be read first, the others, and a note on it.
 
     First come rows with marked cells, then those with the largest value in the column that the

@@ -63,7 +63,7 @@ def document(
     return Document(pieces.title, block, logo, arranged(pieces, template), pieces.identity)
 
 
-def default_template(command: str) -> Path:
+def _default_template(command: str) -> Path:
     """Return the template of the package for a command, or that of all."""
     own = data_path("reports", f"{command}.md")
     return own if own.is_file() else data_path("reports", "any.md")
@@ -76,7 +76,7 @@ def arranged(pieces: Pieces, path: str | Path | None = None) -> list[Block]:
     ------
     InputError : it cannot be read, or names a piece that the result does not have.
     """
-    file = default_template(pieces.command) if path is None else Path(path)
+    file = _default_template(pieces.command) if path is None else Path(path)
     blocks: list[Block] = []
     faults: list[str] = []
     text = read_text(file)
