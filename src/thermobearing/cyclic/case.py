@@ -130,7 +130,7 @@ class Keep:
 
 
 def settle_start(table: dict[str, Any], ways: Sequence[str]) -> tuple[list[str], xr.Dataset | None]:
-    """What is wrong with the start in a case, and the dataset that `initial_result` stands for."""
+    """Return faults of the start in a case, and the dataset that `initial_result` stands for."""
     given = [key for key in ways if key in table]
     if len(given) > 1:
         return [f"give only one of {', '.join(ways)}; got {given}"], None
@@ -221,12 +221,11 @@ def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> Sp
 
 
 def _there(values: Any) -> Any:
-    """Without the NaN that fill up the tables of smaller bearings of a study."""
     return values[np.isfinite(values)] if np.ndim(values) else values
 
 
 def _same_run(data: xr.Dataset, ambient: list[float], bearing: str) -> int:
-    """Number of the run of a result at an ambient temperature; the only run, if there is one."""
+    """Return the number of the run at an ambient temperature; of the only run, if there is one."""
     runs = np.arange(data["ambient"].size)
     if "bearing" in data.coords:
         runs = runs[data["bearing"].values == bearing]
@@ -240,7 +239,7 @@ def _same_run(data: xr.Dataset, ambient: list[float], bearing: str) -> int:
 
 
 def _whose(data: xr.Dataset, bearing: Bearing) -> tuple[str, str]:
-    """Name of the bearing in an earlier result that this is, and why it is none of them."""
+    """Return the name of this bearing in an earlier result, and why it is none of them."""
     case = tomllib.loads(data.attrs["case"])
     theirs = case["bearings"] if "bearings" in case else [case["bearing"]]
     ours = to_table(bearing)
@@ -259,7 +258,7 @@ def _whose(data: xr.Dataset, bearing: Bearing) -> tuple[str, str]:
 
 
 def initial_temperatures(case: "Case", cells: int, ambient: float) -> Floats:
-    """Cell temperatures at the start [degC]."""
+    """Return the cell temperatures at the start [degC]."""
     given = case.initial_profile
     if case.initial_state is not None:
         given = case.initial_state.temperature
@@ -324,7 +323,7 @@ THINGS = {"bearing": load_bearing, "rig": load_rig}  # that a case names
 
 
 def rig_demand(rig: Rig | None, run: str, peaks: Sequence[float]) -> list[Row]:
-    """What a run asks of each limit of a rig: force [kN], stroke [mm] and speed [mm/s]."""
+    """Compare a run with the limits of a rig: force [kN], stroke [mm] and speed [mm/s]."""
     known = {name: getattr(rig, name, None) for name in LIMITS}
     limits = {name: (0.0, limit) for name, limit in known.items() if limit is not None}
     units = {name: unit for name, (unit, _) in LIMITS.items()}
@@ -332,7 +331,7 @@ def rig_demand(rig: Rig | None, run: str, peaks: Sequence[float]) -> list[Row]:
 
 
 def beyond(rig: Rig | None, rows: Sequence[Row]) -> list[str]:
-    """A sentence for each limit that a run passes."""
+    """Return a sentence for each limit of a rig that a run passes."""
     return [
         f"{row['run']} {LIMITS[row['limit']][1].format(row['asked'], row['largest'])} of "
         f"{rig.name}: that rig cannot do it"
