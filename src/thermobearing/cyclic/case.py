@@ -447,7 +447,6 @@ class Case(Strict):
         return 0.0 if self.initial_state is None else self.initial_state.reads
 
     def _misfits_of_state(self) -> list[str]:
-        """Whether the bearing can begin at the state that is given."""
         assert self.initial_state is not None
         if self.analysis.model == "bilinear":  # its constants come from a test
             return []
@@ -527,7 +526,6 @@ def make_case(table: dict[str, Any], where: str, folder: Path = Path(), **overri
 
 
 def _files(table: dict[str, Any]) -> list[tuple[Any, str]]:
-    """Tables with a file, and its key."""
     test = table.get("test")
     steps = test.get("steps") if isinstance(test, dict) else None
     named = [(step, "file") for step in steps] if isinstance(steps, list) else []
@@ -535,7 +533,6 @@ def _files(table: dict[str, Any]) -> list[tuple[Any, str]]:
 
 
 def _fill_defaults(table: dict[str, Any]) -> None:
-    """Defaults; the wave of Table 3.4 depends on the bearing."""
     bearing = table["bearing"]
     kind = bearing.get("kind") if isinstance(bearing, dict) else getattr(bearing, "kind", "HDR")
     test = table.get("test", cyclic_test(wave="sine" if kind in ("LHDR", "LRB") else "triangular"))

@@ -367,7 +367,6 @@ def expected_size(case: Case) -> float:
 
 
 def _most_rows(case: Case) -> float:
-    """Return an upper bound of the rows that are written of one run."""
     _, steps = survey(case.test, case.bearing.total_rubber_thickness, case.starts_at)
     steps = 1.0 + steps / case.analysis.keep_every
     if case.analysis.histories == COMPLETE or any(s.step == "recorded" for s in case.test.steps):

@@ -296,7 +296,6 @@ def _run_segment(
     keep_every: int,
     progress: Progress | None,
 ) -> bool:
-    """Run a segment in chunks; return False when the run cannot go on."""
     work, spare = new_workspace(constants), new_state(constants, run.initial)
     keep = _kept_steps(segment, keep_every)
     segment, keep, ends = cut_rests(constants, segment, keep, run.state.books[0].displacement)

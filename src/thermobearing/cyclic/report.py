@@ -166,7 +166,6 @@ def _course(steps: Sequence[Step]) -> str:
 
 
 def _table_of_test(test: Case) -> Table:
-    """Return the steps of a test, one row each."""
     rows = []
     for place, step in enumerate(test["steps"][:MOST_STEPS], 1):
         row = {"step": str(place), "what": str(step["step"]), "size": _size(step)}
@@ -195,7 +194,6 @@ def _question(result: Result, case: Case) -> str:
 
 
 def _answer(result: Result) -> list[str]:
-    """Return what governs, and what cold and warming change."""
     early, cycles = [], result.cycles
     if result.outcome != "completed":
         ended = zip(result["ambient"].values, result["outcome"].values, strict=True)
@@ -266,7 +264,6 @@ def _changes(result: Result, rows: pd.DataFrame) -> str:
 
 
 def _warmest(result: Result) -> str:
-    """Return the largest rises of rubber and lead, in words."""
     rises, found = warming(result), []
     if not len(rises):
         return ""
@@ -279,7 +276,6 @@ def _warmest(result: Result) -> str:
 
 
 def _input_tables(result: Result, case: Case) -> dict[str, Table]:
-    """Return the tables of what went in: test, bearing, temperatures, rig, model."""
     sources = case.get("sources", {})
     own = sources.get(result.dataset.attrs["bearing"])
     found = {"test": _table_of_test(case["test"]), **bearing_tables(case["bearing"], own)}
@@ -305,7 +301,6 @@ def rig_table(rig: Case, own: Mapping[str, str] | None = None) -> Table:
 
 
 def _start(case: Case) -> list[str]:
-    """Return how the bearing begins, and how the ambient temperature goes on."""
     begins = "at the ambient temperature throughout"
     if "initial_state" in case:
         begins = "where an earlier test left it, with temperatures and memory"
@@ -362,14 +357,12 @@ def _figures(result: Result) -> dict[str, ReportFigure]:
 
 
 def _runs(result: Result) -> list[tuple[int, str, str]]:
-    """Return number, words and colour of each run."""
     air = np.asarray(result["ambient"].values, dtype=float)
     colours = drawing.ambient_colours(air)
     return [(k, degrees([float(t)]), c) for k, (t, c) in enumerate(zip(air, colours, strict=True))]
 
 
 def _loops_plot(result: Result) -> Plot:
-    """Return the loops, one trace a temperature."""
     time, traces, gap = TimeAxis(result), [], np.array([np.nan])
     for run, name, colour in _runs(result):
         rows = time.moving_rows(run)

@@ -122,7 +122,6 @@ def run(
 
 
 def _as_test(test: CyclicTest | History | None) -> CyclicTest | None:
-    """Return the test, or a history as one."""
     if test is None or isinstance(test, CyclicTest):
         return test
     try:

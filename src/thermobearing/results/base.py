@@ -86,7 +86,6 @@ class Result:
         raise NotImplementedError
 
     def _limits_summary(self) -> dict[str, Any]:
-        """Return what summary.json holds on limits, and on the exposure of the bearings."""
         return limits_summary(self.rig, self.tested_range)
 
     @property
@@ -132,7 +131,6 @@ class Result:
         """Write the files of the analysis but summary.json, limits and figures."""
 
     def _draw(self, folder: Path) -> None:
-        """Draw the figures into a result directory."""
         if self._figures:
             self.plot.save_all(folder / FIGURES)
 
@@ -200,6 +198,5 @@ class DatasetResult(Result):
         return super()._limits_summary() | found
 
     def _rows(self, name: str) -> pd.DataFrame:
-        """Return rows of `results.ranges.compared` that the analysis left in an attribute."""
         rows = from_attribute(self.dataset, name) if name in self.dataset.attrs else []
         return pd.DataFrame(rows)

@@ -61,7 +61,6 @@ def locked(path: Path, *, wait: bool = True, shared: bool = False) -> Iterator[b
 
 
 def _taken(handle: int, how: int) -> bool:
-    """Whether nobody else has the lock."""
     try:
         fcntl.flock(handle, how | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -143,7 +142,6 @@ BLOCK = 1 << 20  # bytes read at a time
 
 
 def _digest(file: Path, size: int) -> bytes:
-    """Of the first bytes of a file, as text."""
     found = hashlib.sha256()
     with file.open("rb") as stream:
         while size > 0 and (block := stream.read(min(BLOCK, size))):
@@ -268,7 +266,6 @@ def write_directory(
 
 
 def _remove_empty(directories: list[Path]) -> None:
-    """Remove the parents that were made for nothing, innermost first."""
     for path in directories:
         try:
             path.rmdir()

@@ -124,7 +124,6 @@ def _same_kelvin(axes: list[Axes], panels: list[ProfilePanel]) -> None:
 
 
 def _draw_core(ax: Axes, stack: xr.Dataset, temperature: float, colour: str) -> None:
-    """Draw the core as a line over its height, between the end plates."""
     bottom = np.cumsum(stack["cell_thickness"].values)
     inside = np.flatnonzero(~np.isin(stack["part"].values, ("end_plate", "mass")))
     top = bottom[inside[0] - 1] if inside[0] else 0.0

@@ -37,7 +37,6 @@ def chosen_runs(labels: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[in
 
 
 def _same(labels: Any, value: Any) -> Any:
-    """Which labels are a value."""
     there = np.asarray(labels)
     if there.dtype.kind in "fi":
         try:
@@ -85,7 +84,6 @@ def force_differences(found: Floats, expected: Floats) -> dict[str, float]:
 
 
 def _percent(part: float, whole: float) -> float:
-    """Return a part of a whole [%]; NaN if the whole is zero."""
     return 100.0 * part / whole if whole else float("nan")
 
 
