@@ -123,11 +123,24 @@ def test_measures_have_labels(result: tb.Result) -> None:
     assert len(cold.cycles) == len(result.cycles) / 2
 
 
-def test_a_strain_that_comes_twice_is_numbered() -> None:
-    test = tb.cyclic_test(strain=[0.5, 0.5], cycles=2, rest=None, dt=0.02)
-    found = tb.run("shen-hdr-specimen", test).to_dataset()
-    assert found["h_eq"].dims == ("ambient", "number")
-    assert list(found["number"].values) == [1, 2, 3, 4]
+@pytest.mark.parametrize(
+    ("strain", "sizes"),
+    [
+        ([1.0], {"ambient": 1, "strain": 1, "cycle": 2}),
+        ([0.5, 1.0], {"ambient": 1, "strain": 2, "cycle": 2}),
+        ([0.5, 0.5], {"ambient": 1, "number": 4}),  # a strain that comes twice
+    ],
+)
+def test_dimensions_of_measures(strain: list[float], sizes: dict[str, int]) -> None:
+    test = tb.cyclic_test(strain=strain, cycles=2, rest=None, dt=0.02)
+    assert dict(tb.run("shen-hdr-specimen", test).to_dataset().sizes) == sizes
+
+
+def test_cycles_of_a_history_are_numbered() -> None:
+    time = np.arange(0.0, 8.0, 0.02)
+    wave = 20.0 * np.sin(np.pi * time / 2.0)
+    found = tb.run("shen-hdr-specimen", (time, wave), ambient=[-20, 23]).to_dataset()
+    assert set(found.sizes) == {"ambient", "number"}
 
 
 def test_selection_of_a_thinned_result(result: tb.Result, tmp_path: Path) -> None:
@@ -232,21 +245,6 @@ def test_a_summary_that_is_none(text: str, tmp_path: Path) -> None:
     told(lambda: tb.load_result(tmp_path), str(tmp_path))
 
 
-def test_one_cycle_has_the_labels_of_many() -> None:
-    """Before: over the number of the cycle, unless there were several ambient temperatures."""
-    for strain in ([1.0], [0.5, 1.0]):
-        test = tb.cyclic_test(strain=strain, cycles=1, rest=None)
-        found = tb.run("shen-hdr-specimen", test, ambient=-20).to_dataset()
-        assert dict(found.sizes) == {"ambient": 1, "strain": len(strain), "cycle": 1}
-
-
-def test_cycles_of_a_history_are_numbered() -> None:
-    time = np.arange(0.0, 8.0, 0.02)
-    wave = 20.0 * np.sin(np.pi * time / 2.0)
-    found = tb.run("shen-hdr-specimen", test=(time, wave), ambient=[-20, 23]).to_dataset()
-    assert set(found.sizes) == {"ambient", "number"}
-
-
 def test_every_number_of_a_study_says_what_it_is() -> None:
     """Before: only histories did, and an axis made of a peak was called None."""
     study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23], duration=2)
@@ -256,13 +254,6 @@ def test_every_number_of_a_study_says_what_it_is() -> None:
     assert data.bearing_force_max.attrs["long_name"] == "largest force of one bearing"
     assert data.ambient.attrs["long_name"] == "ambient temperature"
     assert "float64" not in str(data.attrs["periods_s"])
-
-
-def test_a_half_stack_says_so() -> None:
-    test = tb.cyclic_test(strain=[0.5], cycles=1)
-    half, full = (tb.run("shen-hdr-specimen", test, stack=s)["depth"] for s in ("half", "full"))
-    assert "half stack" in half.attrs["long_name"]
-    assert "half stack" not in full.attrs["long_name"]
 
 
 def test_a_motion_is_short_in_a_notebook() -> None:

@@ -143,7 +143,7 @@ class Result(DatasetResult):
         if not len(self.cycles):
             return xr.Dataset()
         short = {"ambient_degC": "ambient", "amplitude_strain": "strain"}
-        units = {short.get(n, n): column_quantity(n).stored for n in map(str, self.cycles)}
+        about = {short.get(n, n): column_quantity(n).attributes for n in map(str, self.cycles)}
         table, labels = self.cycles.rename(columns=short), ["ambient", "strain", "cycle"]
         recorded = any(segment["kind"] == "recorded" for segment in self.segments)
         if recorded or table.duplicated(labels).any():
@@ -151,7 +151,7 @@ class Result(DatasetResult):
             labels = ["ambient", "number"]
         found = table.set_index(labels).to_xarray()
         for name in found.variables:
-            found[name].attrs["units"] = units.get(str(name), "1")
+            found[name].attrs |= about.get(str(name), {"units": "1"})
         return found
 
     @cached_property
