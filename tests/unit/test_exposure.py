@@ -164,7 +164,7 @@ def test_a_fit_refuses_them_and_the_forward_model_has_them_once() -> None:
         tb.identify_bearing(record, with_table(LAYERED[0]), free=["K_r"])
     bearing = with_table(LAYERED[0])
     model = ForwardModel(record, bearing)
-    one, other = model.run(bearing), model.run_as_built()
+    one, other = model.run(bearing), model.run()
     assert one
     assert other
     assert np.array_equal(one.force, other.force)

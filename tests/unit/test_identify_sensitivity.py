@@ -66,7 +66,7 @@ def test_candidates_are_what_the_bearing_has() -> None:
 def test_softening_is_free_where_the_lead_gets_hot(test: object, free: bool) -> None:
     found = told(LRB, records(LRB, test, (23.0,)))
     assert found[E2].free is free
-    assert found[E2].added is free
+    assert not found[E2].usual
     assert (found[E2].stderr < BETTER * found[E2].spread) is free
     assert found[SIGMA_Y].free
 
@@ -103,7 +103,9 @@ def test_lead_without_softening_keeps_it_fixed() -> None:
     test = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, wave="sine", rest=None)
     tests = records(LHDR, test, (23.0,))
     found = identify_bearing(tests, LHDR, starts=1, blind=False)
-    assert found.sensitivity[[s.key for s in found.sensitivity].index(E2)].added
+    (softening,) = (item for item in found.sensitivity if item.key == E2)
+    assert softening.free
+    assert not softening.usual
     assert E2 not in found.uncertainty.estimates
     assert set(found.uncertainty.estimates) == set(default_free(LHDR, (23.0,)))
 

@@ -73,7 +73,7 @@ def test_band_is_that_of_95_percent_of_the_draws(monkeypatch: pytest.MonkeyPatch
 
         def run(self, bearing: Any) -> Prediction:
             size = 1.0 if bearing == "best" else bearing
-            return Prediction(size * np.array([10.0, -20.0]), {}, "completed")
+            return Prediction(size * np.array([10.0, -20.0]), {})
 
     monkeypatch.setattr(posterior, "ForwardModel", Model)
     cube = np.column_stack([np.linspace(0.5, 1.5, 101), np.zeros(101)])

@@ -22,7 +22,7 @@ def record() -> TestRecord:
     test = tb.cyclic_test(strain=[1.5], cycles=3, rest=None)
     made = tb.synthetic_record(BEARING, 0.0, test)
     placed = replace(made, places={"T3, inside": "rubber 2"}, unused=("counter",))
-    model = ForwardModel(placed, tb.load_bearing(BEARING)).run_as_built()
+    model = ForwardModel(placed, tb.load_bearing(BEARING)).run()
     assert model is not None
     rise = model.temperatures["T3, inside"] - model.temperatures["T3, inside"][0]
     return replace(placed, temperatures={"T3, inside": 0.9 * rise})

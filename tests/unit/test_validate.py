@@ -119,7 +119,7 @@ def test_rise_errors_in_time() -> None:
     record = sines((10.0,))
     rise = np.linspace(0.0, 10.0, len(record.time))
     record = replace(record, temperatures={"T": 20.0 + rise})
-    model = Prediction(record.force, {"T": -5.0 + 1.2 * rise}, "completed")
+    model = Prediction(record.force, {"T": -5.0 + 1.2 * rise})
     error = rise_errors(record, model)["T"]
     assert error == pytest.approx(0.02 * rise)  # of the largest rise, not of that so far
 

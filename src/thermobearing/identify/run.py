@@ -164,7 +164,8 @@ def run_identify(case: IdentifyCase) -> Identification:
     problem, start, sensitivity = _problem(case, records, left_out)
     cube, converged = search(problem, case), True
     if case.free is None:
-        problem, cube = without_needless(problem, cube, [s.key for s in sensitivity if s.added])
+        added = [item.key for item in sensitivity if item.free and not item.usual]
+        problem, cube = without_needless(problem, cube, added)
     if case.polish:
         cube, converged = polished(problem, cube)
     predictions = [p for p in problem.predict(cube) if p is not None]
@@ -230,21 +231,17 @@ def _problem(
     base, ambients = case.bearing, [record.ambient for record in records]
     coarse = [ForwardModel(record, base) for record in records]
 
-    def begun(free: Sequence[str] | None) -> tuple[ParameterSet, dict[str, float]]:
+    def begin(free: Sequence[str] | None) -> tuple[ParameterSet, dict[str, float]]:
         pset = parameter_set(base, free, ambients, case.bounds)
         start = loop_start(records, pset, coarse) if case.blind else pset.values(pset.start)
         fixed = {p.kind.key for p in pset.parameters if not p.free}
         return pset.with_start({k: v for k, v in start.items() if k not in fixed}), start
 
-    pset, start = begun(case.free)
+    pset, start = begin(case.free)
     problem = Problem(
-        records,
-        pset,
-        temperatures=case.temperatures,
-        loss=case.loss,
-        clipped=left_out,
+        records, pset, temperatures=case.temperatures, loss=case.loss, clipped=left_out,
         coarse=coarse,
-    )
+    )  # fmt: skip
     if case.free is not None:
         return problem, start, []
     groups = chosen_groups(case.assumed)
@@ -254,5 +251,5 @@ def _problem(
     free = [item.key for item in found if item.free]
     if all(item.free == item.usual for item in found):
         return problem, start, found
-    pset, start = begun(free)
+    pset, start = begin(free)
     return problem.with_parameters(pset), start, found

@@ -133,7 +133,7 @@ def refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> list[str
 def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Comparison:
     options, record = ModelOptions(model=model), record.of_bearing(bearing)
     forward = ForwardModel(record, bearing, fine=True, options=options)
-    found = forward.run_as_built()
+    found = forward.run()
     lead = found.lead if found else None
     reached = reached_in(record, bearing.total_rubber_thickness, record.ambient, lead)
     name = f"{bearing.name}, {model}, {record.name}, {record.ambient:g} degC"

@@ -9,6 +9,7 @@ the noise of the displacement: jitter is not motion.
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +17,6 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats, Ints
-from thermobearing.core.types import Constants
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import Segment, run_segments
 from thermobearing.identify.records.cycles import TURN, dead_band, turning_points
@@ -38,12 +38,10 @@ class Prediction:
 
     force: Floats  # [kN]
     temperatures: dict[str, Floats]  # by title of the thermocouple [degC]
-    outcome: str
     lead: tuple[float, float] | None = None  # coldest and warmest lead in the run [degC]
 
 
-@dataclass(frozen=True)
-class _Grid:
+class _Grid(NamedTuple):
     """Steps of the model, and where each sample lies between them."""
 
     x: Floats
@@ -148,22 +146,15 @@ class ForwardModel:
         self.record = record
         model = build_model(bearing, options, backbone=bilinear_parameters)
         self._stack, self._constants = model.stack, model.constants
-        self._grid = _grid(record, fine)
-        grid = self._grid
-        no_turns = np.zeros(len(grid.x), dtype=bool)
-        cycle = np.zeros(len(grid.x), dtype=np.int32)
+        self._grid = grid = _grid(record, fine)
+        no_turns, cycle = np.zeros(len(grid.x), dtype=bool), np.zeros(len(grid.x), dtype=np.int32)
         self._segment = Segment("recorded", record.name, grid.x, grid.dt, cycle, no_turns)
-        self._at = record.ambient if ambient is None else ambient
-        self._ambient = Ambient.constant(self._at)
-        self._initial = np.full(len(self._constants.cells.capacity), self._at)
+        at = record.ambient if ambient is None else ambient
+        self._ambient = Ambient.constant(at)
+        self._initial = np.full(len(self._constants.cells.capacity), at)
         self._groups = ("rubber",) if record.places else ()
         self._layers = self._thermocouples(bearing)
         self.ended = ""  # outcome of the last run
-
-    @property
-    def steps(self) -> int:
-        """Time steps of one evaluation."""
-        return len(self._grid.x)
 
     def _thermocouples(self, bearing: Bearing) -> dict[str, int | None]:
         """Return the modelled layer of each thermocouple, from the outside; None in lead."""
@@ -180,15 +171,11 @@ class ForwardModel:
             found[title] = min(layer, count + 1 - layer) - 1
         return found
 
-    def run(self, bearing: Bearing) -> Prediction | None:
-        """Run a bearing that differs from the model's in parameters only; None if it ends early."""
-        return self._run(with_parameters(self._constants, bearing, self._stack))
-
-    def run_as_built(self) -> Prediction | None:
-        """Run the bearing and the options that the model was built with; None if it ends early."""
-        return self._run(self._constants)
-
-    def _run(self, constants: Constants) -> Prediction | None:
+    def run(self, bearing: Bearing | None = None) -> Prediction | None:
+        """Run the model's bearing, or one with other parameters; None if it ends early."""
+        constants = self._constants
+        if bearing is not None:
+            constants = with_parameters(constants, bearing, self._stack)
         history = run_segments(
             constants, [self._segment], self._ambient, self._initial, groups=self._groups
         )
@@ -204,7 +191,7 @@ class ForwardModel:
             for title, layer in self._layers.items()
         }
         ends = (float(lead.min()), float(lead.max())) if constants.lead.cores > 0.0 else None
-        return Prediction(self._at_samples(books["force"]), temperatures, history.outcome, ends)
+        return Prediction(self._at_samples(books["force"]), temperatures, ends)
 
     def _at_samples(self, values: Floats) -> Floats:
         grid = self._grid

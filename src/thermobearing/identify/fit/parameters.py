@@ -182,10 +182,9 @@ class ParameterSet:
         moved = []
         for p in self.parameters:
             value = values.get(p.kind.key, p.value)
-            lower, upper = p.lower, p.upper
             if p.kind.relative and p.free and not p.bounded:
-                lower, upper = p.kind.lower * value, p.kind.upper * value
-            moved.append(replace(p, value=value, lower=lower, upper=upper))
+                p = replace(p, lower=p.kind.lower * value, upper=p.kind.upper * value)
+            moved.append(replace(p, value=value))
         return replace(self, parameters=tuple(moved))
 
     def without(self, keys: Sequence[str]) -> "ParameterSet":
@@ -271,21 +270,18 @@ def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, 
         if left not in there:
             without = left.split(".")[0]
             raise InputError(f'free: "{name}": the bearing "{bearing.name}" has no {without}')
-        if match:
-            ties[left] = (_full_key(match[3], "free: "), _factor(match[2], name))
-        else:
+        if match is None:
             keys.add(left)
+            continue
+        try:
+            factor = float(match[2] or 1.0)
+        except ValueError:
+            factor = 0.0
+        if not 1.0 / HUGEST <= abs(factor) <= HUGEST:
+            said = f'"{match[2]}" is not a number a parameter can be multiplied by'
+            raise InputError(f'"{name}": {said}')
+        ties[left] = (_full_key(match[3], "free: "), factor)
     return keys, ties
-
-
-def _factor(text: str | None, tie: str) -> float:
-    try:
-        factor = float(text or 1.0)
-    except ValueError:
-        factor = 0.0
-    if not 1.0 / HUGEST <= abs(factor) <= HUGEST:
-        raise InputError(f'"{tie}": "{text}" is not a number a parameter can be multiplied by')
-    return factor
 
 
 def parameter_set(

@@ -162,11 +162,6 @@ class Sensitivity:
     free: bool  # by default
     usual: bool  # free unless the tests say nothing about it
 
-    @property
-    def added(self) -> bool:
-        """Whether it is free because of these tests."""
-        return self.free and not self.usual
-
     def summary(self) -> dict[str, Any]:
         """Return what summary.json says of it."""
         known = self.spread > 0.0

@@ -181,11 +181,6 @@ class Treatment:
     steady: TestRecord  # all samples, rests at their mean and spikes bridged, for the checks
     cleaned: TestRecord  # all samples, rests at their mean; spikes and drift removed if asked for
 
-    @property
-    def resting(self) -> int:
-        """Number of samples in rests."""
-        return sum(last - first + 1 for first, last in self.rests)
-
     def to_fit(self, left_out: Flags) -> tuple[TestRecord, Flags]:
         """Return the record that a fit sees, and which of its samples do not count in the force."""
         bad = left_out | self.spikes["force"] if self.record.despike else left_out
@@ -197,12 +192,16 @@ class Treatment:
         return {
             "noise": {f"{name}_{UNITS[name]}": value for name, value in self.noise.items()},
             "rests": len(self.rests),
-            "samples_at_rest": self.resting,
+            "samples_at_rest": _count_samples(self.rests),
             "spikes": {name: len(split_runs(flags)) for name, flags in self.spikes.items()},
             "spikes_removed": self.record.despike,
             "drift": {f"{name}_{UNITS[name]}": drift.total for name, drift in self.drifts.items()},
             "drift_removed": _detrended(self.record),
         }
+
+
+def _count_samples(rests: list[tuple[int, int]]) -> int:
+    return sum(last - first + 1 for first, last in rests)
 
 
 def _detrended(record: TestRecord) -> list[str]:
@@ -342,7 +341,7 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
     """Yield what was found; a warning where something is left in that the user may remove."""
     record = found.record
     if found.rests:
-        part = found.resting / len(record.time)
+        part = _count_samples(found.rests) / len(record.time)
         yield note(
             "rests",
             f"{_count(len(found.rests), 'rest')}, {part:.0%} of the samples: a fit holds the "
