@@ -1,7 +1,6 @@
 """Figures of a sequence of tests."""
 
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -22,11 +21,10 @@ def place_looks(places: Sequence[str]) -> dict[str, tuple[str, str]]:
     return {k: (name, drawing.INK if name == "lead" else c) for k, (name, c) in found.items()}
 
 
-class SequenceFigures:
+class SequenceFigures(drawing.Figures):
     """Figures of a sequence: `result.plot.sequence()`, a matplotlib Figure."""
 
-    def __init__(self, result: SequenceResult) -> None:
-        self._result = result
+    _result: SequenceResult
 
     def sequence(self) -> Figure:
         """Draw force over displacement, and temperatures in time, a column for each part."""
@@ -59,9 +57,9 @@ class SequenceFigures:
         drawing.legend_below(figure, handles)
         return figure
 
-    def save_all(self, folder: Path) -> list[Path]:
-        """Write every figure."""
-        return drawing.save_figures({"sequence": self.sequence}, folder)
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure, by name of its file."""
+        return {"sequence": self.sequence}
 
 
 def _same_limits(axes: Sequence[Axes]) -> None:

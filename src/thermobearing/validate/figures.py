@@ -1,7 +1,6 @@
 """Figures of a validation, and of a fit with tests held out."""
 
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -21,10 +20,13 @@ LEAST_SPAN = 2.0  # of an axis of errors, to either side of none [%]
 WORDS = {"K_eq": "stiffness K_eq", "h_eq": "damping h_eq"}
 
 
-class ValidationFigures:
+class ValidationFigures(drawing.Figures):
     """Figures of a validation: `found.plot.loops()` and so on, each a matplotlib Figure."""
 
+    vector = True
+
     def __init__(self, found: Validation) -> None:
+        super().__init__(found)
         self._limits = found.limits
         self._done = [item for item in found.comparisons if item.prediction is not None]
         self._names = list(dict.fromkeys(_name(item) for item in self._done))
@@ -167,13 +169,12 @@ class ValidationFigures:
         self._legend(figure)
         return figure
 
-    def save_all(self, folder: Path, prefix: str = "") -> list[Path]:
-        """Write every figure as PNG and SVG; `prefix` begins the names of the files."""
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure, by name of its file."""
         views = [self.loops, self.ratios, self.cycles, self.residuals]
         if any(record.temperatures for record in self._records):
             views.append(self.temperatures)
-        named = {prefix + view.__name__: view for view in views}
-        return drawing.save_figures(named, folder, vector=True)
+        return {view.__name__: view for view in views}
 
 
 def _name(item: Comparison) -> str:
@@ -184,15 +185,23 @@ def _title(record: TestRecord) -> str:
     return f"{record.name}, {drawing.degrees(record.ambient)}"
 
 
-class CrossValidationFigures:
+class CrossValidationFigures(drawing.Figures):
     """Figures of a fit with tests held out: `found.plot.folds()`, a matplotlib Figure."""
 
-    def __init__(self, found: CrossValidation) -> None:
-        self._found = found
+    vector = True
+    _result: CrossValidation
+
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws the figures of the final fit, of the folds, and of all tests."""
+        found = self._result
+        folds = {"folds": self.folds} if found.folds else {}
+        judged = found.judged.plot.draw_all()
+        judged = {f"held_out_{name}": draw for name, draw in judged.items()}
+        return {**found.final.plot.draw_all(), **folds, **judged}
 
     def folds(self) -> Figure:
         """Draw each free parameter without each group of tests, over that of the fit to all."""
-        found = self._found
+        found = self._result
         table, symbols = found.parameters, list(found.free)
         title = f"{found.final.bearing.name}: parameters without each group of tests"
         size = (max(6.0, 2.0 + 1.1 * len(symbols)), 4.2)
@@ -215,11 +224,3 @@ class CrossValidationFigures:
         dot = Line2D([], [], label="without a fold, its number", **dots)
         drawing.legend_below(figure, [error_bar, dot])
         return figure
-
-    def save_all(self, folder: Path) -> list[Path]:
-        """Write the figures of the final fit, of the folds, and of tests of both kinds."""
-        found = self._found
-        views = {"folds": self.folds} if found.folds else {}
-        written: Sequence[Path] = found.final.plot.save_all(folder)
-        folds = drawing.save_figures(views, folder, vector=True) if views else []
-        return [*written, *folds, *found.judged.plot.save_all(folder, "held_out_")]
