@@ -14,8 +14,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 import thermobearing as tb
+from benchmarks.stored_motions import SEEDS
 from thermobearing.core.types import Floats
-from thermobearing.motions.library import SEEDS
 from thermobearing.motions.matching import matched, misfit
 from thermobearing.motions.measures import measure_motion, significant_interval
 from thermobearing.motions.process import baseline_corrected, scaled

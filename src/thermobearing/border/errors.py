@@ -27,7 +27,7 @@ class InputError(ThermobearingError, ValueError):
         super().__init__(self.message())
 
     def lines(self, key: str = "") -> list[str]:
-        """Each problem with the name of its file: for a report on the file that refers to it."""
+        """Return each problem with the name of its file, for a file that refers to it."""
         before = "".join(f"{part}: " for part in (key, self.where) if part)
         return [f"{before}{problem}" for problem in self.problems]
 
@@ -36,7 +36,7 @@ class InputError(ThermobearingError, ValueError):
         return self if self.where else InputError(self.problems, str(where))
 
     def message(self) -> str:
-        """All problems as one text, under the name of the file they are in."""
+        """Return all problems as one text, under the name of the file they are in."""
         if not self.where:
             return "\n".join(self.problems)
         if len(self.problems) == 1:
@@ -53,12 +53,7 @@ class OutputError(ThermobearingError):
 
 
 def read_bytes(path: Path, most: int) -> bytes:
-    """Content of a file the user named, at most so many bytes (a device may have no end).
-
-    Raises
-    ------
-    InputError : it cannot be read, or holds more.
-    """
+    """Return the content of a file, at most so many bytes (a device may have no end)."""
     shown = shortened(str(path), LONGEST_NAME)
     try:
         if path.is_fifo() and not str(path).startswith(("/dev/", "/proc/")):
@@ -106,26 +101,24 @@ def is_folder(path: Path) -> bool:
 
 
 def closest(name: str, known: Iterable[str]) -> str:
-    """A clause '; did you mean "..."?' with the closest known name, or nothing."""
+    """Return a clause '; did you mean "..."?' with the closest known name, or nothing."""
     close = difflib.get_close_matches(str(name), sorted(known), n=1, cutoff=0.6)
     return f'; did you mean "{close[0]}"?' if close else ""
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """A clause '; did you mean "..."?' with the closest known name, or the list of them."""
+    """Return a clause '; did you mean "..."?' with the closest name, or the list of names."""
     names = sorted(known)
     listed = f"; known: {', '.join(names)}" if names else ""
     return closest(name, names) or listed
 
 
 def printable(text: str) -> str:
-    r"""The text, with escapes for what would not show, or would move the cursor of a terminal.
+    r"""Return the text with escapes for what would not show, or would move the cursor.
 
     Names and values come from files and from the system; what is no text at all is there as lone
     surrogates, which cannot be printed either.
 
-    Examples
-    --------
     >>> printable("免震\x1b[2J")
     '免震\\x1b[2J'
     """
@@ -137,5 +130,5 @@ def printable(text: str) -> str:
 
 
 def shortened(text: str, longest: int = 60) -> str:
-    """The text, cut where a message would lose its reader in it."""
+    """Return the text, cut where a message would lose its reader in it."""
     return text if len(text) <= longest else f"{text[: longest - 3]}..."

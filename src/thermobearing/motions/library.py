@@ -1,11 +1,9 @@
 """Ground motions by name or by file: those shipped with the package, and the user's own.
 
-`python -m thermobearing.motions.library [NAME...]` makes the stored motions again.
+`python -m benchmarks.stored_motions [NAME...]` makes the stored motions again.
 """
 
 import json
-import sys
-from collections.abc import Collection
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -20,7 +18,6 @@ from thermobearing.motions.record import GroundMotion
 
 STORED_DT = 0.01  # [s]
 ABOUT = "about"  # entry of the file with names and descriptions, as JSON
-SEEDS = (1, 2, 3)
 
 
 def stored_motions() -> Path:
@@ -82,34 +79,3 @@ def load_motion(name_or_path: str | Path, **options: Any) -> GroundMotion:
     if not looks_like_a_path and not is_file(path):
         raise unknown_name("motion", text, list_motions())
     return read_motion(path, **options)
-
-
-def regenerate(names: Collection[str] = ()) -> None:
-    """Write the file of the built-in motions again: three seeds per type and ground, or some.
-
-    Kept as 32-bit numbers: what that leaves of the end velocity is a rounding. Made on another
-    machine they differ by such roundings, so that with names the others stay as they are.
-    """
-    from thermobearing.motions.synthesis import make_motion, motion_name
-    from thermobearing.motions.targets import GROUNDS, KINDS
-
-    arrays: dict[str, Any] = {}
-    about: dict[str, dict[str, str]] = {}
-    if names:
-        with np.load(stored_motions()) as stored:
-            about = json.loads(str(stored[ABOUT]))
-            arrays = {name: stored[name] for name in about}
-    for kind, ground, seed in ((k, g, s) for k in KINDS for g in GROUNDS for s in SEEDS):
-        if names and motion_name(kind, ground, seed) not in names:
-            continue
-        motion = make_motion(kind, ground, seed, STORED_DT)
-        arrays[motion.name] = motion.acceleration.astype(np.float32)
-        about[motion.name] = {"description": motion.description, "citation": motion.citation}
-        print(motion.description)
-    arrays[ABOUT] = np.array(json.dumps(about))
-    stored_motions().parent.mkdir(exist_ok=True)
-    np.savez_compressed(stored_motions(), **arrays)
-
-
-if __name__ == "__main__":
-    regenerate(sys.argv[1:])

@@ -415,10 +415,9 @@ def _chosen(columns: list[_Column], component: str | None) -> _Column:
                 f"holds {len(columns)} components ({', '.join(names)}); give component"
             )
         return columns[0]
-    for place, column in enumerate(columns, 1):
-        if component == str(place):
-            return column
-    for name, column in zip(names, columns, strict=True):
-        if name.lower() == component.lower().replace("-", ""):
-            return column
-    raise InputError(f'no component "{component}"{nearest(component, names)}')
+    known = {str(place): column for place, column in enumerate(columns, 1)}
+    named = {name.lower(): column for name, column in zip(names, columns, strict=True)}
+    found = known.get(component) or named.get(component.lower().replace("-", ""))
+    if found is None:
+        raise InputError(f'no component "{component}"{nearest(component, names)}')
+    return found
