@@ -148,7 +148,8 @@ def _checks(pieces: Pieces) -> list[Block]:
 
 def _identity(pieces: Pieces) -> list[Block]:
     columns, rows = [Quantity("What"), Quantity("Value")], list(pieces.identity.items())
-    return [TableBlock("identity", Table("To make this result again", columns, rows))] * bool(rows)
+    table = Table("How to reproduce this result", columns, rows)
+    return [TableBlock("identity", table)] if rows else []
 
 
 def _listed(items: Sequence[str], kind: str = "") -> list[Block]:
