@@ -19,7 +19,8 @@ HEAVY = {"numpy", "scipy", "numba", "pandas", "xarray", "pydantic", "pint", "mat
 SECTION = r"\n\s*{}\n\s*-+\n(.*?)(?=\n\s*\w+\n\s*---|\Z)"
 # What a description of a number has: its unit in brackets, or a word for one that has none.
 UNIT = re.compile(
-    r"\[.+?\]|\b(ratios?|shares?|relative|strains?|factors?|c_z|weights?|correlation|unit|as of)\b"
+    r"\[.+?\]|\b(ratios?|shares?|relative|strains?|factors?|c_z|weights?|correlation|unit|as of)\b",
+    re.IGNORECASE,
 )
 NAMED_UNIT = re.compile(r"^h_eq$|_(mm|MPa|kN)$")  # or its name says it
 
@@ -77,11 +78,12 @@ def arguments(item: Any) -> dict[str, Any]:
     for name, parameter in inspect.signature(item).parameters.items():
         if name == "self":
             continue
-        found[name] = parameter.annotation
-        for kind in get_args(parameter.annotation):
-            if is_typeddict(kind):  # fields of ModelOptions are described there
-                model = set(tb.ModelOptions.model_fields)
-                found |= {key: of for key, of in kind.__annotations__.items() if key not in model}
+        kinds = [kind for kind in get_args(parameter.annotation) if is_typeddict(kind)]
+        if not kinds:
+            found[name] = parameter.annotation
+        for kind in kinds:  # fields of ModelOptions are described there
+            model = set(tb.ModelOptions.model_fields)
+            found |= {key: of for key, of in kind.__annotations__.items() if key not in model}
     return found
 
 
@@ -91,7 +93,7 @@ def entry(text: str, name: str) -> str:
     indent = min((len(line) - len(line.lstrip()) for line in lines if line.strip()), default=0)
     told, inside = [], False
     for line in lines:
-        head = re.match(rf"\s{{{indent}}}([\w, *]+) :", line)
+        head = re.match(rf"\s{{{indent}}}([\w, *]+?)(?: :|$)", line)
         if head:
             inside = name in re.split(r",\s*", head[1].replace("*", "").strip())
         if inside:

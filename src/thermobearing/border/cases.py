@@ -79,6 +79,26 @@ def read_case(model: type[M], table: dict[str, Any], where: str, faults: Sequenc
     return case
 
 
+def made_case(
+    given: Any,
+    model: type[M],
+    load: Callable[..., M],
+    make: Callable[..., M],
+    where: str,
+    overrides: Mapping[str, Any],
+) -> M:
+    """Return the case that is given: a file, a table such as that of a file, or a case."""
+    if isinstance(given, str | Path):
+        return load(given, **overrides)
+    if given is None or isinstance(given, dict):
+        return make(given or {}, where, **overrides)
+    if not isinstance(given, model):
+        raise InputError(f"needs a file, a table or a {model.__name__}", where)
+    if overrides:
+        raise InputError("a finished case takes no further values", where)
+    return given
+
+
 def absolute(table: Any, key: str, folder: Path) -> None:
     """Make the path under a key absolute, so that a case finds it from wherever it is saved."""
     if isinstance(table, dict) and isinstance(table.get(key), str | Path) and str(table[key]):

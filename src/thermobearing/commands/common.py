@@ -56,9 +56,7 @@ def _as_options(text: str) -> str:
 
     A key that a value is said of ("test.dt = ...", "ambient[0] = ...") becomes the option that gave
     it, if one did; a keyword in what is to be tried ("a larger dt", "say so with trust_unit") the
-    option of that name, if the command has it.
-
-    `text`: as raised; unchanged outside a command.
+    option of that name, if the command has it. Outside a command the text is unchanged.
 
     >>> before = RUNNING.set({"--dt": True, "--keep-every": False})
     >>> _as_options("command line: test.dt = '9 s': must be at most 1 s")
@@ -318,11 +316,6 @@ def exposure_given(words: Sequence[str] | None) -> dict[str, Any] | None:
         except ValueError:
             raise InputError(f'--exposure "{word}": must be a number, such as 1.3') from None
     return table
-
-
-def limit_numbers(given: Sequence[str] | None) -> dict[str, float]:
-    """Those of `Limit`."""
-    return numbers_by_name(given or [], "--limit", "QUANTITY=NUMBER, such as K_eq=0.1")
 
 
 def announce_compiling(quiet: bool, kernel: str = STEPPING) -> None:

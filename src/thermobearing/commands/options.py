@@ -299,6 +299,9 @@ def _default(item: Any, name: str) -> Any:
 ENTRY = r"^ *(?:[\w, *]+, )?{}(?:, [\w, *]+)? :(.*(?:\n(?!(?: *[\w, *]+ :| *\n)).*)*)"
 
 
+TYPE = re.compile(r" (str|int|float|bool|mapping|sequence|list|dict|Path|array|[A-Z]\w+)\b[^.;]*$")
+
+
 def help_of(item: Any, name: str, choices: Sequence[str] = (), default: Any = None) -> str:
     """Return what the docstring of a record or a function says of a field or an argument.
 
@@ -314,7 +317,9 @@ def help_of(item: Any, name: str, choices: Sequence[str] = (), default: Any = No
     found = next(
         filter(None, (re.search(ENTRY.format(name), t, re.MULTILINE) for t in texts)), None
     )
-    text = " ".join(found[1].split()).rstrip(".") if found else name.replace("_", " ")
+    first, _, rest = found[1].partition("\n") if found else (name.replace("_", " "), "", "")
+    said = rest if rest and TYPE.match(first) else f"{first} {rest}"
+    text = " ".join(said.split()).rstrip(".")
     unit = None
     if hasattr(item, "model_fields"):
         from thermobearing.border.schema import find_unit

@@ -18,10 +18,16 @@ import pandas as pd
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing, Validity
+from thermobearing.border.cases import made_case
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN
 from thermobearing.design.bounds import AIR, BEARINGS, bounds_study, first_motions
-from thermobearing.design.case import DesignCase, bearing_weight
+from thermobearing.design.case import (
+    DesignCase,
+    bearing_weight,
+    load_design_case,
+    make_design_case,
+)
 from thermobearing.design.factors import (
     PERIOD,
     STRAINS,
@@ -238,12 +244,13 @@ def at_every_air(
 
 
 def run_design(
-    case: DesignCase,
+    case: DesignCase | str | Path | dict[str, Any] | None = None,
     tell: Callable[[Round], None] | None = None,
     *,
     templates: Sequence[Bearing] = (),
+    **overrides: Any,
 ) -> Design:
-    """Carry out the loop; says why if it does not converge, never raises for that.
+    """Size the bearings of a bridge: assume a displacement, size, analyse, compare, repeat.
 
     The found displacement of each group of lines replaces the assumed one (6.2.2) until all agree
     within the tolerance, with the whole bridge analysed in every turn; see `Search`. Where no size
@@ -252,9 +259,12 @@ def run_design(
 
     Parameters
     ----------
-    case : from `load_design_case` or `make_design_case`.
+    case : a case file, a table such as that of a file (every number has its unit as text), or a
+        case; the bridge of Shen (2023), section 6.2, by default.
     tell : called with each round of each group.
     templates : layered bearings to scale to the stiffness of each group, once it converged.
+    overrides : values that replace those of a file or table, by key, such as motions, compound,
+        start [mm] and weight [kN].
 
     Returns
     -------
@@ -266,11 +276,12 @@ def run_design(
 
     Examples
     --------
-    >>> from thermobearing.design.case import make_design_case
-    >>> design = run_design(make_design_case({}, "example", motions=["jra-ii-i-1"]))
+    >>> design = run_design(motions=["jra-ii-i-1"])
     >>> design.outcome, design.last.size.side >= 400.0
     ('converged', True)
     """
+    how = (DesignCase, load_design_case, make_design_case, "run_design()")
+    case = made_case(case, *how, overrides)
     turns: list[Turn] = []
     searches = [Search(case.start) for _ in case.groups]
     outcome = ""

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypedDict, get_args
 
 from thermobearing.bearing.exposure import effective_exposure
 from thermobearing.bearing.library import as_bearing, load_bearing
@@ -60,6 +60,18 @@ class IdentifyCase:
     assumed: Mapping[str, float] | None = None
     accept_poor: bool = False
     one_temperature: bool = False
+
+
+class SearchKeywords(TypedDict, total=False):
+    """Attributes of `IdentifyCase` that say how to search, as keyword arguments."""
+
+    method: Method
+    loss: Loss
+    seed: int
+    starts: int
+    blind: bool
+    polish: bool
+    evaluations: int
 
 
 def make_identify_case(

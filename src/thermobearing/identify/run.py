@@ -10,18 +10,17 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError
 from thermobearing.identify.case import (
-    SEARCH,
     IdentifyCase,
-    Loss,
-    Method,
+    SearchKeywords,
     Test,
     make_identify_case,
 )
@@ -51,23 +50,18 @@ from thermobearing.identify.uncertainty.assumed import chosen_groups
 from thermobearing.identify.uncertainty.covariance import estimate, remedy
 
 
+@renamed()
 def identify_bearing(
     records: Sequence[Test] | Test,
     bearing: Bearing | str | Path,
     *,
     free: Sequence[str] | None = None,
     bounds: dict[str, tuple[float, float]] | None = None,
-    method: Method = "least-squares",
-    seed: int = 0,
-    starts: int = 3,
-    loss: Loss = "linear",
-    temperatures: bool = False,
-    blind: bool = True,
-    polish: bool = True,
-    evaluations: int = SEARCH,
     assumed: Mapping[str, float] | None = None,
-    accept_poor: bool = False,
+    temperatures: bool = False,
     one_temperature: bool = False,
+    accept_poor: bool = False,
+    **search: Unpack[SearchKeywords],
 ) -> Identification:
     """Identify the parameters of a bearing from its tests.
 
@@ -135,17 +129,11 @@ def identify_bearing(
         bearing,
         free=free,
         bounds=bounds,
-        method=method,
-        seed=seed,
-        starts=starts,
-        loss=loss,
-        temperatures=temperatures,
-        blind=blind,
-        polish=polish,
-        evaluations=evaluations,
         assumed=assumed,
-        accept_poor=accept_poor,
+        temperatures=temperatures,
         one_temperature=one_temperature,
+        accept_poor=accept_poor,
+        **search,
     )
     return run_identify(case)
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from thermobearing.border.cases import made_case
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import check_workers
 from thermobearing.cyclic.case import Case, final_state
@@ -60,15 +61,8 @@ def sequence(
     >>> list(result.table["kind"]), result.outcome
     (['cyclic', 'hybrid'], 'completed')
     """
-    if isinstance(case, str | Path):
-        case = load_sequence_case(case, **overrides)
-    elif isinstance(case, dict):
-        case = make_sequence_case(case, "sequence()", **overrides)
-    elif not isinstance(case, SequenceCase):
-        raise InputError("needs a file, a table or a SequenceCase", "sequence()")
-    elif overrides:
-        raise InputError("a finished case takes no further values", "sequence()")
-    return run_sequence(case, progress=progress)
+    how = (SequenceCase, load_sequence_case, make_sequence_case, "sequence()")
+    return run_sequence(made_case(case, *how, overrides), progress=progress)
 
 
 def run_sequence(case: SequenceCase, *, progress: Progress | None = None) -> SequenceResult:

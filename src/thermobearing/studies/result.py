@@ -62,7 +62,7 @@ class StudyResult(Result):
     study : that was carried out.
     manifest : of its directory: versions, input hash.
     directory : of the study.
-    asked : demand, capacity, hazard: of its directory, or the defaults.
+    asked, question : demand, capacity, hazard: of its directory, or the defaults.
     """
 
     _figures = "StudyFigures"
