@@ -93,7 +93,7 @@ def entry(text: str, name: str) -> str:
     indent = min((len(line) - len(line.lstrip()) for line in lines if line.strip()), default=0)
     told, inside = [], False
     for line in lines:
-        head = re.match(rf"\s{{{indent}}}([\w, *]+?)(?: :|$)", line)
+        head = re.match(rf"\s{{{indent}}}([\w*][\w, *]*?)(?: :|$)", line)
         if head:
             inside = name in re.split(r",\s*", head[1].replace("*", "").strip())
         if inside:
