@@ -47,30 +47,18 @@ class Identification(Result):
 
     Attributes
     ----------
-    bearing : Bearing
-        The bearing with the identified numbers; its tested range is what the tests cover.
-    pset, cube : ParameterSet, ndarray
-        Parameters, and the place of the optimum in their unit cube.
-    records, checks, predictions : list
-        Tests, their checks, the model at their samples.
-    uncertainty : Uncertainty
-        Standard errors, intervals, correlation, warnings.
-    start : dict
-        Starting values by dotted key, each in the unit of its parameter.
-    method, evaluations, seconds : str, int, float
-        Method of the search, runs of all records, and time [s].
-    history : list of tuple
-        Evaluations, and the best mean squared relative residual so far.
-    problem : Problem
-        The residuals, for the posterior.
-    sensitivity : list of Sensitivity
-        What the tests would determine, and what is therefore free; empty if the user chose that.
-    inputs : dict
-        Options of the fit, for reports.
-    outcome : str
-        "completed", "not_converged" or "poor_fit".
-    forecast : Forecast, optional
-        Samples of the posterior and predicted bands that are shown and saved too.
+    bearing : the bearing with the identified numbers; its tested range is what the tests cover.
+    pset, cube : parameters, and the place of the optimum in their unit cube.
+    records, checks, predictions : tests, their checks, the model at their samples.
+    uncertainty : standard errors, intervals, correlation, warnings.
+    start : starting values by dotted key, each in the unit of its parameter.
+    method, evaluations, seconds : of the search; runs of all records, and time [s].
+    history : evaluations, and the best mean squared relative residual so far.
+    problem : the residuals, for the posterior.
+    sensitivity : what the tests would determine; empty if the user chose what is free.
+    inputs : options of the fit, for reports.
+    outcome : "completed", "not_converged" or "poor_fit".
+    forecast : samples of the posterior and predicted bands, shown and saved too; None without.
 
     Examples
     --------
@@ -296,25 +284,18 @@ class Identification(Result):
 
         Parameters
         ----------
-        directory : str or Path
-            Made if needed, with its parents.
-        overwrite : bool
-            Replace an earlier result directory.
-        figures : bool
-            Draw the figures too.
-        forecast : Forecast, optional
-            Samples of the posterior and bands at other temperatures.
+        directory : made if needed, with its parents.
+        overwrite : replace an earlier result directory.
+        figures : draw the figures too.
+        forecast : samples of the posterior and bands at other temperatures.
 
         Returns
         -------
-        Path
-            The directory.
+        Path : the directory.
 
         Raises
         ------
-        OutputError
-            The directory exists and `overwrite` is False, or it cannot be written; nothing is
-            left.
+        OutputError : the directory exists and `overwrite` is False, or it cannot be written.
         """
         found = self if forecast is None else replace(self, forecast=forecast)
         return Result.save(found, directory, overwrite=overwrite, figures=figures)

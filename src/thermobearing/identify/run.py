@@ -67,41 +67,26 @@ def identify_bearing(
 
     Parameters
     ----------
-    records : TestRecord, str, Path or a sequence of them
-        Tests of `load_test` or `record_from_arrays`, or their files.
-    bearing : Bearing, str or Path
-        Geometry and materials, and the values of what is not free.
-    free : sequence of str, optional
-        Keys or symbols ("K_r"), ties as "n_T = 2.4 * m_T"; by default what these tests can
+    records : one or more tests of `load_test` or `record_from_arrays`, or their files.
+    bearing : geometry and materials, and the values of what is not free.
+    free : keys or symbols ("K_r"), ties as "n_T = 2.4 * m_T"; by default what these tests can
         determine.
-    bounds : dict, optional
-        Other bounds than the default ones, by key or symbol, in the unit of the parameter.
-    method : str
-        "least-squares" (bounded trust region from several starts), "krill-herd"
+    bounds : other bounds than the default ones, by key or symbol, in the unit of the parameter.
+    method : "least-squares" (bounded trust region from several starts), "krill-herd"
         (Gandomi & Alavi 2012) or "differential-evolution"; the last two end with least
         squares unless `polish` is False.
-    seed : int
-        Seed of all random numbers.
-    starts : int
-        Number of starting points of least squares, 1 to 100; the first comes from the loops.
-    loss : str
-        "linear", or a robust one of scipy: "soft_l1", "huber", "cauchy".
-    temperatures : bool
-        Fit the thermocouples too.
-    blind : bool
-        Start from the loops; False starts from the values of the bearing.
-    polish : bool
-        End with least squares.
-    evaluations : int
-        Budget of krill herd or differential evolution, 1 to a million.
-    assumed : mapping, optional
-        Relative standard uncertainty, 0 to 2, of values that are not identified, by dotted key or
-        symbol: {"materials.side_film": 0.1}; 0 is known exactly. Others keep the default ones.
-    accept_poor : bool
-        Accept a poor fit (R2 below 0.9, a parameter near its bound) as completed.
-    one_temperature : bool
-        Free m_T and n_T, if `free` has them, though the ambient temperatures of the tests differ
-        by less than 10 K; without it they are held, with a warning.
+    seed : of all random numbers.
+    starts : points that least squares starts from, 1 to 100; the first comes from the loops.
+    loss : "linear", or a robust one of scipy: "soft_l1", "huber", "cauchy".
+    temperatures : fit the thermocouples too.
+    blind : start from the loops; False starts from the values of the bearing.
+    polish : end with least squares.
+    evaluations : budget of krill herd or differential evolution, 1 to a million.
+    assumed : relative standard uncertainty, 0 to 2, of values that are not identified, by dotted
+        key or symbol: {"materials.side_film": 0.1}; 0 is known exactly. Others keep the default.
+    accept_poor : accept a poor fit (R2 below 0.9, a parameter near its bound) as completed.
+    one_temperature : free m_T and n_T, if `free` has them, though the ambient temperatures of the
+        tests differ by less than 10 K; without it they are held, with a warning.
 
     Returns
     -------
@@ -109,9 +94,8 @@ def identify_bearing(
 
     Raises
     ------
-    InputError
-        A test that cannot be used, with the reason; unknown names; a model that ends early in the
-        tests.
+    InputError : a test that cannot be used, with the reason; unknown names; a model that ends
+        early in the tests.
 
     Examples
     --------

@@ -59,27 +59,14 @@ COLDEST, HOTTEST = -80.0, 250.0  # thermocouples [degC]
 
 @dataclass
 class CheckReport:
-    """What was found in a record.
-
-    Attributes
-    ----------
-    record : TestRecord
-        The test that was checked.
-    cycles : list of Cycle
-        Full cycles, with their amplitude and number.
-    findings : list of Finding
-        In the order of the checks.
-    clipped : ndarray of bool
-        Samples at which the force was saturated; a fit leaves them out.
-    treatment : Treatment or None
-        Noise, rests, spikes and drift; None for what is no test at all.
-    """
+    """What was found in a record."""
 
     record: TestRecord
-    cycles: list[Cycle] = field(default_factory=list)
-    findings: list[Finding] = field(default_factory=list)
+    cycles: list[Cycle] = field(default_factory=list)  # full ones
+    findings: list[Finding] = field(default_factory=list)  # in the order of the checks
+    # Samples at which the force was saturated; a fit leaves them out.
     clipped: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
-    treatment: Treatment | None = None
+    treatment: Treatment | None = None  # None for what is no test at all
 
     @property
     def steady(self) -> TestRecord:
@@ -129,21 +116,17 @@ def check_test(
 
     Parameters
     ----------
-    record : TestRecord, str or Path
-        A test, or its file as in `load_test`.
-    bearing : Bearing, str or Path, optional
-        Plan area and rubber thickness, for the plausibility of strains and stresses: a Bearing, a
-        library name, or a TOML file.
+    record : a test, or its file as in `load_test`.
+    bearing : plan area and rubber thickness, for the plausibility of strains and stresses: a
+        Bearing, a library name, or a TOML file.
 
     Returns
     -------
-    CheckReport
-        It is returned whatever the record holds; see its `refusals`.
+    CheckReport : whatever the record holds; see its `refusals`.
 
     Raises
     ------
-    InputError
-        The file cannot be read; there is no such bearing.
+    InputError : the file cannot be read; there is no such bearing.
 
     Examples
     --------
