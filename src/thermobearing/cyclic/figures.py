@@ -241,7 +241,7 @@ class Figures(drawing.Figures):
         """
         self._require("loops")
         titles, count = self._run_titles(), len(self._ambient)
-        paths = [self._path(run) for run in range(count)]
+        paths = [self.path(run) for run in range(count)]
         if ax is not None:
             names = [label, *[""] * (count - 1)] if label else titles
             for path, name, colour in zip(paths, names, self._colours, strict=True):
@@ -266,7 +266,7 @@ class Figures(drawing.Figures):
         drawing.shade_untested(axes[:count], [(-end, end) for end in ends])
         return figure
 
-    def _path(self, run: int) -> tuple[Floats, Floats]:
+    def path(self, run: int) -> tuple[Floats, Floats]:
         """Return strain [%] and stress [MPa] where the bearing moves, thinned."""
         strain, stress = 100.0 * self._data["strain"].values, self._data["stress"].values
         spans = [max(float(np.nanmax(v) - np.nanmin(v)), 1e-9) for v in (strain, stress)]

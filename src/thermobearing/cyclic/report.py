@@ -32,7 +32,7 @@ from thermobearing.report.content import (
     input_table,
     limit_checks,
 )
-from thermobearing.report.figures import history, path, rounded
+from thermobearing.report.figures import rounded
 from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import (
     change,
@@ -50,8 +50,6 @@ from thermobearing.results.time_axis import duration
 Case = Mapping[str, Any]
 Step = Mapping[str, Any]
 MOST_STEPS = 40  # rows of the table of a test
-LOOP_POINTS = 2400  # of all cycles of a run
-WARM_POINTS = 1500  # of a temperature in time
 MOMENTS = 24  # places of the slider
 KJ = 1e-3
 CAPTIONS = {
@@ -363,30 +361,15 @@ def _runs(result: Result) -> list[tuple[int, str, str]]:
 
 
 def _loops_plot(result: Result) -> Plot:
-    time, traces, gap = TimeAxis(result), [], np.array([np.nan])
+    traces = []
     for run, name, colour in _runs(result):
-        rows = time.moving_rows(run)
-        most = max(LOOP_POINTS // max(len(rows), 1), 200)
-        strain, stress = 100.0 * result["strain"].values[run], result["stress"].values[run]
-        pieces = [path(strain[part], stress[part], most) for part in rows]
-        x, y = (
-            np.concatenate([np.empty(0), *(p for one in pieces for p in (one[k], gap))])
-            for k in (0, 1)
-        )
-        traces.append(Trace(name, x, y, colour))
+        x, y = result.plot.path(run)
+        traces.append(Trace(name, rounded(x), rounded(y), colour))
     end = 100.0 * min(result.tested_to(run, "strain") for run in range(len(traces)))
-    bands = untested(end, traces)
+    reach = max((float(np.nanmax(np.abs(trace.x))) for trace in traces if len(trace.x)), default=0)
+    sides = ((end, 1.05 * reach), (-1.05 * reach, -end)) if end < reach else ()
+    bands = [(*side, "not tested") for side in sides]
     return Plot("shear strain [%]", "shear stress [MPa]", {"all": traces}, bands=bands)
-
-
-def untested(end: float, traces: list[Trace]) -> list[tuple[float, float, str]]:
-    """Return the bands beyond the tested strain [%], as far as traces go."""
-    if not np.isfinite(end):
-        return []
-    reach = max(float(np.nanmax(np.abs(trace.x))) for trace in traces if len(trace.x))
-    if reach <= end:
-        return []
-    return [(end, 1.05 * reach, "not tested"), (-1.05 * reach, -end, "not tested")]
 
 
 def _temperature_plot(result: Result) -> Plot:
@@ -405,11 +388,11 @@ def _temperature_plot(result: Result) -> Plot:
         if result.has_lead:
             lead = result["lead_temperature"].values[run, :count]
             lines.append(("lead", lead, drawing.INK, "dashed"))
-        traces = []
-        for name, temperature, colour, look in lines:
-            x, y = time.trace(run, temperature)
-            traces.append(Trace(name, *history(x / time.unit, y, WARM_POINTS), colour, look))
-        choices[ambient] = traces
+        traces = [(name, time.trace(run, t), colour, look) for name, t, colour, look in lines]
+        choices[ambient] = [
+            Trace(name, rounded(x / time.unit), rounded(y), colour, look)
+            for name, (x, y), colour, look in traces
+        ]
     cut = ", long rests cut out" if time.shortened else ""
     return Plot(f"time{cut} [{time.unit_name}]", "temperature [°C]", choices)
 
