@@ -222,15 +222,15 @@ def _read_points(path: Path) -> TableSpectrum:
     if table is None:
         raise InputError("is empty")
     column = _find_column(table, "period", PERIOD)
-    if table.unit(column) not in SECONDS:
+    if table.units[column] not in SECONDS:
         raise InputError(f'column "{table.titles[column]}": periods are in s')
     periods = table.numbers(column)
     column = _find_column(table, "acceleration", ACCELERATION)
-    if not table.unit(column):
+    if not table.units[column]:
         raise InputError(
             f'column "{table.titles[column]}" has no unit; write "acceleration [gal]", or g, m/s2'
         )
-    values = table.numbers(column, acceleration_unit(table.unit(column)))
+    values = table.numbers(column, acceleration_unit(table.units[column]))
     if not (np.diff(periods) > 0.0).all():
         k = int(np.argmin(np.diff(periods) > 0.0))
         raise InputError(f"periods do not increase from {periods[k]:g} to {periods[k + 1]:g} s")

@@ -152,13 +152,15 @@ class Layout(NamedTuple):
 class Table(NamedTuple):
     """Rows of numbers of a sheet, with their line in the file, below their titles.
 
-    Each title occurs once: a second "force_kN" is "force_kN (2)". `units` come from a row of units,
-    "" where there is none. `parts` are the numbers of the rows that parts begin with: a title
-    repeated or a row with one word ends a part.
+    Each title occurs once: a second "force_kN" is "force_kN (2)". `names` are the titles without
+    their units; `units` come from the titles or a row of units, "" where neither states them.
+    `parts` are the numbers of the rows that parts begin with: a title repeated or a row with one
+    word ends a part.
     """
 
     sheet: Sheet
     titles: list[str]
+    names: list[str]
     units: list[str]
     rows: list[Row]
     parts: list[int]
@@ -166,10 +168,6 @@ class Table(NamedTuple):
     def cells(self, column: int) -> list[str]:
         """Return the text of the cells of a column."""
         return [row[column].strip() if column < len(row) else "" for _, row in self.rows]
-
-    def unit(self, column: int) -> str:
-        """Return the unit of a column from its title or the row of units, or ""."""
-        return name_and_unit(self.titles[column])[1] or self.units[column]
 
     def numbers(self, column: int, scale: float = 1.0, offset: float = 0.0) -> Floats:
         """Return a converted column; an error names the line of the first cell without a number."""
@@ -246,7 +244,10 @@ def make_table(sheet: Sheet, layout: Layout | None = None) -> Table | None:
             units = ["" if UNITLESS.fullmatch(unit := text.strip(" -")) else unit for text in bare]
             units += [""] * (len(titles) - len(units))
     kept, parts = _in_parts(body[skipped:], titles)
-    return Table(sheet, _once(titles), units, kept, parts)
+    titles = _once(titles)
+    pairs = [name_and_unit(title) for title in titles]
+    units = [own or below for (_, own), below in zip(pairs, units, strict=False)]
+    return Table(sheet, titles, [name for name, _ in pairs], units, kept, parts)
 
 
 def _looks_like_head(row: list[str]) -> bool:
@@ -446,13 +447,12 @@ def _found(
             raise InputError(f'no column "{title}"{nearest(title, table.titles)}')
         some = [table.titles.index(title)]
     else:
-        names = [name_and_unit(title)[0] for title in table.titles]
-        some = [n for n, one in enumerate(names) if is_called(one, name)]
-        some.sort(key=lambda n: plain_title(names[n]) != name)
+        some = [n for n, one in enumerate(table.names) if is_called(one, name)]
+        some.sort(key=lambda n: plain_title(table.names[n]) != name)
     for n in some:
         if name == "time" and table.rows and is_stamp(table.cells(n)[0]):
             return n, 1.0, 0.0
-    given = {n: layout.units.get(name) or table.unit(n) for n in some}
+    given = {n: layout.units.get(name) or table.units[n] for n in some}
     best = next((n for n, own in given.items() if own == unit), None)
     if best is not None:
         return best, 1.0, 0.0
@@ -472,8 +472,7 @@ def _found(
 
 def _stamps(table: Table, column: int) -> tuple[Floats, np.datetime64 | None, set[int]]:
     """Seconds of a column of stamps, their start, and the column of dates beside times of day."""
-    names = [name_and_unit(title)[0] for title in table.titles]
-    heads = {n: table.cells(n)[0] for n in range(len(names)) if n != column}
+    heads = {n: table.cells(n)[0] for n in range(len(table.titles)) if n != column}
     cells = table.cells(column)
     beside: list[int] = []
     if ":" not in cells[0]:  # a date: the time of day stands in the column beside it
@@ -481,7 +480,7 @@ def _stamps(table: Table, column: int) -> tuple[Floats, np.datetime64 | None, se
         pairs = [(cells, table.cells(n)) for n in beside]
     elif " " not in cells[0]:
         days = [n for n, head in heads.items() if is_stamp(head) and ":" not in head]
-        beside = [n for n in days if is_called(names[n], "time")][:1]
+        beside = [n for n in days if is_called(table.names[n], "time")][:1]
         pairs = [(table.cells(n), cells) for n in beside]
     else:
         pairs = []

@@ -18,7 +18,6 @@ from thermobearing.tables.columns import (
     is_called,
     list_columns,
     measured_in,
-    name_and_unit,
     plain_title,
     plain_unit,
     usable_table,
@@ -157,15 +156,13 @@ def _guessed_air(table: Table) -> dict[str, str]:
 
 def _examined(table: Table, number: int, layout: Layout) -> _Column:
     """A column with its numbers, and what speaks for each quantity."""
-    title = table.titles[number]
-    name, _ = name_and_unit(title)
-    unit = table.unit(number)
+    name, unit = table.names[number], table.units[number]
     cells = [row[number].strip() if number < len(row) else "" for _, row in table.rows[:SAMPLE]]
     held = [cell for cell in cells if cell]
     stamped = bool(held) and is_stamp(held[0])
     target = measured_in(unit) if unit else None
     values = None if stamped or not held else _numbers(table, cells)
-    column = _Column(number, title, name, unit, target, stamped, values, not held)
+    column = _Column(number, table.titles[number], name, unit, target, stamped, values, not held)
     for quantity, wanted in UNITS.items():
         called = bool(held) and is_called(name, quantity)  # by its title, whatever its cells hold
         if values is None and not called and not (stamped and quantity == "time"):
