@@ -1,0 +1,389 @@
+"""Matrices, damping and laboratories of structures by hand; dashpots typed from the print."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.linalg import eigh
+
+import thermobearing as tb
+from tests import tolerances as tol
+from tests.verification.structures import ground_of, real_bearing, shaken
+from tests.verification.test_structures import residual
+from thermobearing.border.errors import InputError
+from thermobearing.border.schema import validated
+from thermobearing.core.records import Floats
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.result import LARGEST_DAMPING_SHARE
+from thermobearing.structure.matrices import (
+    bare_modes,
+    build_matrices,
+    displacement_row,
+    find_modes,
+    hinge_stiffness,
+    line_parts,
+    line_stiffness,
+    mode_damping,
+    own_parts,
+    weighed_ratios,
+)
+from thermobearing.structure.model import Damping, DampingKind, Structure, load_structure
+from thermobearing.structure.run import Prepared, prepare_structure
+
+PIER = load_structure("pier-p1")
+OWN: tuple[DampingKind, ...] = ("modal", "rayleigh", "element", "none")
+
+
+def test_rows_of_pier_p1() -> None:
+    """Deck x, footing x and rotation, pier rotation; heights from the pier's base, in mm."""
+    matrices = build_matrices(PIER)
+    assert matrices.coordinates == ["deck x", "footing x", "footing rotation", "pier rotation"]
+    # Stretch x1 - x3 - theta3 l3 - theta2 (l1 + l2), Eq. 6.4.
+    assert_allclose(matrices.line_rows, [[1.0, -1.0, -2000.0, -10000.0]])
+    assert_allclose(matrices.hinge_rows, [[0.0, 0.0, -1.0, 1.0]])
+    assert_allclose(displacement_row(PIER, "pier", 8900.0), [0.0, 1.0, 2000.0, 8900.0])
+    assert_allclose(displacement_row(PIER, "footing", -1000.0), [0.0, 1.0, 1000.0, 0.0])
+    assert_allclose(displacement_row(PIER, "deck", 10000.0), [1.0, 0.0, 0.0, 0.0])
+    assert_allclose(displacement_row(PIER, "ground", 5.0), np.zeros(4))
+
+
+def test_stiffnesses_of_pier_p1() -> None:
+    """Five bearings of 2.6153 kN/mm; 34 839 kN m at 0.309 % of a radian."""
+    matrices = build_matrices(PIER)
+    assert PIER.hinges[0].stiffness == pytest.approx(34839e3 / 0.00309)
+    lines = line_stiffness(PIER, matrices)
+    assert_allclose(lines, 5 * 2.6153 * np.outer(matrices.line_rows[0], matrices.line_rows[0]))
+    each = line_stiffness(PIER, matrices, np.array([4.0]))
+    assert_allclose(each[0, 0], 20.0)
+    hinge = hinge_stiffness(PIER, matrices)
+    assert_allclose(hinge[2:, 2:], PIER.hinges[0].stiffness * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+    assert_allclose(matrices.springs[1, 1], 1397.0)
+    assert_allclose(matrices.springs[2, 2], 1.725e9)  # kN mm/rad
+    # The ground pushes every mass: all of it sideways.
+    mass = 400.0 + 140.0 + 206.3 + 227.5
+    assert_allclose(matrices.load[:2].sum(), -1e-3 * mass)
+
+
+def test_periods_are_those_of_the_frequencies() -> None:
+    modes = find_modes(np.diag([2.0, 0.5]), np.diag([8.0, 50.0]))
+    assert_allclose(modes.frequencies, [2.0, 10.0])
+    assert_allclose(modes.periods, [np.pi, 0.2 * np.pi])
+
+
+def two_springs() -> Structure:
+    """A deck on a bearing line; a pier on two springs of unlike damping."""
+    mass = "1 kN s^2/mm"
+    table: dict[str, Any] = {
+        "name": "two springs",
+        "bodies": [{"name": "deck", "moves": True}, {"name": "pier", "moves": True}],
+        "masses": [{"body": name, "height": "0 m", "mass": mass} for name in ("deck", "pier")],
+        "springs": [
+            {"name": "a", "body": "pier", "stiffness": "100 kN/mm", "damping_ratio": 0.02},
+            {"name": "b", "body": "pier", "stiffness": "300 kN/mm", "damping_ratio": 0.10},
+        ],
+        "bearings": [
+            {"name": "line", "body": "deck", "base": "pier", "count": 4,
+             "equivalent_stiffness": "0.5 kN/mm", "damping_ratio": 0.2}
+        ],
+        "report": {"deck": "deck", "pier": "pier", "pier_top": "0 m"},
+    }  # fmt: skip
+    return validated(Structure, table, "two springs")
+
+
+def test_damping_ratios_are_weighed_with_strain_energy() -> None:
+    """Nearly all energy of the first mode is in the bearings, of the second in the springs."""
+    structure = two_springs()
+    prepared = prepare_structure(structure)
+    stiffness = np.array([[2.0, -2.0], [-2.0, 402.0]])
+    values, shapes = np.linalg.eigh(stiffness)  # unit masses
+    assert_allclose(prepared.modes.frequencies, np.sqrt(values))
+    wanted = []
+    for shape in shapes.T:
+        bearing = 2.0 * (shape[0] - shape[1]) ** 2
+        springs = np.array([100.0, 300.0]) * shape[1] ** 2
+        total = bearing + springs.sum()
+        wanted.append((0.2 * bearing + 0.02 * springs[0] + 0.10 * springs[1]) / total)
+    matrices = build_matrices(structure)
+    parts = [*own_parts(structure, matrices), *line_parts(structure, matrices)]
+    assert_allclose(weighed_ratios(parts, prepared.modes), wanted)
+    assert_allclose(wanted, [0.2, 0.08], atol=0.002)
+
+
+def motion_file(folder: Path, values: np.ndarray, dt: float = 0.005) -> str:
+    path = folder / "motion.csv"
+    rows = np.column_stack([dt * np.arange(len(values)), values])
+    np.savetxt(path, rows, fmt="%.6f", delimiter=",", header="t_s,acc_gal", comments="")
+    return str(path)
+
+
+def test_ground_that_starts_at_once_leaves_everything_where_it_is(tmp_path: Path) -> None:
+    """At the first instant nothing has moved: what the deck feels is no acceleration at all."""
+    path = motion_file(tmp_path, np.full(20, 300.0))
+    for name in ("pier-p1", "hybrid-pier"):
+        bearing = "shen-bilinear-bridge"
+        study = tb.bridge(bearing, path, 23.0, structure=name, keep=tb.Keep(every=1))
+        assert study.outcome == "completed"
+        deck = study["deck_acceleration"].values[0]
+        assert abs(deck[0]) < 1e-6  # m/s2, of 3
+        assert_allclose(study["ground_acceleration"].values[0], 3.0, rtol=1e-6)
+
+
+@pytest.mark.parametrize("steps", [0.0, 0.5, 1.25, 2.0])
+def test_actuator_is_where_it_was_told_to_be_a_delay_ago(steps: float, tmp_path: Path) -> None:
+    """The specimen of 1/6 follows deck less pier, late by a part of a step or by more."""
+    dt, count = 0.005, 160
+    time = dt * np.arange(count)
+    path = motion_file(tmp_path, 300.0 * np.sin(2.0 * np.pi * 1.5 * time))
+    lab = {"delay": f"{1e3 * steps * dt} ms"}
+    study = tb.hybrid("shen-hdr-specimen", path, 23.0, laboratory=lab, keep=tb.Keep(every=1))
+    assert study.outcome == "completed"
+    told = (study["deck_displacement"] - study["pier_top_displacement"]).values[0] / 6.0
+    late = np.interp(study["time"].values[0] - steps * dt, study["time"].values[0], told)
+    found = study["bearing_displacement"].values[0]
+    assert np.abs(found).max() > 2.0
+    # What was told is the prediction of a step, before it was corrected.
+    assert np.abs(found - late).max() < tol.DELAYED * np.abs(found).max()
+
+
+def prepared_with(structure: Structure, **damping: Any) -> Prepared:
+    return prepare_structure(structure.model_copy(update={"damping": Damping(**damping)}))
+
+
+def without_ratio(structure: Structure) -> Structure:
+    """Bearings with 0 %, as in Table 6.2; with more, "element" has c_1 (test_dashpots.py)."""
+    lines = [line.model_copy(update={"damping_ratio": 0.0}) for line in structure.bearings]
+    return structure.model_copy(update={"bearings": lines})
+
+
+def bare_ratios(prepared: Prepared) -> np.ndarray:
+    """Ratios of the modes without the bearings."""
+    modes = bare_modes(prepared.structure, prepared.matrices)
+    return mode_damping(prepared.damping, modes)
+
+
+@pytest.mark.parametrize("kind", OWN)
+@pytest.mark.parametrize("mass", ["consistent", "published"])
+def test_nothing_damps_the_deck(kind: DampingKind, mass: Any) -> None:
+    """No dashpot from the deck to the ground, none across the bearings."""
+    damping = prepare_structure(PIER, mass, kind).damping
+    assert np.abs(damping[0]).max() <= 1e-9 * np.abs(damping).max()
+    assert_allclose(damping, damping.T, atol=1e-12 * np.abs(damping).max())
+
+
+def test_the_source_damps_the_deck() -> None:
+    """Section 6.2.3: modes 1 and 2 get their ratios; modes 3 and 4 what comes of it."""
+    prepared = prepare_structure(PIER, "consistent", "source")
+    assert prepared.damping[0, 0] > 0.0
+    assert_allclose(prepared.ratios, [0.0609, 0.0333, 0.332, 0.610], rtol=2e-3)
+    given = prepared_with(two_springs(), kind="source", ratios=(0.03, 0.07))
+    assert_allclose(given.ratios, [0.03, 0.07], rtol=1e-9)
+    assert given.damping[0, 1] == 0.0
+
+
+def test_modal_ratios_are_those_of_the_parts() -> None:
+    """Of a pier on two springs: (0.02 100 + 0.10 300)/400 in its one mode."""
+    assert_allclose(bare_ratios(prepared_with(two_springs(), kind="modal")), [0.08])
+    assert_allclose(bare_ratios(prepared_with(two_springs(), kind="modal", ratios=(0.03,))), [0.03])
+    given = prepared_with(PIER, kind="modal", ratios=(0.01, 0.02, 0.03))
+    assert_allclose(bare_ratios(given), [0.01, 0.02, 0.03], rtol=1e-9)
+
+
+def test_rayleigh_goes_through_the_chosen_modes() -> None:
+    """a/(2 omega) + b omega/2; through one mode it is b K' alone."""
+    own = bare_ratios(prepare_structure(PIER))
+    w = bare_modes(PIER, prepare_structure(PIER).matrices).frequencies
+    for first, second in ((0, 1), (0, 2)):
+        found = bare_ratios(prepared_with(PIER, kind="rayleigh", modes=(first + 1, second + 1)))
+        assert_allclose(found[[first, second]], own[[first, second]], rtol=1e-9)
+        rates = 2.0 * own * w
+        b = (rates[second] - rates[first]) / (w[second] ** 2 - w[first] ** 2)
+        a = rates[first] - b * w[first] ** 2
+        assert_allclose(found, 0.5 * (a / w + b * w), rtol=1e-9)
+    alone = prepared_with(two_springs(), kind="rayleigh", modes=(1,), ratios=(0.05,))
+    assert_allclose(alone.damping, np.diag([0.0, 2.0 * 0.05 / 20.0 * 400.0]), atol=1e-12)
+
+
+def test_dashpots_beside_the_parts() -> None:
+    """c = 2 xi k/omega, omega that of the pier alone: 20/s."""
+    damping = prepared_with(without_ratio(two_springs()), kind="element").damping
+    assert_allclose(damping, np.diag([0.0, 0.1 * (0.02 * 100.0 + 0.10 * 300.0)]), atol=1e-12)
+    pier = prepare_structure(PIER, "consistent", "element")
+    w = bare_modes(PIER, pier.matrices).frequencies
+    k = pier.structure.hinges[0].stiffness
+    # Pier rotation: c_2 of Eq. 6.5, in the fastest mode; nothing else turns with it.
+    assert_allclose(pier.damping[3, 3], 2.0 * 0.02 / w[2] * k, rtol=1e-9)
+    assert_allclose(pier.damping[2, 3], -2.0 * 0.02 / w[2] * k, rtol=1e-9)
+    # c_3: rocking in the slowest mode, sideways in the second.
+    assert_allclose(pier.damping[1, 1], 2.0 * 0.10 / w[1] * 1397.0, rtol=1e-9)
+
+
+def test_a_structure_on_nothing_but_bearings_has_no_viscous_damping() -> None:
+    structure = without_ratio(two_springs())
+    line = structure.bearings[0].model_copy(update={"base": "ground"})
+    second = line.model_copy(update={"name": "second", "body": "pier"})
+    floating = structure.model_copy(update={"springs": (), "bearings": [line, second]})
+    for kind in OWN:
+        assert not prepare_structure(floating, "consistent", kind).damping.any()
+
+
+@pytest.mark.parametrize(
+    ("damping", "words"),
+    [
+        ({"ratios": (0.02, 0.05)}, ["ratios", "kind"]),
+        ({"kind": "element", "ratios": (0.02,)}, ["ratios", "element"]),
+        ({"kind": "none", "modes": (1,)}, ["modes", "rayleigh"]),
+        ({"kind": "rayleigh", "modes": (2, 2)}, ["modes", "twice"]),
+        ({"kind": "rayleigh", "modes": (0,)}, ["modes", "at least 1"]),
+        ({"kind": "rayleigh", "modes": (1, 9)}, ["no mode 9", "has 3"]),
+        ({"kind": "rayleigh", "ratios": (0.1,)}, ["1 numbers for 2"]),
+        ({"kind": "rayleigh", "ratios": (0.3, 0.0)}, ["feeds energy", "modal"]),
+        ({"kind": "source", "ratios": (0.3, 0.0)}, ["feeds energy", "modal"]),
+        ({"kind": "source", "ratios": (0.3,)}, ["two"]),
+        ({"kind": "modal", "ratios": (0.1, 0.1)}, ["2 numbers", "3 mode"]),
+        ({"kind": "modal", "ratios": (1.5,)}, ["less than 1"]),
+        ({"kind": "modl"}, ["modal", "element"]),
+    ],
+)
+def test_what_is_refused(damping: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(InputError) as told:
+        prepared_with(PIER, **damping)
+    for word in words:
+        assert word in str(told.value)
+
+
+@pytest.mark.parametrize("kind", [*OWN, "source"])
+def test_books_close_with_every_kind(kind: DampingKind) -> None:
+    ground = 2.0 * ground_of("jra-ii-i-1", 0.005, 10.0)
+    constants = real_bearing("shen-lhdr-bridge")
+    _, history = shaken("pier-p1", constants, ground, 0.005, damping=kind)
+    assert history.outcome == "completed"
+    assert residual(history) < tol.STRUCTURE_BOOKS
+    assert (history.rows.books[-1].damping > 0.0) == (kind != "none")
+
+
+def test_the_option_goes_before_the_structure() -> None:
+    """By keyword and in the case; what the structure says holds where nothing else is said."""
+    table = {"command": "bridge", "structure": "pier-p1", "motions": ["jra-ii-i-1"]}
+    assert make_earthquake_case(table, "test").analysis.damping is None
+    case = make_earthquake_case(table | {"analysis": {"damping": "element"}}, "test")
+    assert case.analysis.damping == "element"
+    with pytest.raises(InputError, match="damping"):
+        make_earthquake_case(table, "test", damping="rayligh")
+    kept = prepare_structure(load_structure("hybrid-pier"), "consistent", "source")
+    assert_allclose(kept.ratios, [0.05, 0.05], rtol=1e-9)
+
+
+def test_results_say_how_much_is_damped() -> None:
+    """Share of the input, ratios, kind, and a warning where the share is large."""
+    shares = {}
+    for kind in ("none", "source"):
+        result = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", -20, duration=8, damping=kind)
+        told, energy = result.summary(), result.energy.iloc[0]
+        share = energy["damping_kN_mm"] / energy["input_kN_mm"]
+        assert told["damping"] == kind
+        assert len(told["damping_ratios"]) == 4
+        assert math.isclose(told["runs"][0]["damping_of_input"], share)
+        shares[kind] = share
+        damped = [text for text in told["warnings"] if "damping" in text]
+        assert bool(damped) == (share > LARGEST_DAMPING_SHARE)
+        assert told["warnings"] == result.warnings
+    assert shares["none"] == 0.0
+    assert shares["source"] > LARGEST_DAMPING_SHARE
+    assert "source" in damped[0]
+    assert "1 of 1 runs" in damped[0]
+
+
+# Table 6.2 in kN, mm, s; coordinates in the order of the print: x_1, theta_2, x_3, theta_3.
+L12, L3 = 10e3, 2e3
+K_PIER, K_SIDE, K_ROCK = 34839e3 / 0.309e-2, 1397.0, 1.725e9
+XI_PIER, XI_GROUND = 0.02, 0.10
+PRINTED = ["deck x", "pier rotation", "footing x", "footing rotation"]
+
+
+def printed(c1: float, c2: float, c3: tuple[float, float], *, signs: int) -> Floats:
+    """Coefficients of the velocities, row by row; one letter c_3 stands for two ground springs.
+
+    `signs` is +1 for the c_1 terms of Eq. 6.5-6.7 as printed, -1 for those that balance Eq. 6.4.
+    """
+    stretch = np.array([1.0, -L12, -1.0, -L3])  # x1' - x3' - theta3' l3 - theta2' (l1 + l2)
+    between = np.array([0.0, 1.0, 0.0, -1.0])  # theta2' - theta3'
+    return np.array(
+        [
+            c1 * stretch,  # 6.4
+            signs * c1 * L12 * stretch + c2 * between,  # 6.5
+            signs * c1 * stretch + c3[0] * np.array([0.0, 0.0, 1.0, 0.0]),  # 6.6
+            signs * c1 * L3 * stretch - c2 * between + c3[1] * np.array([0.0, 0.0, 0.0, 1.0]),
+        ]
+    )
+
+
+def frequencies_without_bearings() -> Floats:
+    """Of theta_2, x_3, theta_3 with the masses of Table 6.2, and which part works in which mode."""
+    places = [(140.0, 8900.0, 2000.0), (206.3, 3750.0, 2000.0), (227.5, 0.0, 1000.0)]
+    mass = np.zeros((3, 3))
+    for tonnes, on_pier, on_footing in places:
+        row = np.array([on_pier, 1.0, on_footing])
+        mass += 1e-3 * tonnes * np.outer(row, row)
+    mass[2, 2] += 876.8e3  # t m2 = 1e3 kN s2 mm
+    stiffness = np.array(
+        [[K_PIER, 0.0, -K_PIER], [0.0, K_SIDE, 0.0], [-K_PIER, 0.0, K_PIER + K_ROCK]]
+    )
+    return np.asarray(np.sqrt(eigh(stiffness, mass, eigvals_only=True)))
+
+
+def in_the_order_of_the_print(structure: Structure) -> Floats:
+    prepared = prepare_structure(structure, "consistent", "element")
+    order = [prepared.matrices.coordinates.index(name) for name in PRINTED]
+    return prepared.damping[np.ix_(order, order)]
+
+
+def dashpots() -> tuple[float, tuple[float, float]]:
+    """c = 2 xi k/omega: rocking is mode 1, sideways mode 2, the pier mode 3."""
+    rocking, sideways, pier = frequencies_without_bearings()
+    c2 = 2.0 * XI_PIER * K_PIER / pier
+    return c2, (2.0 * XI_GROUND * K_SIDE / sideways, 2.0 * XI_GROUND * K_ROCK / rocking)
+
+
+@pytest.mark.parametrize("signs", [1, -1])
+def test_the_matrix_is_the_printed_one(signs: int) -> None:
+    """With the 0 % of Table 6.2 for the bearings it does not matter how c_1 is signed."""
+    c2, c3 = dashpots()
+    expected = printed(0.0, c2, c3, signs=signs)
+    found = in_the_order_of_the_print(PIER)
+    assert_allclose(found, expected, rtol=tol.LOOP, atol=tol.ROUNDING * np.abs(expected).max())
+
+
+def test_bearings_with_a_ratio_have_c_1() -> None:
+    """In the mode of the whole structure in which they store most, signed so that it damps."""
+    line = PIER.bearings[0].model_copy(update={"damping_ratio": 0.03})
+    structure = PIER.model_copy(update={"bearings": [line]})
+    second = 2.0 * np.pi / prepare_structure(PIER).modes.periods[1]  # in mode 1 the ground rocks
+    c1 = 2.0 * 0.03 * 5 * 2.6153 / second
+    c2, c3 = dashpots()
+    expected = printed(c1, c2, c3, signs=-1)
+    found = in_the_order_of_the_print(structure)
+    assert_allclose(found, expected, rtol=tol.LOOP, atol=tol.ROUNDING * np.abs(expected).max())
+    # As printed, Eq. 6.5-6.7 would push the pier with the force that holds the deck.
+    scale = np.diag([1.0, 1.0 / L12, 1.0, 1.0 / L3])
+    as_printed = scale @ printed(c1, 0.0, (0.0, 0.0), signs=1) @ scale
+    assert np.linalg.eigvalsh(as_printed + as_printed.T)[0] < -c1
+
+
+def test_bearings_alone_have_dashpots_too() -> None:
+    """A structure on nothing but bearings: c = 2 xi k/omega of each line."""
+    line = PIER.bearings[0].model_copy(update={"base": "ground", "damping_ratio": 0.05})
+    deck = [body for body in PIER.bodies if body.name == "deck"]
+    masses = [item for item in PIER.masses if item.body == "deck"]
+    alone = PIER.model_copy(
+        update={
+            **{"bodies": deck, "masses": masses, "bearings": [line]},
+            **{"springs": (), "hinges": (), "report": None},
+        }
+    )
+    k = 5 * 2.6153
+    omega = np.sqrt(k / 0.4)
+    damping = prepare_structure(alone, "consistent", "element").damping
+    assert_allclose(damping, [[2.0 * 0.05 * k / omega]], rtol=tol.LOOP)
