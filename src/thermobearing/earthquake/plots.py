@@ -7,10 +7,10 @@ import numpy as np
 
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.summary_figures import RunPanels
 from thermobearing.report.figures import POINTS, history, path, rounded
 from thermobearing.report.pieces import Plot, Trace
 from thermobearing.report.words import degrees
-from thermobearing.results import drawing
 
 ALL_POINTS = 40_000  # of the traces of one plot together
 MOST_CHOICES = 40  # entries of a menu
@@ -40,33 +40,23 @@ def interactive_plots(result: EarthquakeResult) -> dict[str, Plot]:
     return {name: plot for name, plot in found.items() if plot is not None}
 
 
-class _Panels:
-    """Runs of each menu entry (a bearing and a motion, at all temperatures), and their looks."""
+class _Panels(RunPanels):
+    """Runs of each menu entry: a bearing and a motion, at all temperatures."""
 
     def __init__(self, result: EarthquakeResult) -> None:
-        self.result, self.data, table = result, result.dataset, result.table
-        several = table["bearing"].nunique() > 1
+        super().__init__(result)
+        several = len(self._bearings) > 1
         self.groups: dict[str, list[int]] = {}
-        for run, row in enumerate(table.to_dict("records")):
+        for run, row in enumerate(self._table.to_dict("records")):
             name = f"{row['bearing']}, {row['motion']}" if several else str(row["motion"])
             if name in self.groups or len(self.groups) < MOST_CHOICES:
                 self.groups.setdefault(name, []).append(run)
-        ambients = sorted(set(table["ambient_degC"]))
-        colours = drawing.ambient_colours(np.array(ambients, dtype=float))
-        looks = dict(zip(ambients, colours, strict=True))
-        self.colours = [looks[value] for value in table["ambient_degC"]]
-        self.both = len(set(result.modes)) > 1
         self.points = int(np.clip(ALL_POINTS // max(result.runs, 1), 120, POINTS))
 
     def _label(self, run: int) -> str:
         """Return the temperature of a run, and its mode where there are several."""
-        air = degrees([float(self.data["ambient"].values[run])])
-        return f"{air}, {self.result.modes[run]}" if self.both else air
-
-    def _values(self, name: str, run: int) -> Floats:
-        """Return a history of a run as far as it goes."""
-        kept = np.isfinite(self.data["time"].values[run])
-        return np.asarray(self.data[name].values[run][kept], dtype=float)
+        air = degrees([float(self._table["ambient_degC"][run])])
+        return f"{air}, {self._result.modes[run]}" if len(self._run_modes) > 1 else air
 
     def _choices(self, make: Callable[[int], list[Trace]]) -> Choices:
         """Return the traces of every run that has any, by menu entry."""
@@ -78,8 +68,8 @@ class _Panels:
 
     def _trace(self, run: int, xy: tuple[Floats, Floats]) -> Trace:
         """Return a line of a run; that of a pseudo-dynamic test is dashed."""
-        slow = self.both and self.result.modes[run] == "pd"
-        return Trace(self._label(run), *xy, self.colours[run], "dashed" if slow else "line")
+        look = "dashed" if self._line(run) == "--" else "line"
+        return Trace(self._label(run), *xy, self._colour(run), look)
 
     def _plane(self, x: str, y: str, factor: float, titles: tuple[str, str]) -> Plot | None:
         """Return paths in the plane of two histories."""
@@ -113,7 +103,7 @@ class _Panels:
         Bearings are tested to different strains: one band for all entries would be wrong.
         """
         for name, traces in choices.items():
-            end = 100.0 * self.result.tested_to(self.groups[name], "strain")
+            end = 100.0 * self._result.tested_to(self.groups[name], "strain")
             if not np.isfinite(end):
                 continue
             across = [trace.y if along == "x" else trace.x for trace in traces]
@@ -127,12 +117,12 @@ class _Panels:
         """Return the innermost rubber layer (full) and the lead (dashed) of every run."""
 
         def _make(run: int) -> list[Trace]:
-            places, time = self.result.places(run), self._values("time", run)
+            places, time = self._result.places(run), self._values("time", run)
             return [
                 Trace(
                     f"{what}, {self._label(run)}",
                     *history(time, places[place], self.points // 2),
-                    self.colours[run],
+                    self._colour(run),
                     look,
                 )
                 for what, place, look in PLACES
@@ -144,21 +134,21 @@ class _Panels:
 
     def _profiles(self) -> Plot | None:
         """Return temperatures through the height, moved through the motion by a slider."""
-        if "temperature" not in self.data:
+        if "temperature" not in self._data:
             return None
-        moments = np.linspace(0.0, float(np.nanmax(self.data["time"].values)), MOMENTS)
+        moments = np.linspace(0.0, float(np.nanmax(self._data["time"].values)), MOMENTS)
 
         def _make(run: int) -> list[Trace]:
-            depth = self.data["depth"].values[run]
+            depth = self._data["depth"].values[run]
             own = np.isfinite(depth)
             if not own.any():
                 return []
             time = self._values("time", run)
             at = np.searchsorted(time, moments).clip(0, len(time) - 1)
-            frames = rounded(self.data["temperature"].values[run][at][:, own])
+            frames = rounded(self._data["temperature"].values[run][at][:, own])
             level = -rounded(depth[own])
             y = np.tile(level, (len(moments), 1))
-            look = (self.colours[run], "line with points")
+            look = (self._colour(run), "line with points")
             return [Trace(self._label(run), frames[0], level, *look, y, frames)]
 
         choices = self._choices(_make)

@@ -46,7 +46,7 @@ DAMPING = {
     "modal": "a ratio for each mode of the structure without its bearings",
     "rayleigh": "Rayleigh, of the structure without its bearings",
     "element": "a dashpot beside every spring and hinge",
-    "source": "Rayleigh as in the source, of the structure on its bearings",
+    "source": "Rayleigh as in Shen (2023), of the structure on its bearings",
 }
 
 
@@ -62,10 +62,10 @@ def input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
     if case.get("lines"):
         found["lines"] = _lines_table(case)
     air = {key: case[key] for key in ("ambient", "weather", "duration") if key in case}
-    found["air"] = input_table("Air and duration", air, otherwise="as asked for")
+    found["air"] = input_table("Ambient temperature and duration", air, otherwise="input")
     if "laboratory" in case:
         lab = {"laboratory": case["laboratory"]}
-        found["laboratory"] = input_table("Laboratory", lab, otherwise="as asked for, or default")
+        found["laboratory"] = input_table("Laboratory", lab, otherwise="input, or default")
     if "rig" in case:
         found["rig"] = rig_table(case["rig"], sources.get(case["rig"].get("name")))
     usual: dict[str, Any] = {}
@@ -80,7 +80,7 @@ def input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
 
 
 def _list_all_bearings(case: Case) -> list[Mapping[str, Any]]:
-    """Bearings of the study and those that lines have of their own, each once."""
+    """Return the bearings of the analysis and those of lines of their own, each once."""
     found = {str(one["name"]): one for one in case["bearings"]}
     for line in case.get("lines", []):
         if isinstance(line.get("bearing"), Mapping):
@@ -95,24 +95,19 @@ def given_motions_table(
     rows: list[dict[str, Any]] = []
     for one in motions:
         name = str(one.get("label") or Path(str(one["name"])).stem)
-        row = {"motion": name, "factor": float(one.get("factor", 1.0))}
+        row = {"motion": name, "motion_factor": float(one.get("factor", 1.0))}
         if result is not None:
             names = [str(label) for label in result["motion"].values]
             if name not in names:  # interrupted before it
                 continue
             run = names.index(name)
-            row["length"] = float(np.nanmax(result["time"].values[run]))
-            row["peak"] = float(np.nanmax(np.abs(result["ground_acceleration"].values[run])))
+            row["motion_length_s"] = float(np.nanmax(result["time"].values[run]))
+            row["motion_peak_m_s2"] = float(
+                np.nanmax(np.abs(result["ground_acceleration"].values[run]))
+            )
         rows.append(row | {"source": _motion_source(one)})
-    columns: list[str | Quantity] = [
-        "motion",
-        Quantity("Factor", "", "g", "factor"),
-        Quantity("Length", "s", ".1f", "length"),
-        Quantity("Peak ground acceleration", "m/s²", ".2f", "peak"),
-        Quantity("Source", name="source"),
-    ]
-    note = "" if result is None else "Lengths and peaks of what was run, after factor and cut."
-    return make_table(pd.DataFrame(rows), columns, "Ground motions", note=note)
+    note = "" if result is None else "Lengths and peaks as run, after factor and cut."
+    return make_table(pd.DataFrame(rows), None, "Ground motions", note=note)
 
 
 def _motion_source(motion: Mapping[str, Any]) -> str:
@@ -131,8 +126,8 @@ def _lines_table(case: Case) -> Table:
     rows = []
     for line in case["lines"]:
         bearing = line.get("bearing")
-        name = str(bearing["name"]) if bearing else "that of the study"
-        air = line.get("weather") or "that of the study"
+        name = str(bearing["name"]) if bearing else "as of the analysis"
+        air = line.get("weather") or "as of the analysis"
         air = quantity(line["ambient"]) if "ambient" in line else Path(air).name
         rows.append((str(line["line"]), name, air))
     columns = [Quantity("Line"), Quantity("Bearing"), Quantity("Ambient temperature")]
@@ -276,7 +271,7 @@ def _early_words(result: EarthquakeResult) -> list[str]:
     ]
 
 
-def _largest(result: EarthquakeResult, column: str, part: str) -> tuple[float, str]:
+def _largest(result: EarthquakeResult, column: str, part: str = "") -> tuple[float, str]:
     """Return the largest value of a column, and its run and line or pier in words."""
     table = result.table
     if not table[column].notna().any():
@@ -463,9 +458,6 @@ def _largest_drawn(result: EarthquakeResult, name: str) -> str:
     view, (column, words) = result.dataset, LARGEST[name]
     for part in ("line", "pier") if result.has_parts else ():
         view = select_part(view, part, None)
-    values = EarthquakeResult(view).table[column]
-    if not values.notna().any():
-        return ""
-    run = result.run_names[int(np.nanargmax(values.to_numpy(dtype=float)))]
-    text = words.format(values.max()).replace("%", " %")
-    return f" {text[:1].upper()}{text[1:]} ({plain(run)})."
+    value, run = _largest(EarthquakeResult(view), column)
+    text = words.format(value).replace("%", " %")
+    return f" {text[:1].upper()}{text[1:]} ({run})." if run else ""
