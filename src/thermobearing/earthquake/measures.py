@@ -257,6 +257,8 @@ def pier_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
 
 def governing_peaks(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return those of `GOVERNING` that rows of lines or piers of one run hold."""
+    if len(rows) == 1:  # quickly, in studies of very many runs
+        return {name: rows[0][of] for name, of in GOVERNING.items() if of in rows[0]}
     return {
         name: float(farthest([row[of] for row in rows]))
         for name, of in GOVERNING.items()
@@ -268,23 +270,27 @@ def drift(task: "Task", moved: Sequence[float]) -> float:
     """Return the largest displacement of a pier top over the height of its pier; NaN without."""
     piers = [pier for pier, _, _ in task.prepared.piers]
     each = [m / p.height if p.height > 0.0 else np.nan for p, m in zip(piers, moved, strict=True)]
-    return float(farthest(each))
+    return float(farthest(each)) if len(each) > 1 else each[0]
 
 
 def compute_measures(
-    task: "Task", history: StructureHistory, trace: Mapping[str, Floats]
+    task: "Task",
+    history: StructureHistory,
+    trace: Mapping[str, Floats],
+    peaks: tuple[list[dict[str, Any]], list[dict[str, Any]]] | None = None,
 ) -> dict[str, Any]:
     """Return `NUMBERS` of a run by name in the dataset: of the line or pier that goes farthest.
 
     Heat and the mismatch of layers are those of the line whose histories are kept; `trace` is
-    from `structure_traces` or `history_traces`.
+    from `structure_traces` or `history_traces`, `peaks` are those of lines and of piers where they
+    are known.
     """
     bearing, books = history.bearing(task.reported_line), history.rows.books
     found: dict[str, Any] = {
         f"{name}_max": largest(trace[name]) for name in ("deck_displacement", "deck_acceleration")
     }
-    found |= governing_peaks(line_peaks(task, history))
-    found |= governing_peaks(pier_peaks(task, history))
+    lines, piers = peaks or (line_peaks(task, history), pier_peaks(task, history))
+    found |= governing_peaks(lines) | governing_peaks(piers)
     found["outcome"] = history.outcome
     found["steps"] = history.steps
     found["iterations"] = history.iterations

@@ -42,7 +42,6 @@ def find_unit(column: str) -> str:
 
 
 def _title(column: str) -> str:
-    """Return words with the unit in brackets, for an axis."""
     unit = find_unit(column)
     return f"{column_words(column)} [{unit}]" if unit else column_words(column)
 
@@ -55,7 +54,6 @@ COLOUR = "#0077BB"
 def _draw_demand(
     found: pd.DataFrame, demand: str, across: str, by: Sequence[str], note: str, capacity: float
 ) -> Figure:
-    """Draw a panel for each combination of `by`, from `demand_against`; NaN is no capacity."""
     groups = found.groupby(list(by), sort=False, observed=True) if by else [((), found)]
     cells = [(label, rows) for label, rows in groups]
     columns = min(len(cells), MOST_COLUMNS)
@@ -82,7 +80,6 @@ def _draw_demand(
 
 
 def _draw(ax: Axes, rows: pd.DataFrame, across: str, capacity: float) -> None:
-    """Draw bands between fractiles, the median with its band, the mean."""
     x = rows[across].to_numpy(dtype=float)
     values = {
         name: rows[name].to_numpy(dtype=float)
@@ -123,7 +120,6 @@ MOST_MARKS, MARKS = 40, 15  # of intensities; more are drawn in classes
 
 
 def _level_colours(names: list[Any]) -> list[str]:
-    """Return colours from cold to warm where all names are numbers; else distinct ones."""
     if names and all(isinstance(name, int | float | np.number) for name in names):
         return drawing.ambient_colours(np.array(names, dtype=float))
     return [COLOURS[k % len(COLOURS)] for k in range(len(names))]
@@ -171,7 +167,6 @@ def draw_fragility(
 def _curve(
     ax: Axes, curve: Fragility | ClimateFragility, im: Any, colour: str, filled: bool
 ) -> None:
-    """Draw a curve with its band: an area, or its ends where many would overlap."""
     low, high = curve.band_at(im)
     if filled:
         ax.fill_between(im, low, high, color=colour, alpha=0.13, linewidth=0)
@@ -182,7 +177,6 @@ def _curve(
 
 
 def _marks(ax: Axes, curve: Fragility, colour: str, count: int) -> None:
-    """Draw the share of runs beyond at each intensity, or in each of some classes of them."""
     counts = curve.counts
     if len(counts) > MOST_MARKS:
         sums = counts.groupby(equal_classes(counts[curve.intensity].to_numpy(), MARKS))
@@ -199,7 +193,6 @@ MOST_CURVES = 400  # drawn; more are every so many of them
 
 
 def _draw_ida(ida: Ida, capacity: float) -> Figure:
-    """Draw intensity against demand; a cross where a curve collapses, NaN is no capacity."""
     title = f"incremental dynamic analysis, {column_words(ida.demand)}: {ida.sentence}"
     figure, (ax,) = drawing.panels(1, 1, (5.2, 4.2), title)
     every = -(-len(ida.curves) // MOST_CURVES)
@@ -225,7 +218,6 @@ def _draw_ida(ida: Ida, capacity: float) -> Figure:
 
 
 def _fractiles(ax: Axes, ida: Ida) -> None:
-    """Draw lines of the fractiles as far as all curves go, so that they do not jump."""
     table = ida.fractiles()
     table = table[table["curves"] == len(ida.curves)]
     for share, line in LOOKS.items():
@@ -272,7 +264,6 @@ def draw_rates(
 
 
 def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
-    """Draw points with bands; names across."""
     names = list(rates)
     numbers = [name for name in names if isinstance(name, int | float)]
     warm = dict(zip(numbers, _level_colours(numbers), strict=True)) if len(numbers) > 1 else {}
@@ -307,7 +298,6 @@ KINDS = {
 
 
 def _draw_variance(found: pd.DataFrame, demand: str) -> Figure:
-    """Draw bars with bands, the largest factor above."""
     kinds = [kind for kind in KINDS if kind in found]
     by = "total" if "total" in found else "share"
     rest = found["factor"] == "together and the rest"
@@ -381,7 +371,6 @@ class StudyFigures(drawing.Figures):
         return _draw_variance(self._result.variance(demand), demand)
 
     def _title(self, what: str, asked: Question) -> str:
-        """Return what is drawn, of which demand, of which bearing."""
         demand = asked.chosen_demand(self._result)
         limit = f"{asked.chosen_capacity(self._result):g} {find_unit(demand)}".strip()
         names = self._result.table["bearing"].unique()

@@ -193,7 +193,6 @@ class Asked(Strict):
 
 
 def _site_temperatures(weather: str) -> Hourly:
-    """Return hourly weather of a site, from a file or generated from a climate."""
     if weather in list_climates() or weather.endswith(".toml"):
         return generate_weather(weather)
     if not is_file(Path(weather)):
@@ -222,7 +221,6 @@ def make_asked(table: Mapping[str, Any], where: str, folder: Path = Path()) -> A
 
 
 def _of_file(path: Path) -> dict[str, Any]:
-    """Return the table of a hazard curve in a file, of whichever measure its columns are."""
     faults = []
     for measure, unit in INTENSITY_UNITS.items():
         try:

@@ -74,7 +74,6 @@ def build_pieces(result: Any) -> Pieces:
 
 
 def _question(result: StudyResult, asked: Question) -> str:
-    """Return the question of the document."""
     words = column_words(asked.chosen_demand(result))
     runs = (
         f"{counted(result.runs, 'run')} that differ in {joined(map(column_words, result.factors))}"
@@ -87,7 +86,6 @@ def _question(result: StudyResult, asked: Question) -> str:
 
 
 def _limit(result: StudyResult, asked: Question) -> str:
-    """Return the capacity with its unit."""
     return f"{asked.capacity:g} {find_unit(asked.chosen_demand(result))}".strip()
 
 
@@ -135,7 +133,6 @@ def _period(rate: Rate) -> str:
 
 
 def _temperature(name: Any) -> str:
-    """Return a temperature, or a class of them, in words."""
     return f"{number(float(name))} °C" if isinstance(name, int | float) else str(name)
 
 
@@ -166,7 +163,6 @@ def input_tables(result: StudyResult) -> dict[str, Table]:
 
 
 def _units(result: StudyResult) -> dict[str, str]:
-    """Return the unit of each factor; "" of one without."""
     labels = label_plan(result.study, result.factors)
     return {name: find_unit(name) or unit.removeprefix("1") for name, (unit, _) in labels.items()}
 
@@ -204,7 +200,6 @@ def worst_table(result: StudyResult, worst: pd.DataFrame) -> Table:
 
 
 def _curves(part: StudyResult, asked: Question, name: str) -> dict[str, Table]:
-    """Return the parameters of fragility curves of one bearing, and rates."""
     of, ending = (f", {name}", f"-{name}") if name else ("", "")
     rates: Mapping[Any, Rate] | None = None
     if asked.hazard is None:
@@ -246,7 +241,6 @@ def _curves(part: StudyResult, asked: Question, name: str) -> dict[str, Table]:
 
 
 def _head(words: str) -> str:
-    """Return words as the head of a column; symbols keep their small letters."""
     words = words.replace("_", " ")
     return f"{words[:1].upper()}{words[1:]}" if len(words.split(" ")[0]) > 1 else words
 
@@ -273,7 +267,6 @@ def _table(
 
 
 def _figures(result: StudyResult, asked: Question) -> dict[str, ReportFigure]:
-    """Return every figure of the study."""
     found = {}
     for name, draw in StudyFigures(result).draw_all(asked).items():
         kind, _, of = name.partition("-")

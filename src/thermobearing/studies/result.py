@@ -189,7 +189,6 @@ class StudyResult(Result):
         return not alone and bool(self.table.duplicated(list(self._curves())).any())
 
     def _curves(self) -> tuple[str, ...]:
-        """Return the columns that identify curves of single motions."""
         apart = [name for name in ("motion", "sample", *self.factors) if name in self.table]
         return tuple(dict.fromkeys(name for name in apart if name != "scale"))
 
@@ -227,7 +226,6 @@ class StudyResult(Result):
         }
 
     def _refuse_mixed(self, by: str = "") -> None:
-        """Raise InputError where a curve would mix bearings or structures."""
         mixed = [name for name in self.things if name != by]
         if mixed:
             names = ", ".join(map(str, self.table[mixed[0]].unique()))
@@ -425,7 +423,6 @@ class StudyResult(Result):
         }
 
     def _write(self, folder: Path) -> None:
-        """Write the study and its runs."""
         (folder / RESOLVED).write_text(self.study.to_toml(), encoding="utf-8")
         write_csv(folder / TABLE, self.table)
 

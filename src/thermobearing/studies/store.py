@@ -157,7 +157,6 @@ def write_table(table: pd.DataFrame, path: Path, *, overwrite: bool = False) -> 
 
 
 def _label(name: str) -> tuple[str, str]:
-    """Return unit and meaning of a column, from the register."""
     found = quantity(name).attributes
     return found["units"], found["long_name"]
 
@@ -181,7 +180,6 @@ LAYERS = "rubber_temperature"
 
 
 def _write_histories(path: Path, kept: Sequence[Kept]) -> None:
-    """Write histories of runs; `run` and `id` identify them, shorter ones end with NaN."""
     length = max((len(one.traces["time"]) for one in kept), default=0)
     layers = max((one.traces[LAYERS].shape[1] for one in kept), default=0)
     data: dict[str, tuple[tuple[str, ...], Any, dict[str, str]]] = {}
@@ -315,7 +313,6 @@ class Store:
                     path.unlink(missing_ok=True)
 
     def _notes(self, shard: int) -> dict[str, Any]:
-        """Return the notes of the file of a shard."""
         return {
             "shard": shard,
             "input": self.manifest["input"],
@@ -369,7 +366,6 @@ def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | 
 
 
 def _input_digest(study: Study, runs: pd.DataFrame) -> str:
-    """Return the digest of every run's input, of names, and of what is kept."""
     found = hashlib.sha256("\n".join(runs["id"]).encode())
     for name in THINGS:
         found.update("\n".join(map(str, runs[name].unique())).encode())
@@ -379,7 +375,6 @@ def _input_digest(study: Study, runs: pd.DataFrame) -> str:
 
 
 def _versions() -> dict[str, str]:
-    """Return those of this program, its kernels, Python and libraries that numbers depend on."""
     found = {
         "thermobearing": thermobearing.__version__,
         "kernels": kernels_digest(),
@@ -430,7 +425,6 @@ def _refuse_others(store: Store, study: Study, digest: str) -> None:
 
 
 def _changes(store: Store, study: Study) -> str:
-    """Describe what differs."""
     try:
         was = flat(tomllib.loads(read_bytes(store.directory / STUDY, LARGEST_FILE).decode()))
     except (InputError, ValueError):

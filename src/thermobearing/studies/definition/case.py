@@ -157,7 +157,6 @@ def _as_table(item: Any) -> Any:
 
 
 def _checked(model: type[M], table: Any, key: str, faults: list[str]) -> M | None:
-    """The record of a table; None with its faults told."""
     try:
         return validated(model, table, "")
     except InputError as error:
@@ -169,7 +168,6 @@ def _checked(model: type[M], table: Any, key: str, faults: list[str]) -> M | Non
 
 
 def _settle_structures(table: dict[str, Any], folder: Path, faults: list[str]) -> None:
-    """Load the structures that have a name or a file."""
     if not isinstance(table.get("levels"), list):
         return
     faults += load_things(table, "levels", load_structure, folder, before="factors.structure.")

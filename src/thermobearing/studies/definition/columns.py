@@ -61,7 +61,6 @@ class Target:
 
 
 def _find_target(name: str, of: str, levels: Mapping[str, Sequence[Strict]]) -> Target:
-    """Return where a dotted name leads."""
     part, key = spelled(name)
     if part not in levels:
         raise InputError(f'factors: no part "{part}" in "{name}"; known: {", ".join(levels)}')
@@ -80,7 +79,6 @@ def _find_target(name: str, of: str, levels: Mapping[str, Sequence[Strict]]) -> 
 
 
 def _nearest(name: str, names: set[str]) -> str:
-    """Return the nearest name, or those of the part that it begins with."""
     close = nearest(name, names)
     if not close.startswith("; known"):
         return close
@@ -248,7 +246,6 @@ def _chances(factor: Picked, count: int) -> list[float] | None:
 
 
 def _number(factor: Any, name: str, unit: str | None, key: str) -> Column:
-    """Return the column of a factor that is a number."""
     found = list_numbers(factor, unit, key)
     if isinstance(found, Distribution):
         return Column(name, distribution=found)

@@ -163,7 +163,6 @@ def in_lockstep(study: Study) -> bool:
 
 
 def _rows(design: Design, drawn: Sequence[Column]) -> int:
-    """Return the number of draws of each combination of levels."""
     return (design.samples or 1) * (len(drawn) + 2 if design.arrangement == "saltelli" else 1)
 
 
@@ -189,7 +188,6 @@ def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], li
 
 
 def _refuse(design: Design, cells: int, drawn: Sequence[Column]) -> None:
-    """Raise InputError for a design that does not fit the factors, or makes too many runs."""
     names = ", ".join(column.name for column in drawn)
     if drawn and design.samples is None:
         raise InputError(f"design: how many draws of {names}? Give samples")

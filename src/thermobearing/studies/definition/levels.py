@@ -132,7 +132,6 @@ def settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> N
 
 
 def _level(item: Any, folder: Path) -> list[AnyLevel]:
-    """Return the records of one entry of the levels."""
     if isinstance(item, str | Path):
         return [load_device(folder / item if str(item).endswith(".toml") else item)]
     if isinstance(item, dict) and "posterior" in item and item.get("kind") != "posterior":

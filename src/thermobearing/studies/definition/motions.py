@@ -149,13 +149,11 @@ def _cache_file(recipe: Recipe) -> Path | None:
 
 
 def _cached(recipe: Recipe) -> Fitted | None:
-    """Return the motion that an earlier start made."""
     file = _cache_file(recipe)
     return None if file is None else read_made(file).get(recipe.key)
 
 
 def _keep(recipe: Recipe, one: Fitted) -> None:
-    """Write a motion to the cache; one that cannot be written only costs time."""
     file = _cache_file(recipe)
     if file is None:
         return
@@ -167,7 +165,6 @@ def _keep(recipe: Recipe, one: Fitted) -> None:
 
 
 def _made_bytes(wanted: Sequence[Recipe], found: Sequence[Fitted]) -> bytes:
-    """Return made motions as the content of a file; the same motions make the same bytes."""
     arrays: dict[str, Any] = {}
     about: dict[str, Any] = {}
     for recipe, (motion, off) in zip(wanted, found, strict=True):
@@ -298,7 +295,6 @@ def with_first_motion(study: Study) -> tuple[Study, int, float]:
 
 
 def _with(study: Study, motions: Sequence[GroundMotion]) -> Study:
-    """Return the study with motions that are made."""
     factor = study.factors.motion.model_copy()
     factor.keep_made(motions)
     factors = study.factors.model_copy(update={"motion": factor})
@@ -306,7 +302,6 @@ def _with(study: Study, motions: Sequence[GroundMotion]) -> Study:
 
 
 def _named(wanted: Sequence[Recipe], found: Sequence[Fitted]) -> list[GroundMotion]:
-    """Return motions under the names that the study has for them."""
     pairs = zip(wanted, found, strict=True)
     return [replace(one.motion, name=recipe.name) for recipe, one in pairs]
 
@@ -348,7 +343,6 @@ def _made(
 
 
 def _make(_: None, recipe: Recipe) -> Fitted:
-    """Make one motion, in whichever process."""
     return recipe.make(progress=go_on)
 
 
@@ -359,7 +353,6 @@ def kept_motions_digest(study: Study) -> bytes:
 
 
 def _known(factor: MotionFactor) -> list[tuple[Recipe, Fitted]]:
-    """Return the motions that are made already."""
     if factor.made is None:
         return []
     return [

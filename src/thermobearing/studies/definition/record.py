@@ -65,7 +65,6 @@ class Distribution:
 
     @cached_property
     def _whole(self) -> Any:
-        """The distribution of scipy, not truncated."""
         from scipy import stats  # takes a second to read; processes that run need it not
 
         width = self.high - self.low
@@ -157,7 +156,6 @@ class Drawn(Strict):
 
 
 def _distribution(kind: Kind, numbers: dict[str, float], key: str) -> Distribution:
-    """Return the distribution with these numbers; InputError where they make none."""
     low, high = numbers.get("low", -math.inf), numbers.get("high", math.inf)
     for name in ("sd", "cov", "log_sd"):
         if not numbers.get(name, 1.0) > 0.0:

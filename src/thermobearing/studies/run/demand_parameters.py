@@ -6,8 +6,7 @@ run; in lockstep there are none. `measure_all` is the one place where a study co
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -75,8 +74,7 @@ DECK: Final = -1  # watched last in a run without rows; before it each pier and 
 DRIFTS: Final = "pier_part_displacement_max"
 
 
-@dataclass(frozen=True)
-class Measured:
+class Measured(NamedTuple):
     """One run: a value for each of `RESULT_COLUMNS`; its histories where they are kept."""
 
     numbers: dict[str, Any]
@@ -127,13 +125,12 @@ def _to_shake(task: Task) -> Run:
 
 
 def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]) -> dict[str, Any]:
-    """Return a value for each of `RESULT_COLUMNS`."""
-    lines = line_peaks(task, history)
+    lines, piers = line_peaks(task, history), pier_peaks(task, history)
     return _row(
         task,
-        compute_measures(task, history, traces),
+        compute_measures(task, history, traces, (lines, piers)),
         left=[history.bearing(b)["displacement"][-1] for b in range(len(lines))],
-        tops=[row[DRIFTS] for row in pier_peaks(task, history)],
+        tops=[row[DRIFTS] for row in piers],
         deck=traces["deck_displacement"][-1],
         rubber=(line["line_rubber_temperature_max"] for line in lines),
         lead=(line["line_lead_temperature_max"] for line in lines),
@@ -202,7 +199,6 @@ def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
 
 
 def _hinge_peaks(task: Task, peaks: RunPeaks, hinge: int | None) -> dict[str, float]:
-    """Return rotation, ductility and moment of a pier's hinge; NaN without one."""
     rotation = moment = limit = np.nan
     if hinge is not None:
         found, limit = _named(peaks.hinges)[hinge], task.case.structure.hinges[hinge].yield_rotation
@@ -244,7 +240,6 @@ def _row(
 
 
 def _hottest(values: Iterable[float]) -> float:
-    """Return the highest known temperature; NaN without one."""
     return max((float(value) for value in values if value == value), default=np.nan)
 
 

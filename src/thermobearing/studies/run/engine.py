@@ -108,7 +108,6 @@ def run_study(
 
 
 def _checked_part(text: str | None) -> tuple[int, int] | None:
-    """Return the numbers of "3/8"; None for the full study."""
     if text is None:
         return None
     first, slash, last = text.partition("/")
@@ -146,7 +145,6 @@ def check_start(
 def _opened(
     study: Study, directory: Path, size: int | None, jobs: int | None
 ) -> tuple[Study, pd.DataFrame, Store]:
-    """Return a study with its motions, its plan, and its directory, new or begun."""
     begun = (directory / MANIFEST).exists()
     made = with_matched(study, directory, jobs)
     runs = plan(made)
@@ -204,7 +202,6 @@ def _works(study: Study, runs: pd.DataFrame, shards: Sequence[tuple[int, slice]]
 def _carried_out(
     study: Study, works: Iterator[Work], count: int, how: tuple[str, int | None, Any]
 ) -> Finished:
-    """Yield the results of shards, as they are ready."""
     executor, jobs, address = how
     shared = packed(study), study.keep.histories == "all"
     if executor == "dask":

@@ -149,7 +149,6 @@ class Warmth:
 
 
 def _make_room(kept: dict[Any, Any]) -> None:
-    """Evict the oldest entry when a cache is full."""
     if len(kept) >= MOST_KEPT:
         kept.pop(next(iter(kept)))
 
@@ -217,7 +216,6 @@ class Preparer:
         return Task(prepared, device, shaking, air, lines, case, case.modes[0])
 
     def _case(self, changes: Changes, row: Mapping[str, Any]) -> EarthquakeCase:
-        """Return the case with the numbers of a run, and noise of its own in a laboratory."""
         case = self.study.case
         if changes:
             case = with_numbers(case, changes)
@@ -229,7 +227,6 @@ class Preparer:
     def _structure(
         self, level: int, changes: Changes, case: EarthquakeCase, plain: bool
     ) -> Prepared:
-        """Return a structure with its matrices, modes and damping."""
         shared = plain and not changes
         if shared and level in self._prepared:
             return self._prepared[level]
@@ -242,7 +239,6 @@ class Preparer:
         return made
 
     def _device(self, place: int, changes: Changes, case: EarthquakeCase, plain: bool) -> Device:
-        """Return a bearing as the coupled step takes it."""
         bearing = self.levels.bearings[place]
         if not plain:
             return build_device(case, with_numbers(bearing, changes))
@@ -261,7 +257,6 @@ class Preparer:
         return build_device(case, changed)
 
     def _own(self, case: EarthquakeCase, plain: bool) -> list[Device | None]:
-        """Return devices of lines that have a bearing of their own."""
         if self._others is not None and plain:
             return self._others
         found = [
@@ -273,7 +268,6 @@ class Preparer:
         return found
 
     def _shaking(self, level: int, case: EarthquakeCase, plain: bool, scale: float) -> Shaking:
-        """Return a motion on the time step, scaled."""
         whole = self._shakings.get(level) if plain else None
         if whole is None:
             one = case.model_copy(update={"motions": [self.levels.listed[level]]})

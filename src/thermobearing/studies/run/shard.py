@@ -12,9 +12,8 @@ import queue
 import threading
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
 from itertools import islice
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -38,8 +37,7 @@ from thermobearing.studies.run.processes import AHEAD, KEPT, is_stopped
 BATCH = 256  # runs that are ready at a time, so that each finds others of its shape: inputs only
 
 
-@dataclass(frozen=True)
-class Kept:
+class Kept(NamedTuple):
     """Histories of one run, every so many steps of them, in single precision."""
 
     run: int
@@ -47,24 +45,15 @@ class Kept:
     traces: Mapping[str, Any]
 
 
-@dataclass(frozen=True)
-class Done:
+class Done(NamedTuple):
     """The table of the runs of a shard, and the histories that are kept."""
 
     table: pd.DataFrame
     histories: tuple[Kept, ...] = ()
 
 
-@dataclass(frozen=True)
-class Work:
-    """A shard to be carried out.
-
-    Attributes
-    ----------
-    number : of the shard.
-    rows : of the plan.
-    warm : temperatures of the bearings of these rows; None of a study without weather.
-    """
+class Work(NamedTuple):
+    """Number and rows of a shard to be carried out; temperatures of its bearings in weather."""
 
     number: int
     rows: pd.DataFrame
@@ -139,7 +128,7 @@ def _measured(tasks: list[Task], every: int, lockstep: bool) -> list[Measured]:
                     name: np.ascontiguousarray(values[::every], dtype=np.float32)
                     for name, values in found.traces.items()
                 }
-                found = replace(found, traces=thin)
+                found = found._replace(traces=thin)
             done.append(found)
             if is_stopped():
                 break
@@ -198,7 +187,6 @@ def on_dask(
 
 
 def _client(address: Any, stack: ExitStack) -> Any:
-    """Return a client of the scheduler; closed at the end if it is ours."""
     try:
         from distributed import Client
     except ImportError:

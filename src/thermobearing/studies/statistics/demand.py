@@ -160,7 +160,11 @@ def demand_against(
     shares: Sequence[float] = FRACTILES,
     level: float = LEVEL,
 ) -> pd.DataFrame:
-    """Return how a demand is spread at each temperature (or value of another column of numbers)."""
+    """Return mean, fractiles (`shares`) and band of the median of a demand at each temperature.
+
+    More than 20 different values of `across` are put into 12 classes of equally many runs, at
+    their mean; the columns `by` have rows of their own. A collapse is an infinite demand.
+    """
     check_level(level)
     runs = counted(table, demand, failed)
     at = numbers(table, across)
@@ -186,7 +190,6 @@ def demand_against(
 
 
 def _spread(known: Floats, shares: Sequence[float], level: float) -> dict[str, float]:
-    """Return mean, fractiles and band of the median of ordered values."""
     names = [f"{share:g}" for share in shares]
     if len(known) == 0:
         return dict.fromkeys(["mean", *names, "median_low", "median_high"], np.nan)

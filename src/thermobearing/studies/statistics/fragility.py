@@ -168,7 +168,7 @@ def ida_curves(
     *,
     failed: Failed = "left-out",
 ) -> Ida:
-    """Return curves of incremental dynamic analysis from a table of runs."""
+    """Return curves of incremental dynamic analysis; the columns `by` identify them."""
     runs = counted(table, demand, failed)
     return _ida(runs, positive(runs.table, intensity), demand, intensity, by)
 
@@ -330,7 +330,15 @@ def fragility_curve(
     seed: int = 0,
     name: str = "",
 ) -> Fragility:
-    """Return a fragility curve from a table of runs."""
+    """Return a fragility curve from a table of runs; the column `outcome` marks failed ones.
+
+    The `demand` is compared with the `capacity` in its unit, against the `intensity` > 0. Runs
+    that failed are "left-out", or count as "collapse". The bootstrap draws the values of `groups`
+    again with all their runs (None: single runs); `curves` are the columns that identify curves of
+    the method "ida". `band` is "bootstrap" (studentised, right with a dozen motions too),
+    "percentile" (of the same bootstrap: too narrow with fewer than 40 motions), or "profile"
+    (stripes of independent runs only), at the confidence `level`.
+    """
     draw = _resample(table, groups, samples, seed)
     how = demand, capacity, intensity, method, failed, curves, band, level
     return _fragility(table, draw, name, *how)
@@ -391,7 +399,6 @@ def _fragility(
     band: Band,
     level: float,
 ) -> Fragility:
-    """Return one curve, of the runs that count, by the estimator of `method`."""
     check_level(level)
     if not (np.isfinite(capacity) and capacity > 0.0):
         raise InputError(f"capacity = {capacity:g} is not above 0")

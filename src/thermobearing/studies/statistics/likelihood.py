@@ -128,7 +128,6 @@ def fit_curves(im: Floats, yes: Floats, no: Floats, link: Link = "probit") -> Cu
 
 
 def _score_of_share(yes: Floats, no: Floats, link: Link) -> Floats:
-    """Return the score of the share beyond at all intensities together."""
     above, below = yes.sum(-1), no.sum(-1)
     return np.asarray(ndtri(above / (above + below)) if link == "probit" else np.log(above / below))
 
@@ -171,7 +170,6 @@ def _between(x: Floats, yes: Floats, no: Floats, highest_no: Floats, lowest_yes:
 
 
 def _newton(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Floats]:
-    """Return intercepts and slopes of the maxima, one for each row of counts."""
     share = yes.sum(-1) / (yes + no).sum(-1)
 
     def value(a: Floats, b: Floats) -> Floats:
@@ -450,7 +448,6 @@ def stripes(at: Floats, beyond: Bools, draw: Draw, level: float | None = None) -
 
 
 def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str, str]:
-    """Return the outcome of counts, with a sentence where they have no likeliest curve."""
     if not yes.any() or not no.any():
         outcome = "all_beyond" if yes.any() else "none_beyond"
         return outcome, REASONS[outcome]

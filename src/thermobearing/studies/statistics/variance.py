@@ -81,7 +81,11 @@ def sobol_table(
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> pd.DataFrame:
-    """Return Sobol' indices of every drawn factor of a study in Saltelli's arrangement."""
+    """Return Sobol' indices of every drawn factor of a study in Saltelli's arrangement.
+
+    The table has the columns `matrix` ("A", "B", "AB <factor>") and `sample`, of one combination of
+    levels. Rows of the result have `first` and `total` with their bands, `rows` and `left_out`.
+    """
     runs = _runs(table, demand, failed, level)
     matrix, sample = column(table, MATRIX), column(table, SAMPLE)
     factors = list(dict.fromkeys(m[len(SWAPPED) :] for m in matrix if m.startswith(SWAPPED)))
@@ -124,7 +128,11 @@ def variance_shares(
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> pd.DataFrame:
-    """Return the share of the variance that each factor explains by itself (correlation ratio)."""
+    """Return the share of the variance that each factor explains by itself (correlation ratio).
+
+    The column `sample` draws the factors `together` at once: their shares cannot be separated, and
+    they have one. The last row, "together and the rest", is what no factor explains by itself.
+    """
     runs = _runs(table, demand, failed, level)
     values = runs.demand - runs.demand.mean()
     if len(values) < LEAST_ROWS or np.ptp(values) == 0.0:
