@@ -28,7 +28,6 @@ from thermobearing.results.directory import (
 from thermobearing.results.writing import without_formulas, write_csv, write_summary
 
 if TYPE_CHECKING:
-    from thermobearing.core.records import Floats
     from thermobearing.identify.result import Identification
 
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
@@ -49,27 +48,28 @@ def save_checks(
 
     def fill(folder: Path) -> None:
         write_summary(folder, checks_summary(reports))
-        if figures:
-            _draw_checks(reports, folder / FIGURES)
+        if not figures:
+            return
+        from thermobearing.identify.figures import check_figure
+        from thermobearing.results.drawing import save_figures
+
+        names = [re.sub(r"[^\w.+-]+", "-", report.record.name) for report in reports]
+        drawn = {
+            f"check_{number}_{name}": partial(check_figure, report)
+            for number, (name, report) in enumerate(zip(names, reports, strict=True), start=1)
+        }
+        save_figures(drawn, folder / FIGURES)
 
     return write_directory(directory, fill, overwrite=overwrite)
-
-
-def _draw_checks(reports: list[CheckReport], folder: Path) -> None:
-    from thermobearing.identify.figures import check_figure
-    from thermobearing.results.drawing import save_figures
-
-    figures = {}
-    for number, report in enumerate(reports, start=1):
-        name = re.sub(r"[^\w.+-]+", "-", report.record.name)
-        figures[f"check_{number}_{name}"] = partial(check_figure, report)
-    save_figures(figures, folder)
 
 
 def write_identification(found: "Identification", folder: Path) -> None:
     """Write the files of a fit but summary.json and figures."""
     if found.forecast is not None:
-        samples = _samples_table(found, found.forecast.samples.cube)
+        tied = [p for p in found.pset.parameters if p.tie is not None]
+        symbols = {p.kind.key: p.kind.symbol for p in (*found.pset.free, *tied)}
+        rows = [found.pset.values(place) for place in found.forecast.samples.cube]
+        samples = pd.DataFrame(rows)[list(symbols)].rename(columns=symbols)
         samples.to_csv(folder / SAMPLES, index=False, float_format="%.6g", lineterminator="\n")
     table = _bearing_table(found)
     (folder / IDENTIFIED).write_text(tomli_w.dumps(table), encoding="utf-8")
@@ -159,13 +159,3 @@ def _fit_table(found: "Identification") -> pd.DataFrame:
             columns[f"model_{title}"] = prediction.temperatures[title]
         frames.append(pd.DataFrame(columns))
     return pd.concat(frames)
-
-
-def _samples_table(found: "Identification", cube: "Floats") -> pd.DataFrame:
-    """Return draws of the free parameters, then of those tied to them, by symbol."""
-    tied = [p for p in found.pset.parameters if p.tie is not None]
-    rows = []
-    for row in cube:
-        values = found.pset.values(row)
-        rows.append({p.kind.symbol: values[p.kind.key] for p in (*found.pset.free, *tied)})
-    return pd.DataFrame(rows)

@@ -10,7 +10,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,6 +146,11 @@ def run_identify(case: IdentifyCase) -> Identification:
     covered = range_of_tests(records, predictions, base.total_rubber_thickness)
     uncertainty = estimate(problem, cube, chosen_groups(case.assumed))
     uncertainty.warnings[:0] = held
+    names = ("method", "seed", "starts", "loss", "temperatures", "blind", "polish", "evaluations")
+    inputs = {"start": case.bearing.name, **{name: getattr(case, name) for name in names}}
+    inputs["free"] = None if case.free is None else list(case.free)
+    inputs["bounds"] = {key: list(ends) for key, ends in (case.bounds or {}).items()}
+    inputs["assumed"] = dict(case.assumed or {})
     return Identification(
         bearing=problem.pset.checked(cube).model_copy(update={"tested_range": covered}),
         pset=problem.pset,
@@ -162,20 +167,8 @@ def run_identify(case: IdentifyCase) -> Identification:
         outcome="completed" if converged else "not_converged",
         problem=problem,
         sensitivity=sensitivity,
-        inputs=_inputs(case),
+        inputs=inputs,
     ).judged(accept_poor=case.accept_poor)
-
-
-def _inputs(case: IdentifyCase) -> dict[str, Any]:
-    """Return the options of a fit for summary.json."""
-    names = ("method", "seed", "starts", "loss", "temperatures", "blind", "polish", "evaluations")
-    return {
-        "start": case.bearing.name,
-        **{name: getattr(case, name) for name in names},
-        "free": None if case.free is None else list(case.free),
-        "bounds": {key: list(ends) for key, ends in (case.bounds or {}).items()},
-        "assumed": dict(case.assumed or {}),
-    }
 
 
 def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str]]:

@@ -137,18 +137,15 @@ def loop_zeros(values: Floats, cycles: list[Cycle]) -> Floats:
     after it. First cycles lean to their first side and do not count.
     """
     full = [cycle for cycle in cycles if not cycle.closing]
-    ends = [_extremes(values[cycle.first : cycle.last + 1]) for cycle in full]
+    ends = []  # the two extremes of each loop, in the order of time
+    for cycle in full:
+        loop = values[cycle.first : cycle.last + 1]
+        ends.append(loop[np.sort([loop.argmin(), loop.argmax()])])
     found = []
     for k in range(1, len(full)):
         if full[k - 1].number >= 2 and full[k].number == full[k - 1].number + 1:
             found.append(0.5 * ends[k][0] + 0.25 * (ends[k - 1][1] + ends[k][1]))
     return np.array(found)
-
-
-def _extremes(values: Floats) -> tuple[float, float]:
-    """Return the two extremes of a loop, in the order of time."""
-    high, low = float(values.max()), float(values.min())
-    return (high, low) if values.argmax() < values.argmin() else (low, high)
 
 
 @dataclass(frozen=True)
@@ -242,16 +239,13 @@ def _loop(
 
 
 def _measures(x: Floats, force: Floats) -> dict[str, float]:
-    """Return the peaks, K_eq and h_eq (Eq. 3.1, 3.2) and the energy of a loop."""
-    high, low = _peaks(force)
-    span = float(np.ptp(x))
+    """Return the peaks, K_eq and h_eq (Eq. 3.1, 3.2) and the energy of a loop.
+
+    The peaks are those of a short running mean: noise adds to extremes of samples.
+    """
+    window = max(1, len(force) // SMOOTHED)
+    mean = np.convolve(force, np.full(window, 1.0 / window), "valid")
+    high, low, span = float(mean.max()), float(mean.min()), float(np.ptp(x))
     stiffness, energy = (high - low) / span, loop_energy(x, force)
     damping = 2.0 * energy / (np.pi * stiffness * span**2)
     return {"F+": high, "F-": low, "K_eq": stiffness, "h_eq": damping, "energy": energy}
-
-
-def _peaks(force: Floats) -> tuple[float, float]:
-    """Return the extremes of a short running mean of a loop: noise adds to those of samples."""
-    window = max(1, len(force) // SMOOTHED)
-    mean = np.convolve(force, np.full(window, 1.0 / window), "valid")
-    return float(mean.max()), float(mean.min())

@@ -82,7 +82,9 @@ def measured_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
     rests: list[tuple[int, int]] = []
     if (np.diff(record.time) > 0.0).all() and np.ptp(record.displacement) and np.ptp(record.force):
         found = treat(record)
-        record, rests = found.cleaned, sorted([*found.rests, *_gaps(record)])
+        still = np.abs(np.diff(record.displacement)) <= STILL * record.peak_displacement
+        slept = np.flatnonzero((np.diff(record.time) > PAUSE) & still).tolist()  # not logged
+        record, rests = found.cleaned, sorted([*found.rests, *((k, k + 1) for k in slept)])
         notes += [f.sentence for f in describe_treatment(found) if f.check in ("spikes", "drift")]
     x = record.displacement
     cycles = found_cycles(x, rests=rests)
@@ -108,13 +110,6 @@ def measured_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
         raise InputError(error.problems, str(path)) from None
     rows = [slice(cycle.first, cycle.last + 1) for cycle in full]
     return MeasuredCycles(measures, ends, notes, record, rows, bearing.total_rubber_thickness)
-
-
-def _gaps(record: TestRecord) -> list[tuple[int, int]]:
-    """Return the rests that were not logged: two samples, long apart and close together."""
-    still = np.abs(np.diff(record.displacement)) <= STILL * record.peak_displacement
-    long = np.flatnonzero((np.diff(record.time) > PAUSE) & still)
-    return [(k, k + 1) for k in long.tolist()]
 
 
 def _draw_loops(found: MeasuredCycles) -> Figure:

@@ -176,15 +176,14 @@ def _other_tests(
         update = {"name": f"{air.name} of {ambient:.4g} degC", "absolute": max(off)}
         warmer = [replace(r, ambient=r.ambient + u) for r, u in zip(records, off, strict=True)]
         yield air.model_copy(update=update), warmer
-    yield turns, [replace(r, displacement=_drawn_in(r.displacement, turns)) for r in records]
+    shorter = []  # their turns less far out, by the uncertainty from the noise
+    for record in records:
+        x, less = record.displacement, record.displacement.copy()
+        at = turning_points(x, dead_band(x))[1:-1]
+        less[at] -= turns.step(estimate_noise(x)) * np.sign(x[at] - x[at - 1])
+        shorter.append(replace(record, displacement=less))
+    yield turns, shorter
     yield scale, [replace(r, force=(1.0 + scale.step(1.0)) * r.force) for r in records]
-
-
-def _drawn_in(x: Floats, group: Group) -> Floats:
-    """Return a displacement whose turns are less far out, by the uncertainty from its noise."""
-    turns, less = turning_points(x, dead_band(x))[1:-1], x.copy()
-    less[turns] -= group.step(estimate_noise(x)) * np.sign(x[turns] - x[turns - 1])
-    return less
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,6 @@ from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.parameters import Parameter, at_one_temperature
 from thermobearing.identify.fit.problem import AT_BOUND, BLOCK_TURN, Problem, linearised
 from thermobearing.identify.records.cycles import turning_points
-from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.uncertainty.assumed import (
     Carried,
     Group,
@@ -256,18 +255,16 @@ def _test_warnings(problem: Problem) -> list[str]:
             f"{remedy({kinds.M_T})}"
         )
     if free & {kinds.C_V, kinds.K_V}:
-        speeds = np.concatenate([_speeds(record) for record in problem.records])
+        speeds = np.empty(0)  # mean ones of large half cycles [mm/s]
+        for record in problem.records:
+            x, time = record.displacement, record.time
+            turns = turning_points(x, BLOCK_TURN * record.peak_displacement)
+            way = np.abs(np.diff(x[turns]))
+            large = way > 0.5 * way.max()
+            speeds = np.append(speeds, way[large] / np.diff(time[turns])[large])
         if speeds.max() < SPEED_SPAN * speeds.min():
             said.append(
                 f"c_v and K_v were fitted to mean speeds of {speeds.min():.3g} to "
                 f"{speeds.max():.3g} mm/s only: {remedy({kinds.C_V})}"
             )
     return said
-
-
-def _speeds(record: TestRecord) -> Floats:
-    """Return the mean speed of each large half cycle [mm/s]."""
-    turns = turning_points(record.displacement, BLOCK_TURN * record.peak_displacement)
-    way = np.abs(np.diff(record.displacement[turns]))
-    large = way > 0.5 * way.max()
-    return np.asarray(way[large] / np.diff(record.time[turns])[large])
