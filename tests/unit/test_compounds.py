@@ -12,8 +12,8 @@ import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.bearing.compound import (
     Compound,
+    _compound_from_table,
     as_compound,
-    compound_from_table,
     list_compounds,
 )
 from thermobearing.bearing.scaling import bearing_of, compound_of, lead_cores, resized
@@ -272,7 +272,7 @@ def test_bad_compounds(changes: dict[str, Any], words: list[str]) -> None:
     for key, value in changes.items():
         table[key] = {**table.get(key, {}), **value} if isinstance(value, dict) else value
     with pytest.raises(tb.InputError) as caught:
-        compound_from_table(table, "mine.toml")
+        _compound_from_table(table, "mine.toml")
     for word in (*words, "mine.toml"):
         assert word in str(caught.value)
 
@@ -281,12 +281,12 @@ def test_lead_of_a_compound_needs_its_material_and_a_ratio_linear_rubber() -> No
     table = to_table(tb.load_compound("shen-lhdr"))
     del table["materials"]["lead"]
     with pytest.raises(tb.InputError, match=r"materials\.lead"):
-        compound_from_table(table, "mine.toml")
+        _compound_from_table(table, "mine.toml")
     table = to_table(tb.load_compound("shen-lhdr"))
     del table["lead"]["shear_modulus"]
     table["lead"]["stiffness_ratio"] = 10.0
     with pytest.raises(tb.InputError, match="linear"):
-        compound_from_table(table, "mine.toml")
+        _compound_from_table(table, "mine.toml")
 
 
 def test_a_compound_where_a_bearing_is_wanted() -> None:

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests.regression.cases import INPUTS
 from tests.unit.inputs import command, summary, write_toml
-from thermobearing.design.case import LineGroup, bearing_weight, make_design_case, settle_groups
+from thermobearing.design.case import LineGroup, _settle_groups, bearing_weight, make_design_case
 from thermobearing.design.run import run_design, run_factors
 from thermobearing.design.sizing import checked_strain, load_rubber
 
@@ -35,11 +35,11 @@ def test_lines_of_one_count_and_support_are_a_group() -> None:
         *(on_a.model_copy(update={"name": name, "base": "ground"}) for name in ("left", "right")),
     ]
     viaduct = structure.model_copy(update={"bearings": lines})
-    groups = settle_groups([], viaduct, "test")
+    groups = _settle_groups([], viaduct, "test")
     assert [group.lines for group in groups] == [["on A", "on B"], ["left", "right"]]
     assert groups[1].name == "left, right"
     named = [LineGroup(lines=["right", "on B"], name="east", weight=500.0)]
-    groups = settle_groups(named, viaduct, "test")
+    groups = _settle_groups(named, viaduct, "test")
     assert [group.name for group in groups] == ["east", "on A", "left"]
     case = bridge().model_copy(update={"structure": viaduct, "line_groups": groups})
     assert_allclose(bearing_weight(make_design_case({}, "test")), 400.0 * 9.80665 / 5.0)
@@ -51,7 +51,7 @@ def test_lines_of_one_count_and_support_are_a_group() -> None:
         ([LineGroup(lines=["on A"], name="left, right")], 'two are called "left, right"'),
     ):
         with pytest.raises(tb.InputError, match=said):
-            settle_groups(given, viaduct, "test")
+            _settle_groups(given, viaduct, "test")
     for group, key in (({"lines": []}, "lines"), ({"lines": ["on A"], "name": "a\nb"}, "name")):
         with pytest.raises(tb.InputError, match=rf"line_groups\[0\]\.{key}"):
             bridge(line_groups=[group])

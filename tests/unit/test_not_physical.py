@@ -18,11 +18,11 @@ from thermobearing.model.outcomes import (
     MISSING,
     NOT_PHYSICAL,
     SENTENCES,
+    _temperature_limits,
     is_physical,
-    temperature_limits,
 )
 
-LIMITS = temperature_limits()
+LIMITS = _temperature_limits()
 FAST = tb.CyclicTest(
     steps=[{"step": "cycles", "strain": 1.5, "wave": "sine", "period": 1.0, "count": 60}]
 )
@@ -101,7 +101,7 @@ def test_a_run_that_is_not_physical_says_so(
 ) -> None:
     """A typed outcome, exit status 3, and what was computed until then; here steel melts early."""
     early = LIMITS.model_copy(update={"steel_melts": 20.0})
-    monkeypatch.setattr("thermobearing.model.outcomes.temperature_limits", lambda: early)
+    monkeypatch.setattr("thermobearing.model.outcomes._temperature_limits", lambda: early)
     case = quick_case(tmp_path / "case.toml", ambient="23 degC")
     done = cyclic(case, "-o", tmp_path / "out", "--json")
     said = last_line(done)

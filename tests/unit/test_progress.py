@@ -5,7 +5,7 @@ import io
 import pytest
 from rich.console import Console
 
-from thermobearing.commands.common import Rate, progress_bar
+from thermobearing.commands.common import Rate, _progress_bar
 
 
 @pytest.mark.parametrize(
@@ -13,7 +13,7 @@ from thermobearing.commands.common import Rate, progress_bar
 )
 def test_rate(seconds: float, told: str) -> None:
     """Of those that were done since the first call, which may bring many from an earlier start."""
-    bar = progress_bar(Console(file=io.StringIO()))
+    bar = _progress_bar(Console(file=io.StringIO()))
     now = [0.0]
     bar.get_time = lambda: now[0]
     task = bar.add_task("runs", total=None)
@@ -26,7 +26,7 @@ def test_rate(seconds: float, told: str) -> None:
 
 def test_bar_is_whole() -> None:
     console = Console(file=io.StringIO(), width=100)
-    bar = progress_bar(console)
+    bar = _progress_bar(console)
     bar.add_task("runs", total=10, completed=3)
     console.print(bar.get_renderable())
     shown = console.file.getvalue()

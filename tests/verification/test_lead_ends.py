@@ -16,14 +16,14 @@ from tests.verification.models import assembled, changed
 from thermobearing.core.step import step
 from thermobearing.core.types import new_state, new_workspace
 from thermobearing.model import lead_ends as way
-from thermobearing.model.lead_ends import core_side, core_sizes, end_state_at
+from thermobearing.model.lead_ends import _core_side, _core_sizes, end_state_at
 from thermobearing.model.stack import Face, build_stack
 
 
 def test_disc_on_a_plate_when_all_is_steady() -> None:
     """tanh(l H)/(k l) of each mode with the far face held; more with a film, most without."""
     bearing = touching("shen-lhdr-specimen", False)
-    core = core_sizes(bearing, build_stack(bearing, half=True))
+    core = _core_sizes(bearing, build_stack(bearing, half=True))
     steel, height = bearing.materials.steel, bearing.geometry.end_plate_thickness
     k = steel.conductivity * 1e-3
     wave = jn_zeros(1, way.RADIAL) / core.plan
@@ -33,10 +33,10 @@ def test_disc_on_a_plate_when_all_is_steady() -> None:
         (math.inf, np.tanh(wave * height) / (k * wave)),
         (0.0, 1.0 / np.tanh(wave * height) / (k * wave)),
     ):
-        found = way.disc_on_plate(steel, height, film, core.radius, core.plan)
+        found = way._disc_on_plate(steel, height, film, core.radius, core.plan)
         assert_allclose(found[0], (mean * each).sum() / area, rtol=tol.KERNEL_STEADY)
     held, robin, free = (
-        way.disc_on_plate(steel, height, film, core.radius, core.plan)[0]
+        way._disc_on_plate(steel, height, film, core.radius, core.plan)[0]
         for film in (math.inf, 1e-3, 0.0)
     )
     assert held < robin < free
@@ -47,9 +47,9 @@ def test_core_when_all_is_steady() -> None:
     core = tb.load_bearing("shen-lhdr-specimen").materials.lead
     assert core is not None
     k = core.conductivity * 1e-3
-    along = way.core_modes(core, 48.0, 17.25).sum(axis=0)[0]
+    along = way._core_modes(core, 48.0, 17.25).sum(axis=0)[0]
     assert_allclose(along, 48.0 / (3.0 * k * math.pi * 17.25**2), rtol=tol.KERNEL_STEADY)
-    across = way.core_to_wall(core, 48.0, 17.25)[0]
+    across = way._core_to_wall(core, 48.0, 17.25)[0]
     assert_allclose(across, 1.0 / (8.0 * math.pi * k * 48.0), rtol=tol.KERNEL_STEADY)
 
 
@@ -57,7 +57,7 @@ def test_fin_is_that_of_finite_volumes() -> None:
     """The ring of 400 volumes whose inner face is heated, at every frequency."""
     materials = tb.load_bearing("lrb-example").materials
     steel = materials.steel
-    taken = way.fin_heat(steel, 3.0, materials.rubber, 8.0, faces=2)
+    taken = way._fin_heat(steel, 3.0, materials.rubber, 8.0, faces=2)
     faces = 75.0 + 275.0 * np.linspace(0.0, 1.0, 401) ** 2
     area = math.pi * np.diff(faces**2)
     middle = 0.5 * (faces[1:] + faces[:-1])
@@ -77,10 +77,10 @@ def test_few_terms_are_enough(name: str, measured: Recorder) -> None:
     """The sum of the terms against the impedance they stand for."""
     bearing = touching(name, True)
     stack = build_stack(bearing, half=True)
-    core = core_sizes(bearing, stack)
+    core = _core_sizes(bearing, stack)
     (end, _), side = (
         end_state_at(bearing, core, math.inf),
-        core_side(bearing, stack, core).impedance,
+        _core_side(bearing, stack, core).impedance,
     )
     worst = 0.0
     for impedance in (end, side):

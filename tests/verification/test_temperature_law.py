@@ -14,7 +14,7 @@ from tests.verification.models import Run, assembled, changed, marched, sine, sp
 from thermobearing.bearing.model import Bearing, TemperatureLaw
 from thermobearing.commands.check import bearing_facts
 from thermobearing.core.step import tabled
-from thermobearing.model.constants import law_pieces, with_parameters
+from thermobearing.model.constants import _law_pieces, with_parameters
 from thermobearing.model.stack import build_stack
 
 # G_eq over that at 20 degC, measured, of a high damping rubber for buildings (Toyo, G0.35).
@@ -55,7 +55,7 @@ def test_a_table_of_the_exponential_law_is_that_law(temperature: float) -> None:
 def test_table_is_met_and_monotone_and_smooth_between() -> None:
     factors = list(MEASURED.values())
     law = tabled_bearing(factors, np.square(factors)).temperature_law
-    pieces = law_pieces(law)
+    pieces = _law_pieces(law)
     at = np.linspace(-40.0, 60.0, 2001)
     elastic, hysteretic = np.array([tabled(pieces, t) for t in at]).T
     for t, factor in MEASURED.items():

@@ -135,7 +135,7 @@ def list_compounds() -> list[str]:
     return COMPOUNDS.names()
 
 
-def compound_from_table(table: Any, where: str) -> Compound:
+def _compound_from_table(table: Any, where: str) -> Compound:
     """A compound from a parsed TOML table; `where` names the file in error messages."""
     values, sources = split_sources(table)
     if isinstance(values, dict) and "geometry" in values:
@@ -160,7 +160,7 @@ def load_compound(name_or_path: str | Path) -> Compound:
     'HDR'
     """
     path = COMPOUNDS.path(name_or_path)
-    return compound_from_table(read_toml(path), str(path))
+    return _compound_from_table(read_toml(path), str(path))
 
 
 def as_compound(given: Any) -> "Compound | Bearing":
@@ -180,6 +180,6 @@ def as_compound(given: Any) -> "Compound | Bearing":
         table = read_toml(path)
         if "geometry" in table:
             return bearing_from_table(table, str(path))
-        return compound_from_table(table, str(path))
+        return _compound_from_table(table, str(path))
     except InputError as error:
         raise InputError(error.lines("compound")) from None

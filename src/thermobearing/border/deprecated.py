@@ -18,7 +18,7 @@ TOP = "thermobearing"
 UNTIL = "0.3"  # the version that no longer accepts them
 
 
-def warn_renamed(old: str, new: str, stacklevel: int = 3) -> None:
+def _warn_renamed(old: str, new: str, stacklevel: int = 3) -> None:
     """Warn that a name of an earlier version is used, and give the present one."""
     told = f"{old} is deprecated and goes with version {UNTIL}; use {new}"
     warnings.warn(told, DeprecationWarning, stacklevel=stacklevel)
@@ -51,7 +51,7 @@ def renamed(
             for old in names.keys() & keywords.keys():
                 new, _, field = names[old].partition(".")
                 made = f"{records[new].__name__}({field}=...)" if records and field else ""
-                warn_renamed(f"{where[:-1]}{old}=)", f"{new}={made}")
+                _warn_renamed(f"{where[:-1]}{old}=)", f"{new}={made}")
                 value = keywords.pop(old)
                 if records and field:
                     value = records[new].of(keywords.get(new), **{field: value})
@@ -97,7 +97,7 @@ def find_moved(package: str) -> Callable[[str], Any]:
                 inside = path.relative_to(folder).with_suffix("").parts
                 place = ".".join((package, *inside))
                 public = name in import_module(TOP).__all__
-                warn_renamed(f"{package}.{name}", f"{TOP if public else place}.{name}")
+                _warn_renamed(f"{package}.{name}", f"{TOP if public else place}.{name}")
                 return getattr(import_module(place), name)
         raise missing
 

@@ -341,7 +341,7 @@ def with_progress(
         return call(None)
     from rich.console import Console
 
-    with progress_bar(Console(stderr=True)) as bar:
+    with _progress_bar(Console(stderr=True)) as bar:
         task = bar.add_task(what, total=None)
         return call(
             lambda done, total: bar.update(task, description=what, completed=done, total=total)
@@ -490,7 +490,7 @@ class Rate(ProgressColumn):
         return Text(told, style="progress.data.speed")
 
 
-def progress_bar(console: Console) -> Progress:
+def _progress_bar(console: Console) -> Progress:
     """A bar that vanishes when all is done."""
     return Progress(
         TextColumn("{task.description}"),

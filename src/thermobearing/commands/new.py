@@ -49,17 +49,17 @@ def new(
         facts = bearing_facts(made)
         if "end_plate" not in given:
             facts["end plates"] += ", assumed: give --end-plate"
-        facts |= _told(not_measured(made))
+        facts |= _told(_not_measured(made))
         print_facts(f"{target}: a new bearing", facts)
         print_warnings(implausible(made))
         typer.echo(f"written: {printable(str(target))}")
     if as_json:
         told = {"outcome": "completed", "exit_status": 0, "output": str(target)}
-        echo_json(told | {"not_measured": not_measured(made)})
+        echo_json(told | {"not_measured": _not_measured(made)})
     return 0
 
 
-def not_measured(made: "Bearing") -> dict[str, str]:
+def _not_measured(made: "Bearing") -> dict[str, str]:
     """Numbers that nobody measured on this rubber, by dotted key, and where they come from.
 
     Those that were chosen, assumed or borrowed, and the thermal constants that the compound's

@@ -248,7 +248,7 @@ def _made(each: Fields) -> Iterator[tuple[str, Any]]:
             flags = [f"{flag}/--no-{flag[2:]}"]
         elif kind is bool:
             value = bool
-        text = said or help_of(item, key, choices, default)
+        text = said or _help_of(item, key, choices, default)
         if several:
             value = list[kind] | None  # type: ignore[valid-type]
             text = text if said else f"{text} May be repeated."
@@ -302,7 +302,7 @@ ENTRY = r"^ *(?:[\w, *]+, )?{}(?:, [\w, *]+)? :(.*(?:\n(?!(?: *[\w, *]+ :| *\n))
 TYPE = re.compile(r" (str|int|float|bool|mapping|sequence|list|dict|Path|array|[A-Z]\w+)\b[^.;]*$")
 
 
-def help_of(item: Any, name: str, choices: Sequence[str] = (), default: Any = None) -> str:
+def _help_of(item: Any, name: str, choices: Sequence[str] = (), default: Any = None) -> str:
     """Return what the docstring of a record or a function says of a field or an argument.
 
     Choices, unit and default are added where the sentence does not have them.
@@ -310,7 +310,7 @@ def help_of(item: Any, name: str, choices: Sequence[str] = (), default: Any = No
     Examples
     --------
     >>> from thermobearing.cyclic.protocol import CyclicTest
-    >>> help_of(CyclicTest, "dt", default=0.005)
+    >>> _help_of(CyclicTest, "dt", default=0.005)
     'Largest time step while the bearing moves [s], in [1e-6, 10]; 0.005 by default.'
     """
     texts = (inspect.getdoc(one) or "" for one in getattr(item, "__mro__", [item]))

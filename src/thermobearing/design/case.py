@@ -126,15 +126,15 @@ def make_design_case(
     if len(case.structure.bearings) == 1 and case.line_groups is None:
         return case
     return case.model_copy(
-        update={"line_groups": settle_groups(case.line_groups or [], case.structure, where)}
+        update={"line_groups": _settle_groups(case.line_groups or [], case.structure, where)}
     )
 
 
-def settle_groups(given: Sequence[LineGroup], structure: Structure, where: str) -> list[LineGroup]:
+def _settle_groups(given: Sequence[LineGroup], structure: Structure, where: str) -> list[LineGroup]:
     """Return groups that hold every line once: those given, then the other lines by their kind.
 
     >>> from thermobearing.structure.model import load_structure
-    >>> [group.name for group in settle_groups([], load_structure("pier-p1"), "example")]
+    >>> [group.name for group in _settle_groups([], load_structure("pier-p1"), "example")]
     ['G1-G5']
     """
     known = [line.name for line in structure.bearings]

@@ -105,7 +105,7 @@ class Laboratory(Strict):
         return mode
 
     @property
-    def needs_one_step(self) -> bool:
+    def _needs_one_step(self) -> bool:
         """Whether the specimen must be moved once a step."""
         return self.delay > 0.0 or self.force_noise > 0.0 or "pd" in self.mode
 
@@ -222,7 +222,7 @@ class EarthquakeCase(Strict):
         if self.initial_state is not None:
             found += self._misfits_of_state()
         many = self.analysis.method != "predictor-corrector"  # trials of a step
-        if many and self.laboratory is not None and self.laboratory.needs_one_step:
+        if many and self.laboratory is not None and self.laboratory._needs_one_step:
             found.append(
                 "laboratory: delay, force_noise and mode pd need analysis.method = "
                 '"predictor-corrector", which moves the specimen once per step'

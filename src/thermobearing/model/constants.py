@@ -41,7 +41,7 @@ def no_table() -> Rows[LawPiece]:
     return rows(LawPiece, 0)
 
 
-def law_pieces(law: TemperatureLaw | None) -> Rows[LawPiece]:
+def _law_pieces(law: TemperatureLaw | None) -> Rows[LawPiece]:
     """Logarithms of the table's factors as cubics in T, piece by piece (Fritsch & Carlson 1980).
 
     The first and last piece are straight lines that go on beyond the table with its slope there.
@@ -147,7 +147,7 @@ def build_constants(
         ),
         lead=lead,
         viscous=_viscous(bearing, heats=scheme != "published"),
-        law=law_pieces(bearing.temperature_law),
+        law=_law_pieces(bearing.temperature_law),
         multiplicity=stack.multiplicity,
         layer_cells=filled(
             LayerCells,

@@ -64,7 +64,7 @@ def _plan_modes() -> tuple[Floats, Floats]:
     return zeros, j0(zeros)
 
 
-def disc_on_plate(
+def _disc_on_plate(
     steel: Material,
     height: float,
     film: float,
@@ -113,7 +113,7 @@ def _layers(steel: Material, rubber: Material, layer: float, shim: float, wave: 
     return total
 
 
-def core_modes(lead: Material, half_height: float, radius: float, beside: Any = 0.0) -> Floats:
+def _core_modes(lead: Material, half_height: float, radius: float, beside: Any = 0.0) -> Floats:
     """[AXIAL, s] modes cos(n pi z/h) of a core, heated by one at z = 0.
 
     `beside` is what else takes heat from them, per height [kN/(s K)].
@@ -124,7 +124,7 @@ def core_modes(lead: Material, half_height: float, radius: float, beside: Any = 
     return np.asarray(2.0 / half_height / (area * (heat * FREQUENCIES + k * wave**2) + beside))
 
 
-def core_to_wall(lead: Material, height: float, radius: float) -> Floats:
+def _core_to_wall(lead: Material, height: float, radius: float) -> Floats:
     """Mean of a core less its wall, when heat leaves evenly through the wall."""
     from scipy.special import ive
 
@@ -147,7 +147,7 @@ def _to_edges(lead: Material, height: float, shim: float, layer: float, radius: 
     return np.asarray((mode * field).sum(axis=1) / (2.0 * np.pi * radius * height * k))
 
 
-def fin_heat(
+def _fin_heat(
     steel: Material, thickness: float, rubber: Material, layer: float, faces: int
 ) -> Floats:
     """Admittance per area of a fin with half a layer of rubber on one or two faces."""
@@ -241,7 +241,7 @@ class Side:
     beside: Floats
 
 
-def core_sizes(bearing: Bearing, stack: Stack) -> Core:
+def _core_sizes(bearing: Bearing, stack: Stack) -> Core:
     """The sizes of a core."""
     lead = bearing.lead
     assert lead is not None
@@ -253,19 +253,19 @@ def core_sizes(bearing: Bearing, stack: Stack) -> Core:
     )
 
 
-def core_side(bearing: Bearing, stack: Stack, core: Core) -> Side:
+def _core_side(bearing: Bearing, stack: Stack, core: Core) -> Side:
     """The shims as fins of a core that is not confined."""
     g, m = bearing.geometry, bearing.materials
     assert m.lead is not None
     shims = np.flatnonzero([name == "shim" for name in stack.part])
     steel = stack.thickness[shims]
     count, height = steel.sum() / g.shim_thickness, 2.0 * (core.half - core.foot) / stack.fold
-    heat = fin_heat(m.steel, g.shim_thickness, m.rubber, g.rubber_thickness, faces=2)
+    heat = _fin_heat(m.steel, g.shim_thickness, m.rubber, g.rubber_thickness, faces=2)
     each = fin(m.steel, g.shim_thickness, heat, core.radius, core.plan)
     pitch = g.shim_thickness + g.rubber_thickness
     each += _to_edges(m.lead, pitch, g.shim_thickness, g.rubber_thickness, core.radius)
     taken = count * (1.0 / each + _rubber_at_wall(m.rubber, g.rubber_thickness, core.radius))
-    impedance = 1.0 / taken + core_to_wall(m.lead, height, core.radius)
+    impedance = 1.0 / taken + _core_to_wall(m.lead, height, core.radius)
     shares = steel / steel.sum()
     depth = stack.depth[shims] - g.end_plate_thickness
     depth = np.minimum(depth, 2.0 * core.half - depth)
@@ -289,7 +289,7 @@ def end_state_at(bearing: Bearing, core: Core, film: float) -> tuple[Floats, Flo
     assert lead is not None
     assert m.lead is not None
     below = (m.rubber, g.rubber_thickness, g.shim_thickness)
-    plate = disc_on_plate(
+    plate = _disc_on_plate(
         m.steel,
         g.end_plate_thickness,
         film,
@@ -299,9 +299,9 @@ def end_state_at(bearing: Bearing, core: Core, film: float) -> tuple[Floats, Flo
     )
     if core.foot == 0.0:
         return lead.end_spreading * plate, np.ones(AXIAL)
-    heat = fin_heat(m.steel, core.foot, m.rubber, g.rubber_thickness, faces=1)
+    heat = _fin_heat(m.steel, core.foot, m.rubber, g.rubber_thickness, faces=1)
     around = fin(m.steel, core.foot, heat, core.radius, core.plan)
-    around += core_to_wall(m.lead, core.foot, core.radius)
+    around += _core_to_wall(m.lead, core.foot, core.radius)
     down = float(np.median(around / (plate + around)))  # of the heat, through the end
     n, part = np.arange(1, AXIAL + 1), core.foot / core.half
     wall = np.cos(0.75 * np.pi * n * part) * np.sinc(0.25 * n * part)
@@ -361,17 +361,17 @@ def lead_network(bearing: Bearing, stack: Stack, upper: Face, lower: Face | None
     lead, material = bearing.lead, bearing.materials.lead
     assert lead is not None
     assert material is not None
-    core = core_sizes(bearing, stack)
+    core = _core_sizes(bearing, stack)
     side = None
     cells: list[tuple[int, int, float]] = []
     terms: list[Term] = []
     if not lead.confined and "shim" in stack.part:
-        side = core_side(bearing, stack, core)
+        side = _core_side(bearing, stack, core)
         cells += [(cell, 0, share) for cell, share in zip(side.cells, side.shares, strict=True)]
         terms += [(a, tau, 0, 1.0, 0, 0.0) for a, tau in fitted(side.impedance).T]
     first = 0 if side is None else 1
     beside = 0.0 if side is None else side.beside
-    modes = core_modes(material, core.half, core.radius, beside)
+    modes = _core_modes(material, core.half, core.radius, beside)
     faces = [upper] if lower is None else [upper, lower]
     for end, (touched, face) in enumerate(zip(_end_cells(stack, core), faces, strict=True)):
         own, at_end = end_state_at(bearing, core, film_at_face(face, stack, -end))

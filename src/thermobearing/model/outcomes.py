@@ -76,7 +76,7 @@ class TemperatureLimits(Strict):
 
 
 @cache
-def temperature_limits() -> TemperatureLimits:
+def _temperature_limits() -> TemperatureLimits:
     """The limits, read once."""
     path = data_path("materials", "limits.toml")
     return validated(TemperatureLimits, split_sources(read_toml(path))[0], str(path))
@@ -84,7 +84,7 @@ def temperature_limits() -> TemperatureLimits:
 
 def limits_of_a_step() -> Limits:
     """Those that every step looks at."""
-    found = temperature_limits()
+    found = _temperature_limits()
     return Limits(
         coldest=found.absolute_zero, rubber=found.rubber_decomposes, lead=found.lead_melts
     )
@@ -109,7 +109,7 @@ def is_physical(constants: Constants, state: State, recoverable_before: float = 
     [kN mm]. The published scheme has gaps in its books by itself: there only the temperatures
     count.
     """
-    temperature, limits = state.temperature, temperature_limits()
+    temperature, limits = state.temperature, _temperature_limits()
     possible = temperature.min() >= limits.absolute_zero
     if not (possible and temperature.max() <= limits.steel_melts):
         return False
