@@ -12,7 +12,7 @@ import pytest
 import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.validate.hold_out import cross_validate, make_hold_out_case
+from thermobearing.validate.hold_out import cross_validate, split_tests
 from thermobearing.validate.result import BEYOND, WITHIN, CrossValidation
 
 HDR = "shen-hdr-specimen"
@@ -118,9 +118,9 @@ def test_groups_have_every_temperature() -> None:
 def test_one_test_given_twice_is_one(tmp_path: Path, good: list[TestRecord]) -> None:
     files = [write(tmp_path, record) for record in good[:2]]
     held = files[1].with_suffix(".toml")  # the same test by its sidecar
-    case = make_hold_out_case([*files, good[2]], HDR, hold_out=[held, files[1]])
-    assert [record.name for record in case.fit.records] == ["at-20", "at10"]
-    assert [record.name for record in case.held_out] == ["at-10"]
+    kept, out = split_tests([*files, good[2]], [held, files[1]])
+    assert [record.name for record in kept] == ["at-20", "at10"]
+    assert [record.name for record in out] == ["at-10"]
 
 
 @pytest.mark.parametrize(

@@ -142,12 +142,13 @@ def _fit(
     """Return a fit to all tests, or one that is validated with those held out."""
     from thermobearing.identify.case import make_identify_case
     from thermobearing.identify.run import run_identify
-    from thermobearing.validate.hold_out import make_hold_out_case, run_hold_out
+    from thermobearing.validate.hold_out import cross_validate
 
     if "hold_out" not in given:
         return run_identify(make_identify_case(records, bearing, **given))
-    case = make_hold_out_case(records, bearing, **given)
-    return end.progress(lambda show: run_hold_out(case, progress=show), "fits")
+    return end.progress(
+        lambda show: cross_validate(records, bearing, progress=show, **given), "fits"
+    )
 
 
 def _forecast(

@@ -7,7 +7,7 @@ fit without each group, and a last one to all of them. Tests are judged as `vali
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,19 +24,6 @@ from thermobearing.validate.result import CrossValidation, Validation
 from thermobearing.validate.run import as_fitted, judge, refuse_unusable
 
 Progress = Callable[[int, int], None]
-
-
-@dataclass(frozen=True)
-class HoldOutCase:
-    """The fit to all tests but those held out; either `folds` (their number) or those.
-
-    `limits` are largest relative errors by quantity.
-    """
-
-    fit: IdentifyCase
-    held_out: list[TestRecord]
-    folds: int = 0
-    limits: dict[str, float] = field(default_factory=lambda: dict(LIMITS))
 
 
 def cross_validate(
@@ -82,49 +69,58 @@ def cross_validate(
     >>> found.verdict
     'within'
     """
-    case = make_hold_out_case(
-        records, bearing, hold_out=hold_out, folds=folds, limits=limits, **fit
-    )
-    return run_hold_out(case, progress=progress)
-
-
-def make_hold_out_case(
-    records: Sequence[Test] | Test,
-    bearing: Bearing | str | Path,
-    *,
-    hold_out: Sequence[Test] | Test = (),
-    folds: int | None = None,
-    limits: Mapping[str, float] | None = None,
-    **fit: Any,
-) -> HoldOutCase:
-    """Return a checked case of a fit with tests held out; arguments as of `cross_validate`."""
-    kept, out = _records(records), _records(hold_out)
+    tests, out = split_tests(records, hold_out)
     if bool(out) == (folds is not None):
         raise InputError("give either tests to hold out or a number of folds")
-    kept = [record for record in kept if not any(_same(record, other) for other in out)]
-    if not kept:
+    if not tests:
         raise InputError("every test is held out: none is left to fit")
     if folds is not None:
-        _check_folds(folds, len(kept))
-    once = [record for i, record in enumerate(out) if not any(_same(record, o) for o in out[:i])]
-    return HoldOutCase(
-        fit=make_identify_case(kept, bearing, **fit),
-        held_out=once,
-        folds=folds or 0,
-        limits=dict(LIMITS) | checked_limits(limits or {}),
+        _check_folds(folds, len(tests))
+    case = make_identify_case(tests, bearing, **fit)
+    largest = dict(LIMITS) | checked_limits(limits or {})
+    tests = case.records
+    if refused := [line for one in tests for line in check_test(one, case.bearing).refusals]:
+        raise InputError(refused)
+    refuse_unusable(out, case.bearing)
+    groups = _groups(tests, folds) if folds else [out]
+    final, *fits = _fit(case, groups if folds else [], progress)
+    alike = {id(record): as_fitted(record) for record in [*tests, *out]}
+    groups = [[alike[id(record)] for record in group] for group in groups]
+    judged = [_judged(one, group) for one, group in zip(fits or [final], groups, strict=True)]
+    warnings = [
+        f"held out{f' of fold {number}' if folds else ''}: {text}"
+        for number, found in enumerate(judged, start=1)
+        for text in found.warnings
+    ]
+    items = [item for found in judged for item in found.comparisons]
+    return CrossValidation(
+        final=final,
+        folds=fits,
+        groups=groups,
+        fitted=replace(_judged(final, [alike[id(r)] for r in tests]), limits=largest),
+        held_out=Validation(items, largest, warnings),
     )
 
 
-def _records(given: Sequence[Test] | Test) -> list[TestRecord]:
-    several = [given] if isinstance(given, TestRecord | str | Path) else list(given)
-    return [item if isinstance(item, TestRecord) else load_test(item) for item in several]
+def split_tests(
+    records: Sequence[Test] | Test, hold_out: Sequence[Test] | Test
+) -> tuple[list[TestRecord], list[TestRecord]]:
+    """Return the tests to fit and those held out, each once."""
+    kept, out = (
+        [one if isinstance(one, TestRecord) else load_test(one) for one in several]
+        for several in (
+            [given] if isinstance(given, TestRecord | str | Path) else list(given)
+            for given in (records, hold_out)
+        )
+    )
+    once = [one for i, one in enumerate(out) if not any(_same(one, other) for other in out[:i])]
+    return [one for one in kept if not any(_same(one, other) for other in out)], once
 
 
 def _same(one: TestRecord, other: TestRecord) -> bool:
-    """Whether two records are one test: the same object, or of the same file."""
-    if one is other:
-        return True
-    return bool(one.file and other.file) and Path(one.file).resolve() == Path(other.file).resolve()
+    """Return whether two records are one test: the same object, or of the same file."""
+    files = [Path(record.file).resolve() for record in (one, other) if record.file]
+    return one is other or (len(files) == 2 and files[0] == files[1])
 
 
 def _check_folds(folds: int, tests: int) -> None:
@@ -137,53 +133,30 @@ def _check_folds(folds: int, tests: int) -> None:
         )
 
 
-def run_hold_out(case: HoldOutCase, *, progress: Progress | None = None) -> CrossValidation:
-    """Run a case: a test that cannot be used is refused before anything is fitted.
+def _groups(tests: list[TestRecord], folds: int) -> list[list[TestRecord]]:
+    """Return tests dealt out by temperature, so that none of the groups has all cold ones."""
+    order = sorted(range(len(tests)), key=lambda i: tests[i].ambient)
+    return [[tests[i] for i in sorted(order[k::folds])] for k in range(folds)]
 
-    `progress` is called with (fits done, all); an error names the fold of its fit.
-    """
-    tests, base = case.fit.records, case.fit.bearing
-    refused = [line for record in tests for line in check_test(record, base).refusals]
-    if refused:
-        raise InputError(refused)
-    refuse_unusable(case.held_out, base)
-    groups = _groups(tests, case.folds) or [case.held_out]
+
+def _fit(
+    case: IdentifyCase, groups: list[list[TestRecord]], progress: Progress | None
+) -> list[Identification]:
+    """Return the fit to all tests and one without each group; an error names its fold."""
     fits: list[Identification] = []
-    for number, group in enumerate([[], *groups] if case.folds else [[]]):
+    for number, group in enumerate([[], *groups]):
         if progress:
-            progress(number, case.folds + 1)
-        seen = [record for record in tests if not any(record is other for other in group)]
+            progress(number, len(groups) + 1)
+        seen = [record for record in case.records if not any(record is other for other in group)]
         try:
-            fits.append(run_identify(replace(case.fit, records=seen)))
+            fits.append(run_identify(replace(case, records=seen)))
         except InputError as error:
             if not number:
                 raise
             raise InputError(error.lines(f"fold {number}")) from None
     if progress:
-        progress(case.folds + 1, case.folds + 1)
-    final, *folds = fits
-    alike = {id(record): as_fitted(record) for record in [*tests, *case.held_out]}
-    groups = [[alike[id(record)] for record in group] for group in groups]
-    judged = [_judged(found, group) for found, group in zip(folds or [final], groups, strict=True)]
-    warnings = [
-        f"held out{f' of fold {number}' if folds else ''}: {text}"
-        for number, found in enumerate(judged, start=1)
-        for text in found.warnings
-    ]
-    items = [item for found in judged for item in found.comparisons]
-    return CrossValidation(
-        final=final,
-        folds=folds,
-        groups=groups,
-        fitted=replace(_judged(final, [alike[id(r)] for r in tests]), limits=case.limits),
-        held_out=Validation(items, case.limits, warnings),
-    )
-
-
-def _groups(tests: list[TestRecord], folds: int) -> list[list[TestRecord]]:
-    """Return tests dealt out by temperature, so that none of the groups has all cold ones."""
-    order = sorted(range(len(tests)), key=lambda i: tests[i].ambient)
-    return [[tests[i] for i in sorted(order[k::folds])] for k in range(folds)]
+        progress(len(groups) + 1, len(groups) + 1)
+    return fits
 
 
 def _judged(found: Identification, records: list[TestRecord]) -> Validation:
