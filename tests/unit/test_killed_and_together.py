@@ -80,6 +80,7 @@ def killed(action: Callable[[], object], moment: int) -> bool:
     return os.WIFSIGNALED(os.waitpid(child, 0)[1])
 
 
+@pytest.mark.thorough
 def test_a_killed_run_loses_no_earlier_result(tmp_path: Path) -> None:
     """At every event of it; what it leaves is taken away by the next run."""
     case, out = quick_case(tmp_path / "case.toml"), tmp_path / "out"

@@ -97,9 +97,9 @@ def test_cycles_in_a_row_begin_anew_after_a_rest() -> None:
     assert largest_speed(t, x + noise) == pytest.approx(0.5 * np.pi, rel=0.15)
 
 
-def test_the_source_s_own_test_is_inside() -> None:
+def test_the_test_of_table_3_4_is_inside() -> None:
     for name, wave in ((SPECIMEN, "triangular"), ("shen-lhdr-specimen", "sine")):
-        result = tb.run(name, tb.cyclic_test(wave=wave, dt=0.02), [-20.0, 23.0])
+        result = tb.run(name, tb.cyclic_test(wave=wave, dt=0.05), [-20.0, 23.0])
         assert not result.tested_range["passed"].any()
         assert not any("tested" in text for text in result.warnings)
 
