@@ -1,7 +1,6 @@
 """The command report, and the options of analyses: what is written, kept, refused; nothing half."""
 
 import errno
-import json
 import os
 import re
 import shutil
@@ -15,10 +14,10 @@ import pytest
 import thermobearing as tb
 import thermobearing.report.files as files
 from tests.unit.inputs import command, content, cyclic, last_line, quick_case, told
-from tests.unit.report_pieces import EVIL, LOGO, PIECES, saved_directory
+from tests.unit.report_pieces import EVIL, LOGO, saved_directory
 from tests.unit.test_killed_and_together import killed
-from thermobearing.report.title import TitleBlock, read_title, title_given
-from thermobearing.results.directory import RESULT_NAMES, check_target
+from thermobearing.report.title import read_title
+from thermobearing.results.directory import check_target
 from thermobearing.results.saved import SavedResult
 
 WITH_OPTIONS = {"cyclic", "bridge", "hybrid", "sequence", "validate", "identify", "design"}
@@ -75,10 +74,6 @@ def test_without_pdf_an_earlier_one_goes(earlier: Path) -> None:
     assert command("report", earlier, "--no-pdf", "-q").exit_code == 0
     assert not (earlier / "report.pdf").exists()
     assert (earlier / "report.xlsx").exists()
-
-
-def test_files_of_documents_are_files_of_a_result() -> None:
-    assert set(files.WRITTEN) <= RESULT_NAMES
 
 
 @pytest.mark.parametrize(
@@ -331,11 +326,3 @@ def test_files_that_do_not_fit_together_are_told(
 
     monkeypatch.setattr("thermobearing.reporting.pieces_of_saved", unfit)
     told(lambda: tb.make_report(saved), str(saved), "do not fit together", "'bearing'")
-
-
-def test_a_title_block_over_another() -> None:
-    below = TitleBlock(project="a", revision="A")
-    assert title_given(["revision= B "]).over(below) == TitleBlock(project="a", revision="B")
-    assert list(TitleBlock(number="7", date="1 May").words()) == ["Document", "Date"]
-    assert json.loads(below.model_dump_json())["project"] == "a"
-    assert PIECES.command == "intake"

@@ -45,7 +45,7 @@ FEWEST_TO_SORT = 3  # rows; two are seen at once
 MOST_ROWS = 40  # of a table that are open; the rest is folded
 UPRIGHT = 130  # letters in a row of a table that fit on a page; more is turned, as page.css knows
 SHORT = 12  # rows that stay on one page
-PADDING = 4  # of a column, in letters
+PADDING = 4  # of a column on a screen, in letters; one less on paper
 LONG = 34  # letters of a cell that is wrapped
 BOX_NAMES = {"answer": "Answer", "warning": "\N{WARNING SIGN} Warning"}
 PIXEL = 25.4 / 96.0  # of a page [mm]
@@ -231,7 +231,7 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
     texts = table.texts()
     looks = _looks(table, texts)
     widths = column_letters(table, texts)
-    letters = sum(min(most, LONG) + PADDING for _, most in widths)
+    letters = sum(min(most, LONG) + PADDING - 1 for _, most in widths)
     least = sum(least + PADDING for least, _ in widths)
     rows = [
         [
