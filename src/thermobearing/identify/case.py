@@ -23,41 +23,21 @@ SEARCH = 2000  # evaluations of krill herd and differential evolution
 
 @dataclass(frozen=True)
 class IdentifyCase:
-    """Everything a fit needs; see `make_identify_case`.
+    """Everything a fit needs; see `identify_bearing`."""
 
-    Attributes
-    ----------
-    records : tests of one bearing, at least one.
-    bearing : geometry and materials, and the values of what is not free.
-    free : keys, symbols and ties; None for the usual ones.
-    bounds : (lower, upper) by key or symbol, in the unit of the parameter; None for the usual.
-    method : "least-squares", "krill-herd" or "differential-evolution".
-    seed : of all random numbers, 0 to 4294967295.
-    starts : least squares from so many points, 1 to 100.
-    loss : "linear", "soft_l1", "huber" or "cauchy".
-    temperatures : fit the thermocouples too.
-    blind : start from the loops; False starts from the bearing's own values.
-    polish : end with least squares.
-    evaluations : budget of krill herd or differential evolution, 1 to a million.
-    assumed : relative standard uncertainties of what is not identified, by key or symbol; None
-        for the usual ones.
-    accept_poor : a poor fit counts as one, and its bearing is written to be used.
-    one_temperature : free m_T and n_T, if `free` has them, though all tests are at one temperature.
-    """
-
-    records: list[TestRecord]
-    bearing: Bearing
-    free: Sequence[str] | None = None
-    bounds: dict[str, tuple[float, float]] | None = None
+    records: list[TestRecord]  # of one bearing, at least one
+    bearing: Bearing  # geometry and materials, and the values of what is not free
+    free: Sequence[str] | None = None  # keys, symbols and ties; None for the default ones
+    bounds: dict[str, tuple[float, float]] | None = None  # by key or symbol, in its unit
     method: Method = "least-squares"
-    seed: int = 0
-    starts: int = 3
+    seed: int = 0  # 0 to 4294967295
+    starts: int = 3  # of least squares, 1 to 100
     loss: Loss = "linear"
     temperatures: bool = False
     blind: bool = True
     polish: bool = True
-    evaluations: int = SEARCH
-    assumed: Mapping[str, float] | None = None
+    evaluations: int = SEARCH  # 1 to a million
+    assumed: Mapping[str, float] | None = None  # relative standard uncertainties
     accept_poor: bool = False
     one_temperature: bool = False
 

@@ -204,9 +204,13 @@ def _problem(
 
     pset, start = begin(case.free)
     problem = Problem(
-        records, pset, temperatures=case.temperatures, loss=case.loss, clipped=left_out,
+        records,
+        pset,
+        temperatures=case.temperatures,
+        loss=case.loss,
+        clipped=left_out,
         coarse=coarse,
-    )  # fmt: skip
+    )
     if case.free is not None:
         return problem, start, []
     groups = chosen_groups(case.assumed)

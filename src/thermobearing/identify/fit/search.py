@@ -127,37 +127,28 @@ MEMBERS = 6  # of differential evolution, for each dimension
 
 
 def search(problem: Problem, case: IdentifyCase) -> Floats:
-    """A point of the unit cube near the best one, with coarse steps of the model.
-
-    Parameters
-    ----------
-    problem : residuals of the tests; its search begins at the starting values.
-    case : method, seed, starts and budget.
-
-    Returns
-    -------
-    ndarray : place of each free parameter between its bounds, in [0, 1].
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> from thermobearing.identify.case import make_identify_case
-    >>> from thermobearing.identify.fit.parameters import parameter_set
-    >>> bearing = tb.load_bearing("shen-hdr-specimen")
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
-    >>> record = tb.synthetic_record(bearing, 23.0, test, noise=0.0)
-    >>> problem = Problem([record], parameter_set(bearing, ["K_r"], [23.0]))
-    >>> cube = search(problem, make_identify_case(record, bearing, starts=1))
-    >>> problem.cost(polish(problem, cube)[0]) < 1e-4
-    True
-    """
+    """Return a point of the unit cube near the best one, found with coarse steps of the model."""
     first = np.clip(problem.pset.start, INSIDE, 1.0 - INSIDE)
     if case.method == "krill-herd":
         return krill_herd(
             problem.cost, len(first), evaluations=case.evaluations, seed=case.seed, start=first
         ).best
     if case.method == "differential-evolution":
-        return _differential_evolution(problem, first, case)
+        from scipy.optimize import differential_evolution
+
+        generations = max(1, case.evaluations // (MEMBERS * len(first)) - 1)
+        unit, how = [(0.0, 1.0)] * len(first), {"init": "latinhypercube", "rng": case.seed}
+        found = differential_evolution(
+            problem.cost,
+            unit,
+            maxiter=generations,
+            popsize=MEMBERS,
+            polish=False,
+            x0=first,
+            tol=0.0,
+            **how,
+        )
+        return np.asarray(found.x)
     best, lowest = first, float("inf")
     for point in _starting_points(problem, first, case):
         found, _ = _least_squares(problem, point, MOST_STEPS, fine=False)
@@ -168,22 +159,12 @@ def search(problem: Problem, case: IdentifyCase) -> Floats:
 
 
 def polish(problem: Problem, cube: Floats) -> tuple[Floats, bool]:
-    """Least squares from a point near the best one, with a step of the model at every sample.
-
-    Parameters
-    ----------
-    problem : residuals of the tests.
-    cube : from `search`, each in [0, 1].
-
-    Returns
-    -------
-    the best point, and whether the search converged; see `search` for an example.
-    """
+    """Return the best point by least squares with fine steps, and whether it converged."""
     return _least_squares(problem, cube, POLISH_STEPS, fine=True)
 
 
 def _starting_points(problem: Problem, first: Floats, case: IdentifyCase) -> list[Floats]:
-    """The start from the loops, and the best of a Latin hypercube around it."""
+    """Return the start from the loops, and the best of a Latin hypercube around it."""
     from scipy.stats import qmc
 
     if case.starts == 1:
@@ -195,27 +176,10 @@ def _starting_points(problem: Problem, first: Floats, case: IdentifyCase) -> lis
     return [first, *(probes[i] for i in np.argsort(costs)[:others])]
 
 
-def _differential_evolution(problem: Problem, first: Floats, case: IdentifyCase) -> Floats:
-    from scipy.optimize import differential_evolution
-
-    found = differential_evolution(
-        problem.cost,
-        [(0.0, 1.0)] * len(first),
-        maxiter=max(1, case.evaluations // (MEMBERS * len(first)) - 1),
-        popsize=MEMBERS,
-        rng=case.seed,
-        polish=False,
-        x0=first,
-        tol=0.0,
-        init="latinhypercube",
-    )
-    return np.asarray(found.x)
-
-
 def _least_squares(
     problem: Problem, start: Floats, steps: int, *, fine: bool
 ) -> tuple[Floats, bool]:
-    """Bounded trust-region least squares in the unit cube; whether it converged."""
+    """Run bounded trust-region least squares in the unit cube; return whether it converged too."""
     from scipy.optimize import least_squares
 
     found = least_squares(

@@ -44,26 +44,18 @@ class Band:
 
     It carries the uncertainty of the parameters of this law; noise and what the law misses
     come on top.
-
-    Attributes
-    ----------
-    ambient : temperature [degC].
-    displacement, best, lower, upper : displacement [mm] and forces [kN] at the samples.
-    peak, peak_lower, peak_upper : largest force [kN].
-    lead : coldest and warmest temperature of the lead [degC]; None without lead.
-    asked : what it asks of the range of the tests, rows of `compared`.
     """
 
-    ambient: float
-    displacement: Floats
-    best: Floats
+    ambient: float  # [degC]
+    displacement: Floats  # at the samples [mm]
+    best: Floats  # force [kN]
     lower: Floats
     upper: Floats
-    peak: float
+    peak: float  # largest force [kN]
     peak_lower: float
     peak_upper: float
-    lead: tuple[float, float] | None = None
-    asked: tuple[Row, ...] = ()
+    lead: tuple[float, float] | None = None  # coldest and warmest lead [degC]
+    asked: tuple[Row, ...] = ()  # of the range of the tests, rows of `compared`
 
     @property
     def name(self) -> str:
@@ -88,18 +80,11 @@ class Band:
 
 @dataclass(frozen=True)
 class Forecast:
-    """Draws of the parameters, and the bands that they make at some temperatures.
+    """Draws of the parameters, and their bands at some temperatures."""
 
-    Attributes
-    ----------
-    samples : the draws; `found.save(directory, forecast=...)` writes them as posterior.csv.
-    bands : one at each temperature.
-    warnings : what of it goes beyond the tests.
-    """
-
-    samples: Samples
+    samples: Samples  # written as posterior.csv
     bands: tuple[Band, ...] = ()
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()  # what of it goes beyond the tests
 
     def summary(self) -> dict[str, Any]:
         """Return what summary.json says of the forecast."""
