@@ -9,7 +9,7 @@ from tests.conftest import Recorder
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.measures import (
     BRACKET,
-    arias_growth,
+    _arias_growth,
     bracketed_duration,
     measure_motion,
     significant_duration,
@@ -49,7 +49,7 @@ def test_measures_are_those_of_eqsig(name: str) -> None:
     gravity = 9.81 / STANDARD_GRAVITY  # theirs is in m and has g = 9.81 m/s2
     theirs = eqsig.im.calc_arias_intensity(other) * gravity
     near = {"rtol": tol.EQSIG_MEASURE, "atol": tol.EQSIG_MEASURE * ours.arias_intensity}
-    assert_allclose(arias_growth(motion), theirs, **near)
+    assert_allclose(_arias_growth(motion), theirs, **near)
     cav = eqsig.im.calc_cav(other)[-1]
     assert ours.cumulative_absolute_velocity == pytest.approx(cav, rel=tol.EQSIG_MEASURE)
     steps = 2.0 * tol.EQSIG_DURATION * motion.dt

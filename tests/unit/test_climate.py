@@ -13,13 +13,13 @@ from thermobearing.climate.generator import (
     YEAR,
     Climate,
     ColdSpells,
-    autoregressive,
-    daily_cycle,
-    hour_of_year,
+    _autoregressive,
+    _daily_cycle,
+    _hour_of_year,
+    _mean_of_spells,
+    _seasonal,
+    _spells,
     load_climate,
-    mean_of_spells,
-    seasonal,
-    spells,
 )
 
 STEPS = tb.Hourly([5.0, 4.0, 2.0, 3.0])
@@ -97,43 +97,43 @@ def test_same_seed_same_weather() -> None:
 
 def test_monthly_means_of_the_seasons_are_as_told() -> None:
     climate = load_climate("cold-town")
-    curve = seasonal(climate)
+    curve = _seasonal(climate)
     means = [curve[month == MONTH_OF].mean() for month in range(12)]
     assert_allclose(means, climate.monthly_mean, atol=tol.MEAN)
     assert np.abs(np.diff(curve)).max() < 3.0  # no step between months
 
 
 def test_day_goes_from_the_coldest_to_the_warmest_hour() -> None:
-    cycle = daily_cycle(6.0, 14.0)
+    cycle = _daily_cycle(6.0, 14.0)
     assert (int(cycle.argmin()), int(cycle.argmax())) == (6, 14)
     assert_allclose([cycle.mean(), np.ptp(cycle)], [0.0, 2.0], atol=tol.MEAN)
 
 
 def test_place_in_the_year() -> None:
     dates = np.array(["2001-01-01T00", "2004-02-28T05", "2004-02-29T05", "2004-03-01T00"])
-    places = hour_of_year(dates.astype("datetime64[h]"))
+    places = _hour_of_year(dates.astype("datetime64[h]"))
     assert places.tolist() == [0, 58 * 24 + 5, 58 * 24 + 5, 59 * 24]
-    assert hour_of_year(np.datetime64("2004-12-31T23", "h")[None]).tolist() == [YEAR - 1]
+    assert _hour_of_year(np.datetime64("2004-12-31T23", "h")[None]).tolist() == [YEAR - 1]
 
 
 def test_weather_has_its_deviation_and_memory() -> None:
     """Of a million hours: variance one, correlation 1/e after the memory."""
-    series = autoregressive(1_000_000, 48.0, np.random.default_rng(5))
+    series = _autoregressive(1_000_000, 48.0, np.random.default_rng(5))
     told = [series.std(), np.mean(series[48:] * series[:-48])]
     assert_allclose(told, [1.0, np.exp(-1.0)], atol=tol.MILLION_HOURS)
 
 
 def test_weather_of_days_begins_as_it_goes_on() -> None:
     """Of 2000 series the first hour has the deviation of all: six standard errors are 0.1."""
-    first = [autoregressive(1, 48.0, np.random.default_rng(seed))[0] for seed in range(2000)]
+    first = [_autoregressive(1, 48.0, np.random.default_rng(seed))[0] for seed in range(2000)]
     assert 0.9 < np.std(first) < 1.1
 
 
 def test_spells_take_what_they_are_expected_to() -> None:
     """Of 1000 years; and nothing long after the months they begin in."""
     place = np.tile(np.arange(YEAR), 1000)
-    taken = spells(SPELLS, place, np.random.default_rng(6)).reshape(1000, YEAR)
-    expected = mean_of_spells(SPELLS)
+    taken = _spells(SPELLS, place, np.random.default_rng(6)).reshape(1000, YEAR)
+    expected = _mean_of_spells(SPELLS)
     assert_allclose(expected.sum(), 4.0 * 6.0 * 96.0 / 2.0, rtol=tol.SUM_OF_HOURS)
     assert_allclose(taken.sum(axis=1).mean(), expected.sum(), rtol=tol.SPELLS)
     of_months = [

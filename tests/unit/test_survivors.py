@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.border.toml import to_table
-from thermobearing.climate.generator import MONTH_OF, ColdSpells, spell_rate
+from thermobearing.climate.generator import MONTH_OF, ColdSpells, _spell_rate
 from thermobearing.cyclic.reported import model_assumptions
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.dataset import INTERRUPTED, _interrupted
@@ -20,7 +20,7 @@ from thermobearing.sequences import run as sequences
 
 def test_cold_spells_begin_in_their_months_only() -> None:
     spells = ColdSpells(months=[1, 12], per_year=4.0, depth=6.0, length=96.0)
-    begins = spell_rate(spells) > 0.0
+    begins = _spell_rate(spells) > 0.0
     assert set(MONTH_OF[begins]) == {0, 11}  # January is month 0 of the year
     assert begins[:744].all()
     assert begins[-744:].all()

@@ -15,9 +15,9 @@ from thermobearing.cli import app
 from thermobearing.identify.records.record import load_test
 from thermobearing.tables.columns import (
     Layout,
+    _seconds_and_start,
     list_columns,
     name_and_unit,
-    seconds_and_start,
     usable_table,
 )
 from thermobearing.tables.laboratory import read_laboratory
@@ -128,12 +128,14 @@ STAMPS = {
 
 @pytest.mark.parametrize("kind", STAMPS)
 def test_time_stamps(kind: str) -> None:
-    assert_allclose(seconds_and_start(STAMPS[kind])[0], [0.0, 0.5, 1.75], atol=tol.CONVERSION * 1e5)
+    assert_allclose(
+        _seconds_and_start(STAMPS[kind])[0], [0.0, 0.5, 1.75], atol=tol.CONVERSION * 1e5
+    )
 
 
 def test_day_and_month_are_in_the_order_that_makes_the_record_short() -> None:
-    assert seconds_and_start(["01/02/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
-    assert seconds_and_start(["02/01/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
+    assert _seconds_and_start(["01/02/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
+    assert _seconds_and_start(["02/01/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
 
 
 def test_stamps_coarser_than_the_sampling_are_spread(tmp_path: Path) -> None:

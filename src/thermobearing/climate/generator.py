@@ -121,16 +121,16 @@ def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int =
         raise InputError(f"seed = {seed!r}: must be a whole number of 0 or more", known.name)
     random = np.random.default_rng(seed)
     dates = BEGINS - np.timedelta64(LEAD_IN, "h") + np.arange(LEAD_IN + hours)
-    place = hour_of_year(dates)
-    air = seasonal(known)[place]
+    place = _hour_of_year(dates)
+    air = _seasonal(known)[place]
     for deviation, memory in (
         (_through_year(known.weather_deviation), known.weather_memory),
         (np.full(YEAR, known.season_deviation), known.season_memory),
     ):
-        air += deviation[place] * autoregressive(len(dates), memory, random)
+        air += deviation[place] * _autoregressive(len(dates), memory, random)
     if known.cold_spells is not None:
-        air += mean_of_spells(known.cold_spells)[place]
-        air -= spells(known.cold_spells, place, random)
+        air += _mean_of_spells(known.cold_spells)[place]
+        air -= _spells(known.cold_spells, place, random)
     return Hourly(air[LEAD_IN:], BEGINS, name=known.name)
 
 
@@ -141,7 +141,7 @@ def _hours(years: int) -> int:
     return int((later.astype("datetime64[h]") - BEGINS) // np.timedelta64(1, "h"))
 
 
-def hour_of_year(dates: Dates) -> Ints:
+def _hour_of_year(dates: Dates) -> Ints:
     """Return the place of each date in a common year, 0 to 8759; 29 February is as the 28th."""
     months = dates.astype("datetime64[M]")
     month = months.astype(np.int64) % 12
@@ -157,17 +157,17 @@ def _through_year(monthly: Any) -> Floats:
     return np.asarray(np.interp(hours, middles, np.asarray(monthly), period=YEAR))
 
 
-def seasonal(climate: Climate) -> Floats:
+def _seasonal(climate: Climate) -> Floats:
     """Return what is expected at each hour of a common year [degC]; monthly means are exact."""
     units = np.array([_through_year(row) for row in np.eye(12)])
     means = np.array([[row[m == MONTH_OF].mean() for row in units] for m in range(12)])
     curve = np.linalg.solve(means, np.asarray(climate.monthly_mean)) @ units
-    cycle = daily_cycle(climate.coldest_hour, climate.warmest_hour)
+    cycle = _daily_cycle(climate.coldest_hour, climate.warmest_hour)
     ranges = np.asarray(climate.daily_range)[MONTH_OF]
     return np.asarray(curve + 0.5 * ranges * np.tile(cycle, YEAR // DAY))
 
 
-def daily_cycle(coldest: float, warmest: float) -> Floats:
+def _daily_cycle(coldest: float, warmest: float) -> Floats:
     """Return 24 values: -1 at the coldest hour 1 at the warmest, and a mean of zero."""
     rise = (warmest - coldest) % DAY
     since = (np.arange(DAY) - coldest) % DAY
@@ -176,7 +176,7 @@ def daily_cycle(coldest: float, warmest: float) -> Floats:
     return np.asarray(wave - wave.mean())
 
 
-def autoregressive(count: int, memory: float, random: np.random.Generator) -> Floats:
+def _autoregressive(count: int, memory: float, random: np.random.Generator) -> Floats:
     """Return a stationary series of variance one whose correlation falls to 1/e in `memory` [h]."""
     from scipy.signal import lfilter
 
@@ -187,7 +187,7 @@ def autoregressive(count: int, memory: float, random: np.random.Generator) -> Fl
     return np.asarray(series)
 
 
-def spell_rate(known: ColdSpells) -> Floats:
+def _spell_rate(known: ColdSpells) -> Floats:
     """Return how many spells begin in each hour of the year, on average."""
     may = np.isin(MONTH_OF + 1, known.months)
     return np.asarray(known.per_year * may / may.sum())
@@ -198,7 +198,7 @@ def _shape(since: Floats, length: float | Floats) -> Floats:
     return np.where(since < length, np.sin(np.pi * since / length) ** 2, 0.0)
 
 
-def mean_of_spells(known: ColdSpells) -> Floats:
+def _mean_of_spells(known: ColdSpells) -> Floats:
     """Return what all spells take from each hour of the year on average [K]."""
     from scipy.stats import gamma
 
@@ -206,13 +206,13 @@ def mean_of_spells(known: ColdSpells) -> Floats:
     lengths = gamma.ppf(shares, SHAPE, scale=known.length / SHAPE)
     since = np.arange(np.ceil(lengths.max()))
     one = known.depth * _shape(since[:, None], lengths[None, :]).mean(axis=1)
-    rate = np.concatenate([spell_rate(known), spell_rate(known)])
+    rate = np.concatenate([_spell_rate(known), _spell_rate(known)])
     return np.asarray(np.convolve(rate, one)[YEAR : 2 * YEAR])
 
 
-def spells(known: ColdSpells, place: Ints, random: np.random.Generator) -> Floats:
+def _spells(known: ColdSpells, place: Ints, random: np.random.Generator) -> Floats:
     """Return what spells take from each hour of a series with these places in the year."""
-    rate = spell_rate(known)[place]
+    rate = _spell_rate(known)[place]
     may = np.flatnonzero(rate > 0.0)
     taken = np.zeros(len(place))
     if not len(may):

@@ -26,7 +26,7 @@ class MotionMeasures:
     cumulative_absolute_velocity: float  # integral of the absolute acceleration [mm/s]
 
 
-def arias_growth(motion: GroundMotion) -> Floats:
+def _arias_growth(motion: GroundMotion) -> Floats:
     """Return the Arias intensity up to each sample [mm/s] by the trapezoidal rule (Arias, 1970)."""
     squares = motion.acceleration**2
     steps = 0.5 * motion.dt * (squares[1:] + squares[:-1])
@@ -53,7 +53,7 @@ def significant_interval(
     """Return beginning and end of the significant duration [s]; see `significant_duration`."""
     if not 0.0 <= start < end <= 1.0:
         raise InputError(f"shares {start:g} and {end:g}: need 0 <= start < end <= 1")
-    growth = arias_growth(motion)
+    growth = _arias_growth(motion)
     if growth[-1] <= 0.0:
         raise InputError("is zero throughout and has no duration", motion.name)
     after = (
@@ -83,7 +83,7 @@ def measure_motion(motion: GroundMotion) -> MotionMeasures:
         pgd=float(np.abs(displacement).max()),
         end_velocity=float(velocity[-1]),
         end_displacement=float(displacement[-1]),
-        arias_intensity=float(arias_growth(motion)[-1]),
+        arias_intensity=float(_arias_growth(motion)[-1]),
         significant_duration=significant_duration(motion),
         bracketed_duration=bracketed_duration(motion),
         cumulative_absolute_velocity=float(0.5 * motion.dt * (absolute[1:] + absolute[:-1]).sum()),

@@ -487,12 +487,12 @@ def _stamps(table: Table, column: int) -> tuple[Floats, np.datetime64 | None, se
     for dates, times in pairs:
         cells = [f"{day} {time}" for day, time in zip(dates, times, strict=True)]
     try:
-        return *seconds_and_start(cells), set(beside)
+        return *_seconds_and_start(cells), set(beside)
     except InputError as error:
         raise InputError(error.lines(f'column "{table.titles[column]}"')) from None
 
 
-def seconds_and_start(stamps: list[str]) -> tuple[Floats, np.datetime64 | None]:
+def _seconds_and_start(stamps: list[str]) -> tuple[Floats, np.datetime64 | None]:
     """Return the seconds since the first stamp, and its date (None for a clock without dates).
 
     Stamps are all dates with times, or all times ("23:59:58.5", also hours of a running clock). A
@@ -500,9 +500,9 @@ def seconds_and_start(stamps: list[str]) -> tuple[Floats, np.datetime64 | None]:
     leave open, that order is taken which makes the record shorter. A time zone is dropped. The
     seconds are not checked to increase.
 
-    >>> seconds_and_start(["23:59:59.5", "00:00:00,5"])[0].tolist()
+    >>> _seconds_and_start(["23:59:59.5", "00:00:00,5"])[0].tolist()
     [0.0, 1.0]
-    >>> seconds_and_start(["31.01.2024 23:59", "01.02.2024 00:01"])[0].tolist()
+    >>> _seconds_and_start(["31.01.2024 23:59", "01.02.2024 00:01"])[0].tolist()
     [0.0, 120.0]
     """
     cells = [_COMMA.sub(r"\1.\2", cell.strip().replace("/", "-")) for cell in stamps]
