@@ -46,7 +46,7 @@ def peaks() -> ReportTable:
 def long_table() -> ReportTable:
     """More rows than a page holds, more columns than it has room for."""
     columns = [Column(f"Quantity {place}", "kN/mm", ".3f") for place in range(18)]
-    rows = [[1234.5678 * k] * 18 for k in range(40)]
+    rows = [[1234.5678 * k] * 18 for k in range(60)]
     return ReportTable("Long and broad", columns, rows, marked=frozenset({(3, 17)}))
 
 
