@@ -142,25 +142,23 @@ class SequenceResult(Result):
     @property
     def rig(self) -> pd.DataFrame:
         """What each part asks of each limit of the rig; empty without a rig."""
-        return self._of_parts([part.rig for part in self.parts])
+        return self._below({self.case.label(k): part.rig for k, part in enumerate(self.parts)})
 
     @property
     def tested_range(self) -> pd.DataFrame:
         """What each part asks of the range that the bearing was tested in; empty if not given."""
-        return self._of_parts([part.tested_range for part in self.parts])
+        parts = enumerate(self.parts)
+        return self._below({self.case.label(k): part.tested_range for k, part in parts})
 
-    def _of_parts(self, tables: list[pd.DataFrame]) -> pd.DataFrame:
-        """Tables of the parts below each other, with the part that each row belongs to."""
-        found = []
-        for number, table in enumerate(tables):
-            if len(table):
-                table.insert(0, "part", self.case.label(number))
-                found.append(table)
-        return pd.concat(found, ignore_index=True) if found else pd.DataFrame()
+    def _below(self, tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
+        """Return tables of the parts below each other, with the part of each row."""
+        found = {label: table for label, table in tables.items() if len(table)}
+        if not found:
+            return pd.DataFrame()
+        return pd.concat(found, names=["part"]).reset_index("part").reset_index(drop=True)
 
     def summary(self) -> dict[str, Any]:
         """What summary.json says."""
-        rows = self.table.to_dict("records")
         return {
             "command": "sequence",
             "name": self.case.name,
@@ -170,9 +168,7 @@ class SequenceResult(Result):
             "outcome": self.outcome,
             "warnings": self.warnings,
             **limits_summary(self.rig, self.tested_range),
-            "parts": [
-                {str(k): getattr(v, "item", lambda v=v: v)() for k, v in r.items()} for r in rows
-            ],
+            "parts": self.table.to_dict("records"),
         }
 
     def tables(self) -> dict[str, Table]:
