@@ -423,7 +423,7 @@ def _made(claim: Claim, runs: Runs, variants: Variants | None) -> Row:
     computed = compute(claim, runs)
     verdict = judge(claim.rule, computed)
     if runs.shaken and verdict.kind != FAILED:
-        others = [judged(runs.beside(moved_on=k)) for k in range(1, WAVES)]
+        others = [judged(runs.varied(moved_on=k)) for k in range(1, WAVES)]
         verdict = judge_motions(verdict, others)
     if claim.echoes and verdict.kind == REPRODUCED:
         verdict = Verdict(ECHOES, f"{ECHOES}: {verdict.words}")
@@ -441,7 +441,7 @@ def _as_printed(claim: Claim, judged: Judged, runs: Runs) -> Verdict | None:
     if group_by_id(claim.id) == "misprints":
         return None
     try:
-        return judged(runs.beside(**PRINTED))
+        return judged(runs.varied(**PRINTED))
     except Exception as error:  # an analysis that has no printed scheme
         return Verdict(FAILED, failure(error))
 

@@ -253,7 +253,7 @@ def layer_displacements(runs: Runs) -> Floats:
 
 
 def rubber_above_steel(runs: Runs) -> Floats:
-    """Return how much rubber is warmer than the shim beside it at least, end of loadings [K]."""
+    """Return how much rubber is warmer than the shim next to it at least, end of loadings [K]."""
     result = runs.cyclic(HDR, keep=["rubber", "cells"])
     shims = np.flatnonzero(result["part"].values == "shim")
     count = len(result["part"].values)
@@ -544,7 +544,7 @@ def layers_in_real_time(runs: Runs) -> list[tuple[float, ...]]:
 
 
 def saw_teeth(runs: Runs) -> Floats:
-    """Return how much each layer is above the coldest steel beside it at 20 s [K]."""
+    """Return how much each layer is above the coldest steel next to it at 20 s [K]."""
     half = stack(runs, LHDR)
     ends = list(zip(half.first_cell, half.last_cell, strict=True))
     return np.array(
@@ -591,7 +591,7 @@ def both_shaken(runs: Runs, column: str) -> Floats:
 
 def ductility_at_level_1(runs: Runs) -> Floats:
     """Return the largest ductility in Type I motions that envelop Level 1, HDR and LHDR."""
-    weak = runs.beside({"a_g": runs.number("level_1") * runs.change.get("a_g", 1.0)})
+    weak = runs.varied({"a_g": runs.number("level_1") * runs.change.get("a_g", 1.0)})
     studies = [weak.bridge(name, MOTIONS[:2], AMBIENT, keep=THINNED) for name in BRIDGES]
     runs.shaken = True
     return np.array([study.table["pier_ductility"].max() for study in studies])

@@ -26,8 +26,10 @@ from reproduction.runs import DATA
 from reproduction.slips import QUANTITIES
 from reproduction.tables import printed_tables
 from thermobearing import __version__
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
 from thermobearing.report.files import put_files, report_files
-from thermobearing.report.pieces import Column, Link, Pieces, ReportFigure, ReportTable
+from thermobearing.report.pieces import Link, Pieces, ReportFigure
 from thermobearing.report.title import TitleBlock
 from thermobearing.report.words import identity_rows
 from thermobearing.results.base import Result
@@ -47,8 +49,13 @@ HEADS = (
     *("Flips", "Figure", "Expression"),
 )
 OF_TABLE = (
-    *(Column("Quantity"), Column("Of"), Column("Unit"), Column("Printed", form=".6g")),
-    *(Column("Here", form=".6g"), Column("Difference", "%", ".2f"), Column("By"), Column("Note")),
+    *(Quantity("Quantity"), Quantity("Of"), Quantity("Unit"), Quantity("Printed", form=".6g")),
+    *(
+        Quantity("Here", form=".6g"),
+        Quantity("Difference", "%", ".2f"),
+        Quantity("By"),
+        Quantity("Note"),
+    ),
 )
 SHORT = {  # of QUANTITIES
     "inner_layer_K": "Inner layer",
@@ -244,21 +251,24 @@ class Reproduction(Result):
     def pieces(self) -> Pieces:
         """Return everything that the document of the reproduction says."""
         groups = self.groups
-        columns = [Column("Verdict"), *(Column(group.capitalize(), form="d") for group in groups)]
+        columns = [
+            Quantity("Verdict"),
+            *(Quantity(group.capitalize(), form="d") for group in groups),
+        ]
         counts = [[name, *(found[name] for found in groups.values())] for name in VERDICTS]
-        tables = {"counts": ReportTable("Claims by verdict", columns, counts)}
+        tables = {"counts": Table("Claims by verdict", columns, counts)}
         for part, title in CHAPTERS.items():
             ids = {claim.id for claim in load_claims(part)}
             rows = [_claim_row(row) for row in self.rows if row.claim.id in ids]
             if rows:
-                heads = [Column(head) for head in HEADS]
-                tables[part] = ReportTable(f"{title}: claims", heads, rows)
+                heads = [Quantity(head) for head in HEADS]
+                tables[part] = Table(f"{title}: claims", heads, rows)
         for name, table in self.made.items():
             if not isinstance(table, str):
                 tables[name] = report_table(name, table)
         expressions = [[row.claim.id, row.claim.computed] for row in self.rows if row.computed]
-        columns = [Column("Claim"), Column("Expression")]
-        tables[EXPRESSIONS] = ReportTable("Expressions of the claims", columns, expressions)
+        columns = [Quantity("Claim"), Quantity("Expression")]
+        tables[EXPRESSIONS] = Table("Expressions of the claims", columns, expressions)
         tables[NAMES] = names_table([str(text) for _, text in expressions])
         return Pieces(
             command="reproduce",
@@ -326,7 +336,7 @@ def _figure_words(name: str) -> str:
     return f"Fig. {chapter}.{int(number)}" if kind == "fig" else name
 
 
-def names_table(expressions: Sequence[str]) -> ReportTable:
+def names_table(expressions: Sequence[str]) -> Table:
     """Return what each function that some expressions name computes, in its own words."""
     text = "\n".join(expressions)
     rows = [
@@ -334,16 +344,16 @@ def names_table(expressions: Sequence[str]) -> ReportTable:
         for name, function in sorted(functions().items())
         if f"{name}(" in text
     ]
-    columns = [Column("Function"), Column("What it returns")]
-    return ReportTable("Functions of the expressions", columns, rows)
+    columns = [Quantity("Function"), Quantity("What it returns")]
+    return Table("Functions of the expressions", columns, rows)
 
 
-def report_table(name: str, table: pd.DataFrame) -> ReportTable:
+def report_table(name: str, table: pd.DataFrame) -> Table:
     """Return a table of the directory as a reader wants it."""
     if name.startswith("table_"):
         (printed,) = [item for item in printed_tables() if item.name == name]
         caption = f"Table {printed.number}: {printed.title}"
-        return ReportTable(caption, OF_TABLE, _cells(table), keys=2, note=printed.note)
+        return Table(caption, OF_TABLE, _cells(table), keys=2, note=printed.note)
     if name == "slips":
         return _slips_table(table)
     # Without the numbers behind each statement, which are in the CSV file.
@@ -353,8 +363,8 @@ def report_table(name: str, table: pd.DataFrame) -> ReportTable:
         shown = shown.head(BEST)
     else:
         note = ""
-    columns = [Column(str(head).replace("_", " ")) for head in shown.columns]
-    return ReportTable(SETS[name], columns, _cells(shown), note=note)
+    columns = [Quantity(str(head).replace("_", " ")) for head in shown.columns]
+    return Table(SETS[name], columns, _cells(shown), note=note)
 
 
 def _cells(table: pd.DataFrame) -> list[list[Any]]:
@@ -362,10 +372,10 @@ def _cells(table: pd.DataFrame) -> list[list[Any]]:
     return found
 
 
-def _slips_table(table: pd.DataFrame) -> ReportTable:
+def _slips_table(table: pd.DataFrame) -> Table:
     """Changes in per cent: of a chain against the row above, of a slip alone against the first."""
-    columns = [Column("Bearing"), Column("Slips"), Column("What the print does")]
-    columns += [Column(SHORT[key], "%", ".1f") for key in QUANTITIES]
+    columns = [Quantity("Bearing"), Quantity("Slips"), Quantity("What the print does")]
+    columns += [Quantity(SHORT[key], "%", ".1f") for key in QUANTITIES]
     chosen = ["bearing", "kind", "means", *(f"{key}{CHANGE}" for key in QUANTITIES)]
     words = {"chain": "on top of those above", "alone": "alone"}
     shown = table[chosen].assign(kind=table["kind"].map(words))
@@ -374,4 +384,4 @@ def _slips_table(table: pd.DataFrame) -> ReportTable:
         "Change of the result by each slip of the printed heat scheme: on top of those above, "
         "against the row above; alone, against the scheme without any"
     )
-    return ReportTable(caption, columns, _cells(shown), keys=3, note=f"{note}. All at −20 °C.")
+    return Table(caption, columns, _cells(shown), keys=3, note=f"{note}. All at −20 °C.")

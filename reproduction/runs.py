@@ -103,7 +103,7 @@ class Runs:
             raise InputError([f'no parameter "{k}"{nearest(k, known)}' for k in wrong], "Runs()")
         self._kept: dict[str, tuple[Any, bool]] = {}
 
-    def beside(
+    def varied(
         self, change: Mapping[str, float] | None = None, *, moved_on: int = 0, **options: Any
     ) -> "Runs":
         """Return the same simulations with other changes, stand-ins or options, made once."""
@@ -113,7 +113,7 @@ class Runs:
             changes = self.change | dict(change or {})
             return Runs(changes, light=True, stand_in=stand_in, **self.options | options)
 
-        return self.once(make, "beside", change, moved_on, options)
+        return self.once(make, "varied", change, moved_on, options)
 
     def bearing(self, name: str) -> Bearing:
         """Return a bearing of the library with the changes."""

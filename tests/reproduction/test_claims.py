@@ -109,10 +109,10 @@ def test_a_motion_that_turns_a_verdict_decides_it_both_ways() -> None:
         runs.shaken = False
         assert runs.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23.0, duration=0.1)
         assert runs.shaken
-    other = runs.beside(moved_on=1)
+    other = runs.varied(moved_on=1)
     moved = other.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23.0, duration=0.1)
     assert list(moved.table["motion"]) == ["jra-ii-i-2"]
-    assert runs.beside(moved_on=1) is other
+    assert runs.varied(moved_on=1) is other
 
 
 def test_rows_that_echo_an_input_are_marked_and_groups_counted_apart() -> None:
