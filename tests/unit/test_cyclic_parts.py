@@ -16,7 +16,7 @@ from thermobearing.core.types import COMPLETED
 from thermobearing.cyclic import dataset, history
 from thermobearing.cyclic.case import final_state, initial_temperatures, make_case
 from thermobearing.cyclic.comparison import _temperatures
-from thermobearing.cyclic.dataset import collect_warnings
+from thermobearing.cyclic.dataset import _collect_warnings
 from thermobearing.cyclic.equivalent import (
     bilinear_parameters,
     isothermal_cycle,
@@ -49,7 +49,7 @@ def test_coarse_steps_are_told_where_a_layer_moves_by_its_yield_displacement(
     case = make_case({}, "test", bearing=HDR)
     far = sign * part * LAYERS * YIELD
     for segments in ([moved([far])], [moved([0.2 * far]), moved([0.1 * far, 1.1 * far])]):
-        said = collect_warnings(case, segments, [COLD])
+        said = _collect_warnings(case, segments, [COLD])
         assert len(said) == int(told)
         if told:
             assert f"up to {part * YIELD:.3g} mm" in said[0]
@@ -58,8 +58,8 @@ def test_coarse_steps_are_told_where_a_layer_moves_by_its_yield_displacement(
 def test_a_series_given_in_python_is_warned_of() -> None:
     case = make_case({}, "test", bearing=HDR)
     series = tb.Ambient.series(np.array([0.0, 10.0]), np.array([0.0, 5.0]))
-    assert "given in Python" in collect_warnings(case, [moved([0.1])], [series])[0]
-    assert collect_warnings(case, [moved([0.1])], [COLD]) == []
+    assert "given in Python" in _collect_warnings(case, [moved([0.1])], [series])[0]
+    assert _collect_warnings(case, [moved([0.1])], [COLD]) == []
 
 
 def earlier() -> Any:

@@ -10,7 +10,7 @@ from pandas.testing import assert_frame_equal
 
 import thermobearing as tb
 from thermobearing.cyclic.case import make_case
-from thermobearing.cyclic.dataset import POINTS, _rows_worth, expected_size, thinned
+from thermobearing.cyclic.dataset import POINTS, _rows_worth, expected_size, written_part
 from thermobearing.results.metrics import find_cycles
 
 STEPS = 1200  # of a cycle of 4 s
@@ -121,7 +121,7 @@ def test_runs_with_clocks_of_their_own() -> None:
     table = {"ambient": ["-20 degC", "23 degC"], "test": {"dt": "4 ms", "steps": steps}}
     result = tb.run_case(make_case(table, "test"))
     assert "clock" in result.dataset
-    short = thinned(result)
+    short = written_part(result)
     assert_frame_equal(short.cycles, result.cycles, check_exact=True)
     assert_frame_equal(short.energy, result.energy, check_exact=True)
     for run in range(2):
@@ -139,7 +139,7 @@ def test_recorded_history_is_thinned_by_its_cycles(tmp_path: Path) -> None:
     table = {"ambient": "23 degC", "test": {"dt": "4 ms", "steps": [step]}}
     result = tb.run_case(make_case(table, "test"))
     cycles = len(find_cycles(result["displacement"].values[0]))
-    short = thinned(result)
+    short = written_part(result)
     assert 1 <= cycles <= 2
     assert short.dataset.sizes["time"] < (cycles + 2) * (POINTS + 5) < len(time)
     assert_frame_equal(short.cycles, result.cycles, check_exact=True)

@@ -11,7 +11,6 @@ rows that are kept keep their bits.
 """
 
 from collections.abc import Sequence
-from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -26,7 +25,7 @@ from thermobearing.bearing.model import calibration_ranges
 from thermobearing.core.records import Floats, Ints, labels
 from thermobearing.core.types import Books, RubberBooks
 from thermobearing.cyclic.case import Case, beyond, rig_demand
-from thermobearing.cyclic.history import History, Segment, has_branches, longest_layer_increment
+from thermobearing.cyclic.history import History, Segment
 from thermobearing.cyclic.protocol import Cycles, survey
 from thermobearing.cyclic.result import CYCLES, Result, column_quantity, run_name
 from thermobearing.model.constants import outside_law
@@ -63,7 +62,8 @@ def stack_labels(model: BearingModel) -> StackLabels:
     """Return the labels of the layers and cells; a single cell stands for the whole bearing."""
     stack, constants = model.stack, model.constants
     layers = len(constants.multiplicity)
-    books = labels(Books if has_branches(constants) else RubberBooks)
+    branches = constants.lead.cores > 0.0 or constants.viscous.stiffness > 0.0
+    books = labels(Books if branches else RubberBooks)
     if len(constants.cells.capacity) == len(stack.part):
         return StackLabels(stack.depth, stack.thickness, stack.part, layers, books)
     height = np.array([stack.thickness.sum()])
@@ -74,17 +74,6 @@ def depth_attributes(half: bool) -> dict[str, str]:
     """Attributes of the coordinate `depth`; a half stack is mirrored at the middle."""
     name = "distance of the cell centre from the upper face"
     return {"units": "mm", "long_name": f"{name}, to the middle (half stack)" if half else name}
-
-
-def label(
-    case: Case,
-    model: BearingModel,
-    segments: list[Segment],
-    climates: list[Ambient],
-    histories: list[History],
-) -> Result:
-    """Return the result of finished runs; its dataset is made when it is first asked for."""
-    return Result(partial(labelled, case, model, segments, climates, histories))
 
 
 def labelled(
@@ -122,7 +111,7 @@ def labelled(
             for s in segments
         ],
         "warnings": describe_all(factors)
-        + collect_warnings(case, segments, climates)
+        + _collect_warnings(case, segments, climates)
         + _outside_law(case, climates, histories)
         + beyond(case.rig, rows["rig"])
         + outside_tests(bearing.name, rows["tested_range"], calibration_ranges(bearing)),
@@ -208,7 +197,7 @@ def _stacked(arrays: list[NDArray[Any]], padding: float = np.nan) -> NDArray[Any
     return out
 
 
-def collect_warnings(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
+def _collect_warnings(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
     """Return sentences on assumptions, inputs that a file cannot hold, and coarse time steps."""
     found = list(dict.fromkeys(text for segment in segments for text in segment.assumed))
     if case.ambient_series is None and any(len(climate.time) > 1 for climate in climates):
@@ -221,8 +210,8 @@ def collect_warnings(case: Case, segments: list[Segment], climates: list[Ambient
             "the earlier result hands over temperatures only (it was written before results held "
             "the whole state): rubber and lead begin unloaded and virgin, at zero displacement"
         )
-    layers = case.bearing.geometry.rubber_layers
-    increment = longest_layer_increment(segments, layers, case.starts_at)
+    x = np.concatenate([[case.starts_at], *(segment.x for segment in segments)])
+    increment = float(np.abs(np.diff(x)).max()) / case.bearing.geometry.rubber_layers
     yielding = case.bearing.hysteresis.yield_displacement
     if increment > yielding:
         found.append(
@@ -278,14 +267,12 @@ THINNED, COMPLETE = "thinned", "complete"
 
 
 def written_part(result: Result) -> Result:
-    """Return what is written: all rows where the case asks for complete histories, else few."""
-    return result if result.dataset.attrs.get("histories") == COMPLETE else thinned(result)
+    """Return the result with its cycles as a table, and the rows that are worth writing.
 
-
-def thinned(result: Result) -> Result:
-    """Return the result with its cycles as a table, and the rows that are worth writing."""
+    These are all rows where the case asks for complete histories.
+    """
     data = result.dataset
-    if data.attrs.get(ROWS) == THINNED:
+    if data.attrs.get("histories") == COMPLETE or data.attrs.get(ROWS) == THINNED:
         return result
     rows = [_rows_worth(result, run) for run in range(data.sizes["ambient"])]
     if "clock" not in data:  # one clock for all

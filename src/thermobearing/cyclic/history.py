@@ -158,12 +158,6 @@ def build_segments(
     return segments
 
 
-def longest_layer_increment(segments: list[Segment], layers: int, start: float = 0.0) -> float:
-    """Return the largest displacement of one rubber layer in a step of a test [mm]."""
-    x = np.concatenate([[start], *(segment.x for segment in segments)])
-    return float(np.abs(np.diff(x)).max()) / layers
-
-
 CHUNK = 20_000  # steps between two looks at the progress bar and at Ctrl-C
 Progress = Callable[[int], None]
 
@@ -199,11 +193,6 @@ def room_for(constants: Constants, count: int, groups: tuple[str, ...]) -> Kept:
         hysteretic=np.empty((count, wide["hysteretic"])),
         cells=np.empty((count, cells if "cells" in groups else 0), dtype=np.float32),
     )
-
-
-def has_branches(constants: Constants) -> bool:
-    """Return whether lead or a rate-dependent branch acts in parallel with the rubber."""
-    return constants.lead.cores > 0.0 or constants.viscous.stiffness > 0.0
 
 
 def _kept_steps(segment: Segment, keep_every: int) -> NDArray[np.bool_]:

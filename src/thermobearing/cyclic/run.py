@@ -9,6 +9,7 @@ in results/.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias, Unpack
 
@@ -19,6 +20,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.climate.readers import read_air
+from thermobearing.cyclic import dataset
 from thermobearing.cyclic.case import (
     Case,
     Earlier,
@@ -29,7 +31,6 @@ from thermobearing.cyclic.case import (
     initial_temperatures,
     make_case,
 )
-from thermobearing.cyclic.dataset import label
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History as Recorded
 from thermobearing.cyclic.history import build_segments, run_segments
@@ -195,4 +196,4 @@ def run_case(
         histories.append(history)
         if history.outcome == INTERRUPTED:
             break
-    return label(case, model, segments, climates, histories)
+    return Result(partial(dataset.labelled, case, model, segments, climates, histories))

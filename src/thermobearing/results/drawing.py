@@ -161,7 +161,11 @@ def panels(
         rows, columns, squeeze=False, sharex=share, sharey=share, width_ratios=widths
     )
     for ax in axes.flat:
-        style(ax)
+        ax.set_axisbelow(True)
+        ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
+        for spine in ax.spines.values():
+            spine.set_color(GREY)
+            spine.set_linewidth(0.7)
         ax.grid(True, color="#dddddd", linewidth=0.6)
     return figure, list(axes.flat)
 
@@ -180,15 +184,6 @@ def save_figure(figure: Figure, path: str | Path | io.BytesIO, dpi: int | None =
     figure.dpi = usual
     picture = drawn.quantize(COLOURS, dither=Image.Dither.NONE)
     picture.save(path, "PNG", optimize=True, dpi=(dpi, dpi))
-
-
-def style(ax: Axes) -> None:
-    """Sizes and lines of one panel."""
-    ax.set_axisbelow(True)
-    ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
-    for spine in ax.spines.values():
-        spine.set_color(GREY)
-        spine.set_linewidth(0.7)
 
 
 def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 5.0) -> None:
