@@ -55,24 +55,6 @@ def html_page(document: Document) -> str:
     """Return a document as one HTML file that needs nothing else.
 
     The same document gives the same text.
-
-    Parameters
-    ----------
-    document : Document
-        Title block, blocks in reading order, identity.
-
-    Returns
-    -------
-    str
-        The whole page.
-
-    Examples
-    --------
-    >>> from thermobearing.report import Document
-    >>> from thermobearing.report.pieces import Paragraph
-    >>> page = html_page(Document("A test", {}, None, [Paragraph("It **held**.")], {}))
-    >>> "<p>It <strong>held</strong>.</p>" in page
-    True
     """
     plots = any(isinstance(b, FigureBlock) and b.figure.plot for b in document.blocks)
     scripts = [_page_file(name) for name in ("page.js", "plots.js")[: 1 + plots]]

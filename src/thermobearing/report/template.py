@@ -47,19 +47,7 @@ def document(
     logo: bytes | None = None,
     template: str | Path | None = None,
 ) -> Document:
-    """Return the document of a result, ready to be written in any format.
-
-    Parameters
-    ----------
-    pieces : of the result.
-    block : the title block, by words such as "Project".
-    logo : bytes of a PNG or SVG.
-    template : path of one; None for that of the package.
-
-    Raises
-    ------
-    InputError : see `arranged`.
-    """
+    """Return the document of a result, ready to be written in any format."""
     return Document(pieces.title, block, logo, arranged(pieces, template), pieces.identity)
 
 
@@ -70,12 +58,7 @@ def _default_template(command: str) -> Path:
 
 
 def arranged(pieces: Pieces, path: str | Path | None = None) -> list[Block]:
-    """Return the pieces of a result in the order of a template, of the package if none is given.
-
-    Raises
-    ------
-    InputError : it cannot be read, or names a piece that the result does not have.
-    """
+    """Return the pieces of a result in the order of a template, of the package if none is given."""
     file = _default_template(pieces.command) if path is None else Path(path)
     blocks: list[Block] = []
     faults: list[str] = []
