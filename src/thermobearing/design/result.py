@@ -40,7 +40,7 @@ from thermobearing.results.ranges import (
     one_per_cause,
     outside_tests,
 )
-from thermobearing.results.writing import limits_summary, write_csv
+from thermobearing.results.writing import write_csv
 
 
 def _beyond_tests(tests: Mapping[str, tuple[list[Row], Any]]) -> list[str]:
@@ -190,7 +190,7 @@ class Design(Result):
             "outcome": self.outcome,
             "sentence": self.sentence,
             "warnings": self.warnings,
-            **limits_summary(pd.DataFrame(), self.tested_range),
+            **self._limits_summary(),
             "first_within_10_percent": self.first_within,
             "rounds": [turn.row() for turn in self.rounds],
             "chosen_round": self.taken[0].number,
@@ -294,7 +294,7 @@ class BoundsReport(Result):
             "version": thermobearing.__version__,
             "outcome": self.outcome,
             "warnings": self.warnings,
-            **limits_summary(pd.DataFrame(), self.tested_range),
+            **self._limits_summary(),
             "sentence": self.sentence,
             "inputs": {name: table.attrs.get("inputs") for name, table in self.studies.items()},
             "paragraphs": self.paragraphs,
@@ -373,7 +373,7 @@ class FactorReport(Result):
             "outcome": "completed",
             "reference_degC": self.reference,
             "warnings": self.warnings,
-            **limits_summary(pd.DataFrame(), self.tested_range),
+            **self._limits_summary(),
             "motion": self.motion,
             "cycles": self.cycles,
             "inputs": {

@@ -14,15 +14,10 @@ import xarray as xr
 
 from thermobearing.border.deprecated import renamed
 from thermobearing.quantities.tables import Table
-from thermobearing.results.directory import FIGURES, write_directory
+from thermobearing.results.directory import FIGURES, RIG, TESTED_RANGE, write_directory
 from thermobearing.results.ranges import largest_tested
 from thermobearing.results.screen import print_warnings, say, show_table, table_html
-from thermobearing.results.writing import (
-    from_attribute,
-    limits_summary,
-    write_limits,
-    write_summary,
-)
+from thermobearing.results.writing import from_attribute, write_csv, write_summary
 
 COMPLETED = "completed"
 
@@ -86,7 +81,8 @@ class Result:
         raise NotImplementedError
 
     def _limits_summary(self) -> dict[str, Any]:
-        return limits_summary(self.rig, self.tested_range)
+        tables = {"rig": self.rig, "tested_range": self.tested_range}
+        return {name: table.to_dict("records") for name, table in tables.items() if len(table)}
 
     @property
     def plot(self) -> Any:
@@ -120,7 +116,9 @@ class Result:
 
         def fill(folder: Path) -> None:
             self._write(folder)
-            write_limits(folder, self.rig, self.tested_range)
+            for name, table in ((RIG, self.rig), (TESTED_RANGE, self.tested_range)):
+                if len(table):
+                    write_csv(folder / name, table)
             if figures:
                 self._draw(folder)
             write_summary(folder, self.summary())

@@ -12,7 +12,7 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from thermobearing.results.directory import RIG, SUMMARY, TESTED_RANGE
+from thermobearing.results.directory import SUMMARY
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,19 +61,6 @@ def write_summary(folder: Path, content: dict[str, Any]) -> None:
     text = json.dumps(without_nan(content), indent=2, allow_nan=False, ensure_ascii=False)
     # A file name that is no text keeps its bytes as lone surrogates; JSON has an escape for them.
     (folder / SUMMARY).write_text(text + "\n", encoding="utf-8", errors="backslashreplace")
-
-
-def limits_summary(rig: "pd.DataFrame", tested: "pd.DataFrame") -> dict[str, Any]:
-    """Return what summary.json holds on the limits of a rig and on the tested range."""
-    tables = {"rig": rig, "tested_range": tested}
-    return {name: table.to_dict("records") for name, table in tables.items() if len(table)}
-
-
-def write_limits(folder: Path, rig: "pd.DataFrame", tested: "pd.DataFrame") -> None:
-    """Write rig.csv and tested_range.csv, where there is something to write."""
-    for name, table in ((RIG, rig), (TESTED_RANGE, tested)):
-        if len(table):
-            write_csv(folder / name, table)
 
 
 def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None:

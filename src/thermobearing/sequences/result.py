@@ -17,7 +17,7 @@ from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import FIGURES, PARTS, RESOLVED, TABLE
 from thermobearing.results.ranges import TESTED, one_per_cause
-from thermobearing.results.writing import limits_summary, write_csv
+from thermobearing.results.writing import write_csv
 from thermobearing.sequences.case import HybridPart, SequenceCase, load_sequence_case
 
 PartResult = CyclicResult | EarthquakeResult
@@ -167,7 +167,7 @@ class SequenceResult(Result):
             "version": thermobearing.__version__,
             "outcome": self.outcome,
             "warnings": self.warnings,
-            **limits_summary(self.rig, self.tested_range),
+            **self._limits_summary(),
             "parts": self.table.to_dict("records"),
         }
 

@@ -27,7 +27,7 @@ from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import FIT_TABLE, FOLDS, TABLE, THERMOCOUPLES
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
 from thermobearing.results.ranges import Row
-from thermobearing.results.writing import limits_summary, without_formulas, write_csv
+from thermobearing.results.writing import without_formulas, write_csv
 from thermobearing.validate.case import QUANTITIES
 
 if TYPE_CHECKING:
@@ -277,7 +277,7 @@ class Validation(Result):
             "verdict": self.verdict,
             "limits": self.limits,
             "warnings": self.warnings,
-            **limits_summary(pd.DataFrame(), self.tested_range),
+            **self._limits_summary(),
             "comparisons": [item.summary(self.limits) for item in self.comparisons],
         }
 
