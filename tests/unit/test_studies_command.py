@@ -90,10 +90,3 @@ def test_what_is_no_study_is_told(done: Path) -> None:
         tb.study(done / "small.toml", jobs=2)
     with pytest.raises(tb.InputError, match="must be a file"):
         tb.study(3)  # type: ignore[arg-type]
-
-
-def test_the_group_says_its_words() -> None:
-    found = CliRunner().invoke(app, ["study", "--help"])
-    assert found.exit_code == 0
-    for word in ("run", "status", "table", "figures", "worst", "repeat"):
-        assert word in found.stdout

@@ -8,7 +8,7 @@ import pytest
 from tests.unit.test_studies_factors import fit
 from thermobearing.border.errors import InputError
 from thermobearing.commands.check import check_file
-from thermobearing.studies.definition.case import load_study, make_study
+from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import plan
 
 ONE = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": "0 degC"}
@@ -25,158 +25,90 @@ def told(table: dict[str, Any], folder: Path = Path()) -> str:
     return str(caught.value)
 
 
-FACTORS: list[tuple[str, dict[str, Any], list[str]]] = [
-    ("no motion", {"motion": None}, ["which motion? Give factors.motion"]),
-    ("unknown factor", {"bearings": "x"}, ['unknown factor "bearings"', 'did you mean "bearing"']),
+FACTORS: list[tuple[dict[str, Any], str]] = [
+    ({"motion": None}, "which motion? Give factors.motion"),
+    ({"bearings": "x"}, 'did you mean "bearing"'),
+    ({"bearing": ["shen-hdr-brigde"]}, 'did you mean "shen-hdr-bridge"'),
+    ({"bearing": ["shen-hdr-bridge", "shen-hdr-bridge"]}, 'two are called "shen-hdr-bridge"'),
+    ({"motion": ["jra-ii-i-9999"]}, "factors.motion.levels[0]"),
+    ({"structure": ["pier-p2"]}, "factors.structure.levels[0]"),
+    ({"ambient": [23]}, "has no unit"),
+    ({"scale": {"of": "intensity", "levels": [2]}}, "has no unit"),
+    ({"scale": {"of": "intensity", "levels": ["2 m"]}}, "factors.scale.levels[0]"),
+    ({"scale": ["2 m/s2"]}, "must be a plain number"),
+    ({"scale": [-1.0]}, "greater than 0"),
+    ({"scale": [1.0, 1.0]}, "factors.scale.levels: one is given more than once"),
+    ({"ambient": ["300 degC"]}, "at most 100 degC"),
     (
-        "unknown bearing",
-        {"bearing": ["shen-hdr-brigde"]},
-        ["factors.bearing.levels[0]", 'did you mean "shen-hdr-bridge"'],
-    ),
-    ("a bearing twice", {"bearing": ["shen-hdr-bridge"] * 2}, ['two are called "shen-hdr-bridge"']),
-    ("unknown motion", {"motion": ["jra-ii-i-9999"]}, ["factors.motion.levels[0]"]),
-    ("unknown structure", {"structure": ["pier-p2"]}, ["factors.structure.levels[0]", "pier-p1"]),
-    ("no unit of air", {"ambient": [23]}, ["factors.ambient", "has no unit", '"23 degC"']),
-    ("no unit of an intensity", {"scale": {"of": "intensity", "levels": [2]}}, ["has no unit"]),
-    (
-        "another unit",
-        {"scale": {"of": "intensity", "levels": ["2 m"]}},
-        ["factors.scale.levels[0]", 'unit of acceleration "m"'],
-    ),
-    (
-        "a unit too many",
-        {"scale": ["2 m/s2"]},
-        ["factors.scale.levels[0]", "must be a plain number"],
-    ),
-    ("negative scale", {"scale": [-1.0]}, ["factors.scale", "-1", "greater than 0"]),
-    ("a level twice", {"scale": [1.0, 1.0]}, ["factors.scale.levels: one is given more than once"]),
-    ("hot air", {"ambient": ["300 degC"]}, ["factors.ambient", "at most 100 degC"]),
-    (
-        "Sa without a period",
         {"scale": {"of": "intensity", "measure": "Sa", "levels": ["2 m/s2"]}},
-        ['measure = "Sa" needs one'],
+        'measure = "Sa" needs one',
     ),
-    ("neither", {"scale": {"of": "factor"}}, ["either levels or a distribution"]),
-    ("two airs", {"ambient": {"climate": "cold-town", "levels": ["0 degC"]}}, ["give one of"]),
-    ("unknown climate", {"ambient": {"climate": "cold-twon"}}, ['did you mean "cold-town"']),
-    ("no weather file", {"ambient": {"weather": "no.epw"}}, ["factors.ambient", "no such file"]),
+    ({"scale": {"of": "factor"}}, "either levels or a distribution"),
+    ({"ambient": {"climate": "cold-town", "levels": ["0 degC"]}}, "give one of"),
+    ({"ambient": {"climate": "cold-twon"}}, 'did you mean "cold-town"'),
+    ({"ambient": {"weather": "no.epw"}}, "no such file"),
+    ({"ambient": {"levels": ["0 degC"], "history": "3 d"}}, "history: of weather"),
+    ({"ambient": {"climate": "cold-town", "years": 1, "history": "400 d"}}, "needs more of them"),
+    ({"motion": {"levels": ["jra-ii-i-1"], "weights": [1]}}, "random = true"),
     (
-        "history of levels",
-        {"ambient": {"levels": ["0 degC"], "history": "3 d"}},
-        ["history: of weather"],
-    ),
-    (
-        "history too long",
-        {"ambient": {"climate": "cold-town", "years": 1, "history": "400 d"}},
-        ["needs more of them"],
-    ),
-    ("weights alone", {"motion": {"levels": ["jra-ii-i-1"], "weights": [1]}}, ["random = true"]),
-    (
-        "weights too few",
         {"motion": {"levels": ["jra-ii-i-1"], "weights": [1, 2], "random": True}},
-        ["2 of them for 1 levels"],
+        "2 of them for 1 levels",
     ),
-    ("unknown number", {"bearing.K_rr": NORMAL}, ['"bearing.K_rr"', 'did you mean "bearing.K_r"']),
-    ("unknown part", {"pier.mass": NORMAL}, ['no part "pier"', "bearing, structure, case"]),
+    ({"bearing.K_rr": NORMAL}, 'did you mean "bearing.K_r"'),
+    ({"pier.mass": NORMAL}, "bearing, structure, case"),
+    ({"bearing.K_r": NORMAL, "bearing.hysteresis.layer_stiffness": NORMAL}, "are one number"),
+    ({"bearing.K_r": {"of": "value", "levels": [30.0]}}, "factors.bearing.K_r.levels[0]"),
     (
-        "a number twice",
-        {"bearing.K_r": NORMAL, "bearing.hysteresis.layer_stiffness": NORMAL},
-        ["are one number"],
-    ),
-    (
-        "value without unit",
-        {"bearing.K_r": {"of": "value", "levels": [30.0]}},
-        ["factors.bearing.K_r.levels[0]", "has no unit", "kN/mm"],
-    ),
-    (
-        "unknown distribution",
         {"bearing.K_r": {"distribution": "lognormall", "median": 1.0, "cov": 0.1}},
-        ["factors.bearing.K_r", 'did you mean "lognormal"'],
+        'did you mean "lognormal"',
     ),
+    ({"bearing.K_r": {"distribution": "normal", "mean": 1.0}}, "takes mean and sd or mean and cov"),
     (
-        "half a distribution",
-        {"bearing.K_r": {"distribution": "normal", "mean": 1.0}},
-        ["takes mean and sd or mean and cov", "got mean"],
-    ),
-    (
-        "no spread",
         {"bearing.K_r": {"distribution": "normal", "mean": 1.0, "sd": 0.0}},
-        ["factors.bearing.K_r.sd = 0", "greater than 0"],
+        "factors.bearing.K_r.sd = 0",
     ),
     (
-        "ends the wrong way round",
         {"bearing.K_r": {"distribution": "uniform", "low": 2.0, "high": 1.0}},
-        ["low = 2 must be less than high = 1"],
+        "low = 2 must be less than high = 1",
     ),
     (
-        "leaves the valid range",
         {"bearing.K_r": {"distribution": "normal", "mean": 1.0, "cov": 0.3}},
-        ["normal distribution reaches", "layer_stiffness", "at least 0.0001", "cut it off"],
+        "normal distribution reaches",
     ),
+    ({"ambient": {"distribution": "normal", "mean": "-60 degC", "sd": "15 K"}}, "reaches -131"),
+    ({"ambient": {"distribution": "normal", "mean": "0 degC", "sd": "40 K"}}, "cut it off"),
+    ({"ambient": {"distribution": "normal", "mean": "10 degC", "cov": 0.2}}, "mean and sd"),
     (
-        "air that is too cold alone",
-        {"ambient": {"distribution": "normal", "mean": "-60 degC", "sd": "15 K"}},
-        ["factors.ambient", "normal distribution reaches -131", "-100 to 100 degC"],
-    ),
-    (
-        "air that leaves the range",
-        {"ambient": {"distribution": "normal", "mean": "0 degC", "sd": "40 K"}},
-        ["factors.ambient", "normal distribution reaches", "-100 to 100 degC", "cut it off"],
-    ),
-    (
-        "a share of degC",
-        {"ambient": {"distribution": "normal", "mean": "10 degC", "cov": 0.2}},
-        ["factors.ambient", "normal with mean and sd"],
-    ),
-    (
-        "heat in endless weather",
         {
             "ambient": {"climate": "cold-town", "years": 1},
             "bearing.materials.rubber.conductivity": NORMAL,
         },
-        ['write history = "10 d" in factors.ambient'],
+        'write history = "10 d" in factors.ambient',
     ),
-    ("no such fit", {"bearing": {"posterior": "nowhere"}}, ["holds no posterior.csv", "identify"]),
+    ({"bearing": {"posterior": "nowhere"}}, "holds no posterior.csv"),
+    ({"bearing": {"posterior": "fit", "counts": 3}}, 'did you mean "count"'),
+    ({"bearing": {"posterior": "fit", "levels": ["shen-hdr-bridge"]}}, "beside levels"),
     (
-        "unknown key of a fit",
-        {"bearing": {"posterior": "fit", "counts": 3}},
-        ["factors.bearing", 'unknown key "counts"', 'did you mean "count"'],
-    ),
-    (
-        "a fit beside levels",
-        {"bearing": {"posterior": "fit", "levels": ["shen-hdr-bridge"]}},
-        ["beside levels", "among them"],
-    ),
-    (
-        "a size without unit",
         {"bearing": {"compound": "natural-rubber", "size": SIZE | {"shim": 3.0}}},
-        ["size.shim = 3.0 has no unit", '"3.0 mm"'],
+        "size.shim = 3.0 has no unit",
     ),
     (
-        "a size unknown",
         {"bearing": {"compound": "natural-rubber", "size": SIZE | {"layer": "1x8mm"}}},
-        ['unknown key "layer"', 'did you mean "layers"'],
+        'did you mean "layers"',
     ),
-    (
-        "an unknown compound",
-        {"bearing": {"compound": "natural-rubbr", "size": SIZE}},
-        ["factors.bearing", 'did you mean "natural-rubber"'],
-    ),
+    ({"bearing": {"compound": "natural-rubbr", "size": SIZE}}, 'did you mean "natural-rubber"'),
 ]
 
 
-@pytest.mark.parametrize(
-    ("factors", "words"), [case[1:] for case in FACTORS], ids=[case[0] for case in FACTORS]
-)
-def test_a_bad_factor_is_told(tmp_path: Path, factors: dict[str, Any], words: list[str]) -> None:
+@pytest.mark.parametrize(("factors", "word"), FACTORS)
+def test_a_bad_factor_is_reported(tmp_path: Path, factors: dict[str, Any], word: str) -> None:
     fit(tmp_path / "fit")
     whole = {key: value for key, value in (ONE | factors).items() if value is not None}
     drawn = any("distribution" in str(value) or "climate" in str(value) for value in whole.values())
     design = {"design": DRAWN} if drawn or "posterior" in str(whole) else {}
     text = told({"factors": whole} | design, tmp_path)
     assert text.startswith("study.toml: ") or "factors" in text
-    for word in words:
-        assert word in text, text
+    assert word in text
 
 
 @pytest.mark.parametrize(
@@ -216,11 +148,6 @@ def test_every_fault_is_in_one_message() -> None:
     text = told({"factors": ONE | {"ambient": [23], "scale": ["x"], "hour": 3}, "nme": 1})
     for word in ("problems", 'unknown key "nme"', 'unknown factor "hour"', "has no unit"):
         assert word in text
-
-
-def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no such file"):
-        load_study(tmp_path / "study.toml")
 
 
 def test_check_says_what_a_study_would_run(tmp_path: Path) -> None:

@@ -1,10 +1,8 @@
 """One run of a study in full: the same numbers as the study has."""
 
 import numpy as np
-import pytest
 
 import thermobearing as tb
-from thermobearing.border.errors import InputError
 from thermobearing.earthquake.run import run_task
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import plan
@@ -36,8 +34,3 @@ def test_a_run_again_has_the_same_bits_and_is_what_bridge_does() -> None:
     assert np.array_equal(moved, bridge.dataset["bearing_displacement"].values[0])
     assert "factor = 1.5" in again.dataset.attrs["case"]
     assert again.table["bearing"].tolist() == ["shen-hdr-bridge"]
-
-
-def test_no_such_run() -> None:
-    with pytest.raises(InputError, match="no run 4; p1 has 0 to 3"):
-        repeat_run(make_study(TABLE, "test"), 4)

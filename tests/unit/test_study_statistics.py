@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from thermobearing.border.errors import InputError
-from thermobearing.studies.statistics.bootstrap import Draw, percentiles
+from thermobearing.studies.statistics.bootstrap import Draw
 from thermobearing.studies.statistics.demand import counted, demand_against, median_places
 from thermobearing.studies.statistics.fragility import fragility_curve, fragility_curves, ida_curves
 from thermobearing.studies.statistics.hazard import (
@@ -181,13 +181,6 @@ def test_curves_of_single_motions() -> None:
     assert spread["0"].tolist() == [0.5, 3.0, 2.5]
     assert spread["1"].tolist() == [1.0, 3.0, np.inf]
     assert out.fractiles()["curves"].tolist() == [2, 2, 1]
-
-
-def test_percentiles_count_from_both_ends() -> None:
-    samples = np.concatenate([np.arange(1.0, 99.0), [np.inf]])[:, None]
-    low, high = percentiles(samples, 0.95)
-    assert (low[0], high[0]) == (2.0, 98.0)
-    assert percentiles(samples, 0.99)[1][0] == np.inf
 
 
 FAULTS: list[tuple[Any, str]] = [

@@ -9,11 +9,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from thermobearing.report.content import (
-    words,
-)
+from thermobearing.report.content import words
 from thermobearing.results import drawing
 from thermobearing.results.profiles import COLOURS
 from thermobearing.studies.definition.columns import AMBIENT
@@ -47,8 +44,14 @@ def _title(column: str) -> str:
 
 
 WIDTH, HEIGHT, MOST_COLUMNS = 2.3, 2.7, 4
-BANDS = (("0.05", "0.95", 0.15), ("0.16", "0.84", 0.3))
-COLOUR = "#0077BB"
+BANDS = (("0.05", "0.95", 0.15, "5 to 95 %"), ("0.16", "0.84", 0.3, "16 to 84 % of runs"))
+COLOUR, RED = "#0077BB", "#CC3311"
+
+
+def _legend(figure: Figure, ax: Axes) -> None:
+    """Draw one legend of the labelled artists of an axis below the figure."""
+    handles: list[Any] = ax.get_legend_handles_labels()[0]
+    drawing.legend_below(figure, handles)
 
 
 def _draw_demand(
@@ -57,61 +60,38 @@ def _draw_demand(
     groups = found.groupby(list(by), sort=False, observed=True) if by else [((), found)]
     cells = [(label, rows) for label, rows in groups]
     columns = min(len(cells), MOST_COLUMNS)
-    rows_ = -(-len(cells) // columns)
-    size = (max(WIDTH * columns, 4.6) + 0.6, HEIGHT * rows_ + 0.9)
+    count = -(-len(cells) // columns)
+    size = (max(WIDTH * columns, 4.6) + 0.6, HEIGHT * count + 0.9)
     title = f"{column_words(demand)} against {column_words(across)}: {note}"
-    figure, axes = drawing.panels(rows_, columns, size, title, share=True)
+    figure, axes = drawing.panels(count, columns, size, title, share=True)
+    look: drawing.Look = {"fontsize": drawing.SMALL, "fontweight": "bold", "color": drawing.INK}
     for ax in axes[len(cells) :]:
         ax.set_visible(False)
     for place, (ax, (label, rows)) in enumerate(zip(axes, cells, strict=False)):
-        _draw(ax, rows, across, capacity)
-        last = place + columns >= len(cells)
-        first = place % columns == 0
-        drawing.name_axes(ax, _title(across) if last else "", _title(demand) if first else "")
-        ax.set_title(
-            ", ".join(map(str, label)), fontsize=drawing.SMALL, fontweight="bold", color=drawing.INK
+        x = rows[across].to_numpy(dtype=float)
+        for low, high, alpha, words_ in BANDS:
+            ends = rows[low].to_numpy(dtype=float), rows[high].to_numpy(dtype=float)
+            ax.fill_between(x, *ends, color=COLOUR, alpha=alpha, linewidth=0, label=words_)
+        least, median, most = (
+            rows[name].to_numpy(dtype=float) for name in ("median_low", "0.5", "median_high")
         )
+        known = np.isfinite(least) & np.isfinite(most)
+        reach = [(median - least)[known], (most - median)[known]]
+        points: drawing.Look = {"marker": "o", "markersize": 3, "label": "median, 95 % band"}
+        ax.plot(x, median, color=COLOUR, linewidth=1.4, **points)
+        ax.errorbar(x[known], median[known], yerr=reach, fmt="none", ecolor=COLOUR, elinewidth=1.0)
+        ax.plot(x, rows["mean"], color=drawing.INK, linewidth=0.9, linestyle="--", label="mean")
+        if np.isfinite(capacity):
+            ax.axhline(capacity, label="capacity", **drawing.LIMIT)
+        last, first = place + columns >= len(cells), place % columns == 0
+        drawing.name_axes(ax, _title(across) if last else "", _title(demand) if first else "")
+        ax.set_title(", ".join(map(str, label)), **look)
         ax.tick_params(labelbottom=last)
     top = np.nanmax(np.where(np.isinf(found["0.95"]), np.nan, found["0.95"]), initial=0.0)
     largest = max(float(top), capacity if np.isfinite(capacity) else 0.0)
     axes[0].set_ylim(0.0, 1.08 * largest or 1.0)
-    drawing.legend_below(figure, _handles(capacity))
+    _legend(figure, axes[0])
     return figure
-
-
-def _draw(ax: Axes, rows: pd.DataFrame, across: str, capacity: float) -> None:
-    x = rows[across].to_numpy(dtype=float)
-    values = {
-        name: rows[name].to_numpy(dtype=float)
-        for name in rows
-        if name not in (across,) and pd.api.types.is_numeric_dtype(rows[name])
-    }
-    for low, high, alpha in BANDS:
-        ax.fill_between(x, values[low], values[high], color=COLOUR, alpha=alpha, linewidth=0)
-    median = values["0.5"]
-    known = np.isfinite(values["median_low"]) & np.isfinite(values["median_high"])
-    reach = [
-        (median - values["median_low"])[known],
-        (values["median_high"] - median)[known],
-    ]
-    ax.plot(x, median, color=COLOUR, linewidth=1.4, marker="o", markersize=3)
-    ax.errorbar(x[known], median[known], yerr=reach, fmt="none", ecolor=COLOUR, elinewidth=1.0)
-    ax.plot(x, values["mean"], color=drawing.INK, linewidth=0.9, linestyle="--")
-    if np.isfinite(capacity):
-        ax.axhline(capacity, **drawing.LIMIT)
-
-
-def _handles(capacity: float) -> list[Line2D]:
-    look: drawing.Look = {"color": COLOUR}
-    found = [
-        Line2D([], [], marker="o", markersize=3, linewidth=1.4, label="median, 95 % band", **look),
-        Line2D([], [], linewidth=6, alpha=0.45, label="16 to 84 % of runs", **look),
-        Line2D([], [], linewidth=6, alpha=0.15, label="5 to 95 %", **look),
-        Line2D([], [], color=drawing.INK, linewidth=0.9, linestyle="--", label="mean"),
-    ]
-    if np.isfinite(capacity):
-        found.append(Line2D([], [], label="capacity", **drawing.LIMIT))
-    return found
 
 
 POINTS = 160
@@ -136,20 +116,16 @@ def draw_fragility(
     figure, (ax,) = drawing.panels(1, 1, (5.6, 4.2), title)
     at = np.concatenate([curve.counts[curve.intensity].to_numpy() for curve in curves.values()])
     im = np.linspace(0.0, FRAGILITY_ROOM * float(at.max()), POINTS + 1)[1:]
-    handles = []
     for (name, curve), colour in zip(curves.items(), _level_colours(list(curves)), strict=True):
         label = drawing.degrees(name) if isinstance(name, int | float) else str(name)
         if curve.estimate.known:
-            _curve(ax, curve, im, colour, len(curves) < 3)
+            _curve(ax, curve, im, colour, len(curves) < 3, label)
         else:
-            label += " (no curve)"
+            ax.plot([], [], color=colour, linewidth=1.4, label=f"{label} (no curve)")
         _marks(ax, curve, colour, len(curves))
-        handles.append(Line2D([], [], color=colour, linewidth=1.4, label=label))
     if climate is not None:
-        _curve(ax, climate, im, drawing.INK, True)
-        handles.append(Line2D([], [], color=drawing.INK, linewidth=1.8, label=climate.name))
-    marks: drawing.Look = {"color": drawing.GREY, "linestyle": "none", "marker": "o"}
-    handles.append(Line2D([], [], markersize=3.5, label="share of runs", **marks))
+        _curve(ax, climate, im, drawing.INK, True, climate.name)
+    ax.plot([], [], "o", color=drawing.GREY, markersize=3.5, label="share of runs")
     ax.set_xlim(0.0, float(im[-1]))
     ax.set_ylim(-0.02, 1.02)
     drawing.name_axes(ax, _title(some.intensity), "probability of exceedance")
@@ -160,12 +136,12 @@ def draw_fragility(
         f"{some.method}, bands of {100 * some.level:g} %\n{describe_all(runs, left_out, collapsed)}"
     )
     drawing.say_why(ax, why.replace("; ", "\n"), (0.98, 0.03))
-    drawing.legend_below(figure, handles)
+    _legend(figure, ax)
     return figure
 
 
 def _curve(
-    ax: Axes, curve: Fragility | ClimateFragility, im: Any, colour: str, filled: bool
+    ax: Axes, curve: Fragility | ClimateFragility, im: Any, colour: str, filled: bool, label: str
 ) -> None:
     low, high = curve.band_at(im)
     if filled:
@@ -173,7 +149,7 @@ def _curve(
     else:
         ax.plot(im, low, im, high, color=colour, linewidth=0.6, linestyle=":")
     wide = 1.8 if isinstance(curve, ClimateFragility) else 1.4
-    ax.plot(im, curve.probability(im), color=colour, linewidth=wide)
+    ax.plot(im, curve.probability(im), color=colour, linewidth=wide, label=label)
 
 
 def _marks(ax: Axes, curve: Fragility, colour: str, count: int) -> None:
@@ -196,49 +172,34 @@ def _draw_ida(ida: Ida, capacity: float) -> Figure:
     title = f"incremental dynamic analysis, {column_words(ida.demand)}: {ida.sentence}"
     figure, (ax,) = drawing.panels(1, 1, (5.2, 4.2), title)
     every = -(-len(ida.curves) // MOST_CURVES)
+    label, cross = f"{len(ida.curves)} curves", "last before collapse"
     for curve in ida.curves[::every]:
         stood = np.isfinite(curve.demand)
         first = len(stood) if stood.all() else int((~stood).argmax())
         x, y = curve.demand[:first], curve.intensity[:first]
-        ax.plot(x, y, color=drawing.GREY, linewidth=0.6, alpha=0.5)
+        ax.plot(x, y, color=drawing.GREY, linewidth=0.6, alpha=0.5, label=label)
+        label = ""
         if first < len(stood):
-            ax.plot(x[-1], y[-1], "x", color="#CC3311", markersize=4)
-    _fractiles(ax, ida)
-    highest = max(float(curve.intensity[-1]) for curve in ida.curves)
-    if np.isfinite(capacity):
-        ax.axvline(capacity, **drawing.LIMIT)
-    ends = [curve.demand[np.isfinite(curve.demand)].max() for curve in ida.curves]
-    widest = float(max(ends))
-    right = min(widest, max(4.0 * capacity, 1e-300)) if np.isfinite(capacity) else widest
-    ax.set_xlim(0.0, 1.03 * right)
-    ax.set_ylim(0.0, 1.03 * highest)
-    drawing.name_axes(ax, _title(ida.demand), _title(ida.intensity))
-    drawing.legend_below(figure, _ida_handles(ida, capacity))
-    return figure
-
-
-def _fractiles(ax: Axes, ida: Ida) -> None:
+            ax.plot(x[-1], y[-1], "x", color=RED, markersize=4, label=cross)
+            cross = ""
+    # Fractiles as far as all curves go, so that they do not jump.
     table = ida.fractiles()
     table = table[table["curves"] == len(ida.curves)]
     for share, line in LOOKS.items():
         x = np.append(0.0, table[f"{share:g}"].to_numpy(dtype=float)) if len(table) else np.zeros(1)
         y = np.append(0.0, table[ida.intensity].to_numpy(dtype=float))
         stood = np.isfinite(x)
-        ax.plot(x[stood], y[stood], color=COLOUR, linewidth=1.6, linestyle=line)
-
-
-def _ida_handles(ida: Ida, capacity: float) -> list[Line2D]:
-    count = f"{len(ida.curves)} curves"
-    found = [Line2D([], [], color=drawing.GREY, linewidth=0.6, label=count)]
-    for share, line in LOOKS.items():
         look: drawing.Look = {"color": COLOUR, "linewidth": 1.6, "linestyle": line}
-        found.append(Line2D([], [], label=f"{100 * share:g} % of curves below", **look))
-    if any(np.isinf(curve.demand).any() for curve in ida.curves):
-        cross: drawing.Look = {"marker": "x", "linestyle": "none", "color": "#CC3311"}
-        found.append(Line2D([], [], markersize=4, label="last before collapse", **cross))
+        ax.plot(x[stood], y[stood], label=f"{100 * share:g} % of curves below", **look)
+    widest = float(max(curve.demand[np.isfinite(curve.demand)].max() for curve in ida.curves))
     if np.isfinite(capacity):
-        found.append(Line2D([], [], label="capacity", **drawing.LIMIT))
-    return found
+        ax.axvline(capacity, label="capacity", **drawing.LIMIT)
+        widest = min(widest, max(4.0 * capacity, 1e-300))
+    ax.set_xlim(0.0, 1.03 * widest)
+    ax.set_ylim(0.0, 1.03 * max(float(curve.intensity[-1]) for curve in ida.curves))
+    drawing.name_axes(ax, _title(ida.demand), _title(ida.intensity))
+    _legend(figure, ax)
+    return figure
 
 
 WRAPPED = 120  # letters of a note in a line
@@ -308,23 +269,21 @@ def _draw_variance(found: pd.DataFrame, demand: str) -> Figure:
     places = np.arange(len(rows), dtype=float)
     height = 0.7 / len(kinds)
     for number, kind in enumerate(kinds):
-        share = 100.0 * rows[kind].to_numpy(dtype=float)
-        low = 100.0 * rows[f"{kind}_low"].to_numpy(dtype=float)
-        high = 100.0 * rows[f"{kind}_high"].to_numpy(dtype=float)
+        share, low, high = (
+            100.0 * rows[f"{kind}{end}"].to_numpy(dtype=float) for end in ("", "_low", "_high")
+        )
         at = places + height * (0.5 * (len(kinds) - 1) - number)
-        ax.barh(at, share, height=0.9 * height, color=KINDS[kind][1], alpha=0.85)
-        ax.hlines(at, low, high, color=drawing.INK, linewidth=1.0)
+        label, colour = KINDS[kind]
+        ax.barh(at, share, height=0.9 * height, color=colour, alpha=0.85, label=label)
+        band = "" if number else "95 % band"
+        ax.hlines(at, low, high, color=drawing.INK, linewidth=1.0, label=band)
     ax.set_yticks(places, [column_words(str(name)).replace(", ", ",\n") for name in rows["factor"]])
     ax.grid(False, axis="y")
     ax.axvline(0.0, color=drawing.GREY, linewidth=0.7)
-    lost, rows_ = int(found["left_out"].iloc[0]), int(found["rows"].iloc[0])
+    lost, many = int(found["left_out"].iloc[0]), int(found["rows"].iloc[0])
     kind = "rows of all matrices, {0} with failed runs" if "total" in found else "runs, {0} failed"
-    drawing.name_axes(ax, f"share of the variance [%], {rows_} {kind.format(lost)} left out")
-    handles = [
-        Line2D([], [], color=KINDS[kind][1], linewidth=5, label=KINDS[kind][0]) for kind in kinds
-    ]
-    handles.append(Line2D([], [], color=drawing.INK, linewidth=1.0, label="95 % band"))
-    drawing.legend_below(figure, handles)
+    drawing.name_axes(ax, f"share of the variance [%], {many} {kind.format(lost)} left out")
+    _legend(figure, ax)
     return figure
 
 
