@@ -34,8 +34,8 @@ from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Keep
 from thermobearing.cyclic.equivalent import isothermal_cycle
+from thermobearing.earthquake.analysis import bridge, hybrid
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.earthquake.study import bridge, hybrid
 from thermobearing.structure.model import Structure, load_structure
 from thermobearing.structure.run import prepare_structure
 

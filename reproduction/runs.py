@@ -16,8 +16,8 @@ from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.run import run
+from thermobearing.earthquake.analysis import bridge, hybrid
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.earthquake.study import bridge, hybrid
 from thermobearing.motions.library import load_motion
 from thermobearing.structure.model import Structure, load_structure
 

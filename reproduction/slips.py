@@ -22,7 +22,7 @@ from thermobearing.core.types import Constants
 from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import Wave, cyclic_test
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.dataset import label_study
+from thermobearing.earthquake.dataset import label_analysis
 from thermobearing.earthquake.run import Device, build_tasks, run_task
 from thermobearing.model.options import BearingModel, ModelOptions, build_model
 from thermobearing.results.drawing import GREY, INK, SMALL, WIDEST, Look, name_axes, panels
@@ -175,7 +175,7 @@ def _bridge_values(bearing: Bearing, model: BearingModel) -> dict[str, float]:
     device = Device(bearing, model.constants, model.stack)
     lines = tuple(line._replace(device=device) for line in task.lines)
     task = replace(task, device=device, lines=lines)
-    result = label_study(case, [task], [run_task(task)])
+    result = label_analysis(case, [task], [run_task(task)])
     row = result.table.iloc[0]
     inner = result["rubber_temperature"].values[0, :, -1]
     return {

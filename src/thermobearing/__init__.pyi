@@ -28,11 +28,11 @@ from .design.factors import temperature_factors as temperature_factors
 from .design.result import Design as Design
 from .design.run import run_design as run_design
 from .design.sizing import equal_bearing as equal_bearing
+from .earthquake.analysis import bridge as bridge
+from .earthquake.analysis import hybrid as hybrid
+from .earthquake.analysis import sweep as sweep
 from .earthquake.result import EarthquakeResult as EarthquakeResult
 from .earthquake.soaking import bearing_weather as bearing_weather
-from .earthquake.study import bridge as bridge
-from .earthquake.study import hybrid as hybrid
-from .earthquake.study import sweep as sweep
 from .identify.fit.synthetic import synthetic_record as synthetic_record
 from .identify.records.checks import check_test as check_test
 from .identify.records.record import TestRecord as TestRecord

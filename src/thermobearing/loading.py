@@ -9,7 +9,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, is_file, is_folder
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.result import Result, load_cyclic
-from thermobearing.earthquake.result import EarthquakeResult, load_study
+from thermobearing.earthquake.result import EarthquakeResult, load_earthquake
 from thermobearing.results.directory import BEARINGS, DATASET, IDENTIFIED, PARTS
 from thermobearing.results.saved import SavedResult, is_saved, read_dataset, read_saved
 from thermobearing.sequences.result import SequenceResult, load_sequence
@@ -57,7 +57,7 @@ def load_result(path: str | Path) -> AnyResult:
     if is_saved(path) and not is_file(Path(path) / DATASET):
         return _with_bearings(read_saved(path))
     study = "structure" in read_dataset(path, ["case"]).attrs
-    return load_study(path) if study else load_cyclic(path)
+    return load_earthquake(path) if study else load_cyclic(path)
 
 
 def _with_bearings(found: SavedResult) -> SavedResult:

@@ -14,7 +14,13 @@ from thermobearing.cyclic.history import build_segments
 from thermobearing.cyclic.protocol import MAX_CYCLES, survey
 from thermobearing.design.factors import scaled_bearing
 from thermobearing.identify.fit.synthetic import synthetic_record
-from thermobearing.model.effort import MAX_CELL_STEPS, MAX_KEPT, MAX_STEPS, study_too_much, too_much
+from thermobearing.model.effort import (
+    MAX_CELL_STEPS,
+    MAX_KEPT,
+    MAX_STEPS,
+    analysis_too_much,
+    too_much,
+)
 from thermobearing.structure import newmark
 
 HDR = "shen-hdr-bridge"
@@ -144,8 +150,8 @@ def test_what_is_honest_is_not_too_much() -> None:
     assert too_much(MAX_STEPS, 19, 1e8) == []
     assert too_much(MAX_STEPS, 19, 1.01 * MAX_KEPT) != []
     assert too_much(1e6, 1.01 * MAX_CELL_STEPS / 1e6, 1e8) != []
-    assert study_too_much([(8000.0, 100.0, 60.0)] * 500) == []
-    assert study_too_much([(8000.0, 100.0, 60.0)] * 50_000) != []
+    assert analysis_too_much([(8000.0, 100.0, 60.0)] * 500) == []
+    assert analysis_too_much([(8000.0, 100.0, 60.0)] * 50_000) != []
 
 
 def test_a_cycle_without_heat_has_a_bounded_number_of_steps(

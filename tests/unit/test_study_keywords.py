@@ -9,7 +9,7 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 import thermobearing as tb
-import thermobearing.earthquake.study as study
+import thermobearing.earthquake.analysis as study
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.case import Keep
 from thermobearing.earthquake.case import EarthquakeAnalysis, EarthquakeCase, Stepping

@@ -64,7 +64,7 @@ def _data_facts(kind: str, path: Path) -> dict[str, str]:
 # Keys that files of one kind alone have, to tell files that do not say what they are.
 DESIGNS = set(DesignCase.model_fields) - set(EarthquakeCase.model_fields)
 DESIGNS -= set(Sidecar.model_fields)
-STUDIES = set(EarthquakeCase.model_fields) - set(Case.model_fields) - set(Sidecar.model_fields)
+EARTHQUAKES = set(EarthquakeCase.model_fields) - set(Case.model_fields) - set(Sidecar.model_fields)
 TESTS = set(Sidecar.model_fields) - set(Case.model_fields) - {"name", "speed"}
 
 
@@ -118,7 +118,7 @@ def find_kind(table: dict[str, Any], path: Path) -> str:
         ("bearing", {"geometry", "hysteresis", "materials", "kind", "based_on"}),
         *data,
         ("design case", DESIGNS),
-        ("earthquake case", STUDIES),
+        ("earthquake case", EARTHQUAKES),
         ("test record", TESTS),
         ("rig", set(LIMITS)),
     ):
@@ -196,7 +196,7 @@ def cells_facts(path: Path) -> dict[str, str]:
 
 
 def _earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
-    """What a study would run."""
+    """What an analysis would run."""
     climates = case.weather or ", ".join(f"{value:g} degC" for value in case.ambient)
     count = len(case.bearings) * len(case.motions) * (1 if case.weather else len(case.ambient))
     return {

@@ -88,9 +88,9 @@ def _analyse(
     name: str, path: Path | None, given: dict[str, Any], compare: bool, end: Ending
 ) -> int:
     """Read the case, check the target, run, write."""
+    from thermobearing.earthquake.analysis import compare_models, refuse_incomparable
     from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
     from thermobearing.earthquake.run import run_earthquake
-    from thermobearing.earthquake.study import compare_models, refuse_incomparable
 
     if path is None:
         case = make_earthquake_case({"command": name}, "command line", **given)

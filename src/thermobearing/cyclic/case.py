@@ -197,7 +197,7 @@ def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> Sp
     """Where a bearing was at the end of an earlier result, in the run at the same ambient.
 
     Results of tests that hold no state (before 0.2) give temperatures only. `bearing` is the name
-    of one of a study of several.
+    of one of several in an analysis.
     """
     run = _same_run(data, ambient, bearing)
     if "final_temperature" not in data:

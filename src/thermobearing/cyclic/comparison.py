@@ -47,7 +47,8 @@ def compare_models(case: Case) -> dict[str, Result]:
     --------
     >>> import thermobearing as tb
     >>> test = tb.cyclic_test(strain=[1.0], cycles=1)
-    >>> results = compare_models(tb.cyclic.make_case({}, "example", test=test, ambient=[23.0]))
+    >>> from thermobearing.cyclic.case import make_case
+    >>> results = compare_models(make_case({}, "example", test=test, ambient=[23.0]))
     >>> list(results)[:2]
     ['multi-layer', 'adiabatic']
     """

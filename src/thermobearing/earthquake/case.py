@@ -1,4 +1,4 @@
-"""An earthquake study as data: structure, bearings, motions, weather, and how to compute."""
+"""An earthquake analysis as data: structure, bearings, motions, weather, and how to compute."""
 
 import math
 from collections.abc import Mapping
@@ -257,7 +257,7 @@ class EarthquakeCase(Strict):
         return round(length / dt), dt
 
     def length_faults(self, motions: list[GroundMotion]) -> list[str]:
-        """Studies of no step; those of too many are refused when they are to be run."""
+        """Return faults of a duration without a step; too many steps are refused when run."""
         counts = [self.count_steps(motion)[0] for motion in motions]
         if self.duration is not None and 0 in counts:
             return [f"duration = {self.duration:g} s is shorter than a step; see analysis.dt"]

@@ -254,7 +254,7 @@ def _label_histories(
     return data
 
 
-def label_study(
+def label_analysis(
     case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> EarthquakeResult:
     """Return the result of an analysis: peaks from every step, histories every `keep_every`-th."""

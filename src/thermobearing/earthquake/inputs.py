@@ -220,7 +220,7 @@ def lines_faults(lines: Sequence[OnLine], structure: Structure) -> list[str]:
     found += [f'lines: "{name}" is given more than once' for name in twice]
     if {item.line for item in lines if item.bearing is not None} >= set(names):
         found.append(
-            "lines: every line has a bearing of its own, and none is left for those of the study; "
+            "lines: every line has a bearing of its own, and none is left for those of the case; "
             "leave one to bearings"
         )
     for item in lines:

@@ -216,7 +216,7 @@ def _laboratory(case: Case) -> list[str]:
 # Of the input: with average acceleration the books close but for rounding; other methods are off by
 # what a step is off (1e-5 in the default hybrid test).
 INEXACT = 1e-2
-COMMANDS = {"bridge": "Earthquake study", "hybrid": "Hybrid test"}
+COMMANDS = {"bridge": "Earthquake analysis", "hybrid": "Hybrid test"}
 
 
 def build_pieces(result: EarthquakeResult) -> Pieces:

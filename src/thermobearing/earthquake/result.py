@@ -33,7 +33,7 @@ from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.selection import chosen_runs, gridded, selected
 from thermobearing.results.writing import write_csv, write_dataset
 
-# Of the input. In the default study, bearings of runs below it move 13 to 19 % farther without
+# Of the input. In the default analysis, bearings of runs below it move 13 to 19 % farther without
 # viscous damping, those of runs above it 12 to 200 %: there the assumed ratios count as much as
 # the bearing.
 LARGEST_DAMPING_SHARE = 0.25
@@ -118,8 +118,8 @@ class EarthquakeResult(DatasetResult):
         Examples
         --------
         >>> import thermobearing as tb
-        >>> study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2)
-        >>> study.sel(bearing="shen-hdr-bridge", ambient=-20).runs
+        >>> found = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2)
+        >>> found.sel(bearing="shen-hdr-bridge", ambient=-20).runs
         1
         """
         data = self.dataset
@@ -138,8 +138,8 @@ class EarthquakeResult(DatasetResult):
         Examples
         --------
         >>> import thermobearing as tb
-        >>> study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2)
-        >>> study.to_dataset()["bearing_force_max"].dims
+        >>> found = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23, -20], duration=2)
+        >>> found.to_dataset()["bearing_force_max"].dims
         ('bearing', 'motion', 'ambient')
         """
         both = len(set(self.modes)) > 1
@@ -487,7 +487,7 @@ class EarthquakeResult(DatasetResult):
             write_csv(path, frame, below=run > 0)
 
 
-def load_study(path: str | Path) -> EarthquakeResult:
+def load_earthquake(path: str | Path) -> EarthquakeResult:
     """Return a saved result of an analysis of earthquakes; see `load_result`, which reads any.
 
     InputError: there is no readable result of such an analysis at that path.

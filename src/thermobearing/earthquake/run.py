@@ -3,7 +3,7 @@
     structure -> matrices, modes, damping;   bearing -> constants of the one coupled step
     every bearing x motion x temperature -> time integration -> histories -> one dataset
 
-Read `run_earthquake` first; `bridge` and `hybrid` (study.py) make the case that it carries out.
+Read `run_earthquake` first; `bridge` and `hybrid` (analysis.py) make the case that it carries out.
 The integration is in structure/, the step of the bearing is the same as in every other analysis
 (core/step.py).
 """
@@ -29,11 +29,11 @@ from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import LARGEST_STRAIN, CyclicTest
 from thermobearing.earthquake.case import EarthquakeCase
-from thermobearing.earthquake.dataset import label_study
+from thermobearing.earthquake.dataset import label_analysis
 from thermobearing.earthquake.measures import drift, largest, pier_peaks
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
-from thermobearing.model.effort import study_too_much
+from thermobearing.model.effort import analysis_too_much
 from thermobearing.model.handover import begun_from
 from thermobearing.model.options import build_model
 from thermobearing.model.outcomes import NOT_PHYSICAL, PIER_BEYOND_LIMIT
@@ -244,7 +244,7 @@ def _refuse_too_much(
         profiles = cells if "cells" in case.analysis.keep else 0
         kept = climates * (20.0 + 4.0 * coordinates + lines * (20.0 + layers + profiles))
         runs += [(float(case.count_steps(motion)[0]), work, kept) for motion in motions]
-    found = study_too_much(runs)
+    found = analysis_too_much(runs)
     if found:
         raise InputError(found, case.command)
 
@@ -371,4 +371,4 @@ def run_earthquake(
     finally:
         if own:
             own.shutdown(cancel_futures=True)
-    return label_study(case, tasks, histories)
+    return label_analysis(case, tasks, histories)

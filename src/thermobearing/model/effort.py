@@ -7,8 +7,8 @@ from typing import Any
 MAX_STEPS = 20_000_000  # of all runs of an analysis
 # A step takes time in proportion to the cells of the stack, some 0.02 us each: half a minute.
 MAX_CELL_STEPS = 1.5e9
-MAX_STUDY = 2e10  # the same of all runs of a study, which share the processors: some minutes
-# Of a study whose histories are all kept.
+MAX_ANALYSIS = 2e10  # the same of all runs of an analysis, which share the processors: some minutes
+# Of an analysis whose histories are all kept.
 MOST_OF = {"bearings": 100, "motions": 1000, "ambient": 1000}
 MAX_KEPT = 5e8  # numbers in the histories of a result: 4 GB
 
@@ -34,10 +34,10 @@ def too_much(steps: float, cells: int, kept: float) -> list[str]:
     return []
 
 
-def study_too_much(runs: Sequence[tuple[float, float, float]]) -> list[str]:
-    """The same for a study.
+def analysis_too_much(runs: Sequence[tuple[float, float, float]]) -> list[str]:
+    """Return the same for an analysis of several runs.
 
-    `runs`: of each run its steps, and the cells and kept numbers of one step.
+    `runs` has of each its steps, and the cells and kept numbers of one step.
     """
     change = (
         "take a larger dt or cut the motions (duration); very many runs are for `thermobearing "
@@ -48,8 +48,10 @@ def study_too_much(runs: Sequence[tuple[float, float, float]]) -> list[str]:
     kept = sum(steps * numbers for steps, _, numbers in runs)
     if longest > MAX_STEPS:
         return [f"a run makes {longest:.3g} steps; at most {MAX_STEPS} can be done: {change}"]
-    if work > MAX_STUDY:
-        return [f"makes {work:.3g} steps of a cell; at most {MAX_STUDY:.3g} can be done: {change}"]
+    if work > MAX_ANALYSIS:
+        return [
+            f"makes {work:.3g} steps of a cell; at most {MAX_ANALYSIS:.3g} can be done: {change}"
+        ]
     if kept > MAX_KEPT:
         return [f"keeps {kept:.3g} numbers; at most {MAX_KEPT:.3g} can be kept: {change}"]
     return []

@@ -190,7 +190,7 @@ class SequenceCase(Strict):
         return found or too_much(total, cells, total / self.analysis.keep_every * 3 * cells)
 
     def _hybrid_faults(self, number: int) -> list[str]:
-        """Those of a hybrid part as a study of its own."""
+        """Those of a hybrid part as an analysis of its own."""
         case = self.whole_part(number, None)
         assert isinstance(case, EarthquakeCase)
         lines = len(case.structure.bearings)

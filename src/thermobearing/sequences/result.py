@@ -10,7 +10,7 @@ import thermobearing
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.cyclic.result import Result as CyclicResult
 from thermobearing.cyclic.result import load_cyclic
-from thermobearing.earthquake.result import EarthquakeResult, load_study
+from thermobearing.earthquake.result import EarthquakeResult, load_earthquake
 from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
@@ -230,6 +230,8 @@ def load_sequence(path: str | Path) -> SequenceResult:
     for number, part in enumerate(case.parts):
         place = folder / PARTS / case.label(number)
         if place.is_dir():
-            parts.append(load_study(place) if isinstance(part, HybridPart) else load_cyclic(place))
+            parts.append(
+                load_earthquake(place) if isinstance(part, HybridPart) else load_cyclic(place)
+            )
     ended = bool(parts) and parts[-1].outcome != COMPLETED
     return SequenceResult(case, parts, interrupted=len(parts) < len(case.parts) and not ended)

@@ -15,7 +15,7 @@ from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.run import run_case
 from thermobearing.earthquake.case import EarthquakeCase
-from thermobearing.earthquake.dataset import end_state_at, label_study
+from thermobearing.earthquake.dataset import end_state_at, label_analysis
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import build_tasks, run_task
 from thermobearing.model.element import BearingElement
@@ -137,4 +137,4 @@ def _run_part(case: Case | EarthquakeCase) -> tuple[Result | EarthquakeResult, S
         return result, final_state(result.dataset, case.ambient)
     (task,) = build_tasks(case)
     history = run_task(task)
-    return label_study(case, [task], [history]), end_state_at(task, history)
+    return label_analysis(case, [task], [history]), end_state_at(task, history)

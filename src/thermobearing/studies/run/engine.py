@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import pandas as pd
 
 from thermobearing.border.errors import InputError, OutputError
-from thermobearing.earthquake.dataset import label_study
+from thermobearing.earthquake.dataset import label_analysis
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_task
 from thermobearing.results.directory import check_target, locked
@@ -241,7 +241,7 @@ def repeat_run(study: Study, run: int) -> EarthquakeResult:
     motion = task.case.motions[0]
     scaled = motion.model_copy(update={"factor": motion.factor * float(row["scale"])})
     case = task.case.model_copy(update={"motions": [scaled]})
-    return label_study(case, [replace(task, case=case)], [history])
+    return label_analysis(case, [replace(task, case=case)], [history])
 
 
 def study(
