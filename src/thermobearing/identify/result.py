@@ -198,7 +198,7 @@ class Identification(Result):
 
         summary = self.summary()
         found = {
-            "parameters": tables.parameters_table(summary),
+            "parameters": tables.parameters_table(summary, tables.BRIEF),
             "records": tables.agreement_table(summary["records"]),
             "thermocouples": tables.thermocouples_table(summary["thermocouples"]),
             "posterior": tables.posterior_table(summary.get("posterior", {})),

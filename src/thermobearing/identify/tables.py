@@ -18,6 +18,8 @@ Row = Mapping[Any, Any]
 STRONG = 0.9  # correlation that is reported
 AT_BOUND, POORLY, NOT = "at its bound", "poorly", "no"
 MOST_ROWS = 200
+BRIEF = ["symbol", "unit", "estimate", "standard_error", "interval_lower", "interval_upper"]
+BRIEF += ["determined"]
 CYCLE_MEASURES = ("G_eq_error", "h_eq_error", "energy_error", "force_max_error")
 MARKED = " Marked: beyond what the bearing was tested at."
 
@@ -87,8 +89,11 @@ def findings_table(records: Sequence[Row]) -> Table:
     return make_table(frame, caption="Findings", heads={"sentence": "Sentence"})
 
 
-def parameters_table(summary: Row) -> Table:
-    """Return the estimates with standard errors and intervals; strong correlation in the note."""
+def parameters_table(summary: Row, names: Sequence[str] | None = None) -> Table:
+    """Return the estimates with standard errors and intervals; strong correlation in the note.
+
+    `names` are the columns; all by default, those in `BRIEF` on the console.
+    """
     rows = [
         {
             "parameter": key_words(key).removesuffix(f" {item['symbol']}"),
@@ -104,9 +109,8 @@ def parameters_table(summary: Row) -> Table:
         }
         for key, item in summary["parameters"].items()
     ]
-    note = "Standard errors include those of the values that are not free; the next column holds "
-    note += f"those of the tests alone. {_correlated(summary)}"
-    return make_table(pd.DataFrame(rows), caption="Identified parameters", keys=2, note=note)
+    note = f"Standard errors include those of the values that are not free. {_correlated(summary)}"
+    return make_table(pd.DataFrame(rows), names, "Identified parameters", keys=2, note=note)
 
 
 def relative_error(item: Row) -> float:
@@ -154,8 +158,8 @@ def agreement_table(records: Sequence[Row]) -> Table:
             errors = [cycle[name] for cycle in record["cycles"]] or [float("nan")]
             row |= {f"{name}_least": min(errors), f"{name}_largest": max(errors)}
         rows.append(row)
-    note = "R² and NRMSE of the force over the whole test; errors (model over test, less one) over "
-    note += "its cycles."
+    note = "R² and NRMSE of the force over the whole test; errors of its cycles (model over test, "
+    note += "less one) from the least to the largest."
     return make_table(pd.DataFrame(rows), caption="Agreement with the tests", keys=2, note=note)
 
 
