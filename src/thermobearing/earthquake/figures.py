@@ -21,9 +21,11 @@ from thermobearing.earthquake.measures import GOVERNING
 from thermobearing.earthquake.summary_figures import (
     DISPLACEMENT,
     FORCE,
+    MODES,
     MOST_COLUMNS,
     STRAIN,
     TIME_BINS,
+    Cell,
     RunPanels,
     bearing_grid,
     comparison_figure,
@@ -39,7 +41,6 @@ MODE_LOOKS: dict[str, drawing.Look] = {
     "rt": {"color": "#CC3311"},
     "pd": {"color": "#0077BB", "linestyle": "--"},
 }
-MODE_NAMES = {"rt": "real time", "pd": "pseudo-dynamic"}
 PANEL, LOOP_PANEL, SPEED_PANEL = (2.9, 2.4), (3.0, 2.7), (4.2, 2.3)  # width, height [inch]
 KJ, MN_M = 1e-3, 1e-3
 WIDER = 0.8  # of its width: each line that lies below another
@@ -171,19 +172,18 @@ class EarthquakeFigures(RunPanels):
         strain: Literal["x", "y"] | None = None,
         sizes: str = "",
         notes: bool = False,
-    ) -> Figure:
+    ) -> tuple[Figure, list[Cell]]:
         """Return one panel per bearing and motion; `draw` is called for every run in it.
 
-        All runs go into `ax` where somebody gives one. `strain` is the axis that shows the strain
-        [%]: beyond the tested range it is shaded. `sizes` names the variable whose largest run
-        is drawn first, below the others; `notes` leaves room for `note`. The panels of a motion
-        have the same axes.
+        All runs go into `ax`, and there are no panels, where somebody gives one. `strain` is the
+        axis that shows the strain [%]: beyond the tested range it is shaded. `sizes` names the
+        variable whose largest run is drawn first, below the others; `notes` leaves room for values.
         """
         if ax is not None:
             for run in self._table.index:
                 draw(ax, int(run), self._colour(run))
             drawing.name_axes(ax, x, y)
-            return drawing.parent_figure(ax)
+            return drawing.parent_figure(ax), []
         about = part_names(self._data)
         title = self._title(what, motions=True) + (f" ({about})" if about else "")
         motions = self._motions[:MOST_COLUMNS]
@@ -213,16 +213,7 @@ class EarthquakeFigures(RunPanels):
         if strain is not None:
             drawing.shade_untested(axes, [(-end, end) for end in untested], strain)
         drawing.legend_below(figure, self._handles() + self._mode_handles())
-        return figure
-
-    def _cells(self, figure: Figure) -> list[tuple[Axes, list[int], str]]:
-        """Return the panels of `_grid`, the runs in each from cold to warm, and its motion."""
-        motions = self._motions[:MOST_COLUMNS]
-        labels = [(bearing, motion) for bearing in self._bearings for motion in motions]
-        return [
-            (ax, self._runs_of(bearing=bearing, motion=motion), motion)
-            for ax, (bearing, motion) in zip(figure.axes, labels, strict=True)
-        ]
+        return figure, cells
 
     def _history(
         self,
@@ -234,21 +225,20 @@ class EarthquakeFigures(RunPanels):
         strain: Literal["y"] | None = None,
     ) -> Figure:
         """Return a history in the strong part of each motion, its peaks marked and printed."""
-        draw, peaks = self._time(name, factor), f"{name}_max"
-        if ax is not None:
-            return self._grid(what, "time [s]", y, draw, ax)
-        title = f"{what}, strong part of the motion"
-        figure = self._grid(title, "time [s]", y, draw, strain=strain, sizes=peaks, notes=True)
-        for panel, runs, motion in self._cells(figure):
+        draw, peaks, title = self._time(name, factor), f"{name}_max", f"{what}, strong part"
+        look: drawing.Look = {"strain": strain, "sizes": peaks, "notes": True}
+        figure, cells = self._grid(f"{title} of the motion", "time [s]", y, draw, ax, **look)
+        for panel, bearing, motion in cells:
+            runs = self._runs_of(bearing=bearing, motion=motion)
             panel.set_xlim(*_strong_part(self._data, self._runs_of(motion=motion), name))
             for run in runs:
                 values = factor * self._values(name, run)
                 place = _peak_place(values)
                 if place is None:
                     continue
-                look: drawing.Look = {"color": self._colour(run), "markeredgecolor": "white"}
+                mark: drawing.Look = {"color": self._colour(run), "markeredgecolor": "white"}
                 at = [self._values("time", run)[place]], [values[place]]
-                panel.plot(*at, "o", markersize=4.0, zorder=4, **look)
+                panel.plot(*at, "o", markersize=4.0, zorder=4, **mark)
             self._note(panel, "peak", runs, [factor * float(self._data[peaks][r]) for r in runs])
         return figure
 
@@ -293,7 +283,7 @@ class EarthquakeFigures(RunPanels):
                 panel.get_lines()[-1].set_label(label)
 
         what, sizes = "hysteresis of one bearing", "bearing_strain_max"
-        return self._grid(what, STRAIN, FORCE, _draw, ax, strain="x", sizes=sizes)
+        return self._grid(what, STRAIN, FORCE, _draw, ax, strain="x", sizes=sizes)[0]
 
     def largest_loops(self) -> Figure:
         """Return the largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
@@ -333,7 +323,7 @@ class EarthquakeFigures(RunPanels):
 
         what = "real time over pseudo-dynamic"
         figure = bearing_grid(self, what, LOOP_PANEL, (STRAIN, FORCE), _draw)
-        handles = [Line2D([], [], label=MODE_NAMES[k], **look) for k, look in MODE_LOOKS.items()]
+        handles = [Line2D([], [], label=MODES[k], **look) for k, look in MODE_LOOKS.items()]
         drawing.legend_below(figure, handles)
         return figure
 
@@ -364,10 +354,9 @@ class EarthquakeFigures(RunPanels):
         draw = view._plane("pier_rotation", "pier_moment", 1e3, MN_M)
         x, y = "rotation [mrad]", "moment [MN m]"
         what = "pier base (dashed: where it yields; numbers: ductility)"
-        if ax is not None:
-            return view._grid(what, x, y, draw, ax)
-        figure = view._grid(what, x, y, draw, sizes="pier_rotation_max")
-        for panel, runs, _ in view._cells(figure):
+        figure, cells = view._grid(what, x, y, draw, ax, sizes="pier_rotation_max")
+        for panel, bearing, motion in cells:
+            runs = view._runs_of(bearing=bearing, motion=motion)
             found = [_yield_point(view._data, run) for run in runs]
             for point in [point for point in found if point is not None][:1]:
                 rotation, moment = 1e3 * point[0], MN_M * point[1]
@@ -379,7 +368,7 @@ class EarthquakeFigures(RunPanels):
             self._note(panel, "", runs, ductility)
             if max(ductility) < 1.0:
                 drawing.say_why(panel, "stays elastic", (0.98, 0.12))
-        for panel in figure.axes:  # with room above the line where it yields
+        for panel, _, _ in cells:  # with room above the line where it yields
             panel.relim()
             low, high = panel.dataLim.intervaly
             panel.set_ylim(1.08 * low, (1.08 + 2.0 * NOTE_ROOM) * high)
@@ -394,7 +383,7 @@ class EarthquakeFigures(RunPanels):
     def energy(self, ax: Axes | None = None) -> Figure:
         """Return the work done on one bearing in time, as Fig. 3.25."""
         draw = self._time("bearing_energy", KJ)
-        return self._grid("energy taken by one bearing", "time [s]", "energy [kJ]", draw, ax)
+        return self._grid("energy taken by one bearing", "time [s]", "energy [kJ]", draw, ax)[0]
 
     def temperature(self) -> Figure:
         """Return the rise of the rubber layers and, below, of the lead, as Fig. 3.20 and 5.16."""
@@ -472,7 +461,7 @@ class EarthquakeFigures(RunPanels):
                 ax.plot(time, speed[kept], color=self._colour(run), linewidth=width)
             ax.margins(y=0.14)
             self._note(ax, "largest", runs, list(largest.values()))
-            name = ", ".join(part for part in (bearing, MODE_NAMES.get(mode, "")) if part)
+            name = ", ".join(part for part in (bearing, MODES[mode]) if part)
             drawing.name_axes(ax, title=name)
             ax.title.set_fontsize(drawing.SMALL)
         drawing.legend_below(figure, self._handles())
