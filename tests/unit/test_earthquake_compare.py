@@ -139,9 +139,3 @@ def test_only_the_conservative_scheme_can_be_compared() -> None:
     with pytest.raises(tb.InputError) as caught:
         refuse_incomparable(case)
     assert len(caught.value.problems) == 2
-
-
-@pytest.mark.parametrize("model", ["lead-alone", "single temperature"])
-def test_a_model_that_does_not_fit(model: str) -> None:
-    with pytest.raises(tb.InputError, match="model"):
-        tb.hybrid(HDR, model=model)

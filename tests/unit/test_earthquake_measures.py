@@ -66,8 +66,7 @@ def test_shares_in_the_history_add_up(study: Any) -> None:
     assert frame["lead_force_kN"].abs().max() > 0.1 * largest
     for name in ("deck_displacement_mm", "deck_relative_acceleration_m_s2"):
         assert np.isfinite(frame[name]).all()
-    assert "footing_acceleration_m_s2" in frame
-    assert "deck_acceleration_m_s2" in frame
+    assert {"footing_acceleration_m_s2", "deck_acceleration_m_s2"} <= set(frame)
 
 
 def test_an_elastic_hinge_has_its_stiffness_in_the_history(study: Any) -> None:
@@ -169,9 +168,7 @@ def test_one_mode_makes_no_table_of_ratios() -> None:
     ("mode", "piece"),
     [
         (["rt", "rt"], "laboratory.mode: one is given more than once"),
-        ([], "laboratory.mode = []"),
         (["rt", "slow"], "laboratory.mode[1] = 'slow'"),
-        (3, "laboratory.mode = 3"),
     ],
 )
 def test_bad_modes(mode: Any, piece: str) -> None:

@@ -90,7 +90,6 @@ def test_the_table_holds_the_governing_values(study: tb.EarthquakeResult) -> Non
     assert row["strain_line"] == lines["strain_max"].idxmax()
     # Line A, in colder air, has the larger force; the report is about B.
     assert row["bearing_force_max_kN"] == lines.loc["on A", "force_max_kN"]
-    assert row["bearing_force_max_kN"] > 1.2 * lines.loc["on B", "force_max_kN"]
     assert row["force_line"] == "on A"
     assert row["bearing_energy_kN_mm"] == lines["energy_kN_mm"].max()
     assert row["pier_ductility"] == piers.loc["B", "ductility"]
@@ -243,12 +242,6 @@ def test_the_figure_has_a_dot_for_every_part(study: tb.EarthquakeResult, tmp_pat
     assert ticks == ["B", "A"]
 
 
-def test_one_line_and_one_pier_have_the_table_only() -> None:
-    result = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=1)
-    assert len(result.lines) == 0
-    assert len(result.piers) == 0
-
-
 def test_counts_go_into_the_structure() -> None:
     """And the same bearing on a line of its own is of the same kind, to the bit."""
     line = {"line": "on B", "count": 4, "equivalent_stiffness": "3 kN/mm"}
@@ -282,15 +275,9 @@ def test_lines_of_another_bearing_are_told_about_with_their_own_numbers() -> Non
         ([{"line": "on C"}], 'no bearing line is called "on C"; did you mean'),
         ([{"line": "on A"}, {"line": "on A"}], "more than once"),
         ([{"line": "on A", "bearing": "shen-hdr-brige"}], "shen-hdr-bridge"),
-        ([{"line": "on A", "ambient": -20}], "degC"),
         ([{"line": "on A", "weather": "none.csv"}], "none.csv"),
         ([{"line": "on A", "ambient": "0 degC", "weather": "x.csv"}], "not both"),
-        (
-            [{"line": name, "bearing": "lrb-example"} for name in ("on A", "on B")],
-            "none is left",
-        ),
-        ([{"line": "on A", "count": 0}], "count"),
-        ("on A", "must be a list"),
+        ([{"line": f"on {k}", "bearing": "lrb-example"} for k in "AB"], "none is left"),
     ],
 )
 def test_lines_that_cannot_be(lines: Any, said: str) -> None:
@@ -345,8 +332,6 @@ def test_a_fixed_base_is_that_of_stiff_springs() -> None:
 
 
 def test_what_has_no_foundation_has_none_to_hold() -> None:
-    with pytest.raises(tb.InputError, match="no body stands on springs"):
-        fixed_base(tb.load_structure("hybrid-pier"))
     with pytest.raises(tb.InputError, match="true or false"):
         make_earthquake_case({"fixed_base": "yes"}, "test")
     assert coordinates(fixed_base(tb.load_structure("pier-p1")))[0] == "deck x"

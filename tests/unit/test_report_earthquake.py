@@ -28,12 +28,9 @@ def pieces(study: EarthquakeResult) -> Pieces:
     return build_pieces(study)
 
 
-def test_form(pieces: Pieces) -> None:
+def test_question_and_answer(study: EarthquakeResult, pieces: Pieces) -> None:
     assert_well_formed(pieces)
     arranged(pieces)
-
-
-def test_question_and_answer(study: EarthquakeResult, pieces: Pieces) -> None:
     assert "jra-ii-i-1 and jra-ii-i-2" in pieces.question
     assert "23 and −20 °C" in pieces.question
     table = study.table

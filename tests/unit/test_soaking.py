@@ -87,12 +87,6 @@ def test_some_hours_are_those_of_all() -> None:
     assert_array_equal(every.temperature[0], WEATHER.temperature[0])
 
 
-def test_even_air_stays() -> None:
-    for name in ("shen-hdr-bridge", "shen-lhdr-bridge"):
-        found = soaked_hours(device_of(name), tb.Hourly(np.full(500, -7.0)))
-        assert_allclose(found.temperature, -7.0, atol=tol.HOURS_OF_REST)
-
-
 def test_typical_year_has_had_the_days_before() -> None:
     device = device_of("shen-hdr-bridge")
     year = tb.Hourly(WEATHER.temperature[:2000], recurs=True)
@@ -116,8 +110,3 @@ def test_bilinear_has_no_temperature() -> None:
     assert found.at(1)[1] is None
     with pytest.raises(tb.InputError, match="has no temperature"):
         tb.bearing_weather("shen-bilinear-bridge", WEATHER)
-
-
-def test_hours_that_are_not_there() -> None:
-    with pytest.raises(tb.InputError, match="hours must be 0 to 8759"):
-        soaked_hours(device_of("shen-hdr-bridge"), WEATHER, np.array([8760]))
