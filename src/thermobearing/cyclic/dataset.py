@@ -156,14 +156,7 @@ def _build_dataset(
         "softened_steps": (each, np.array([run.softened_steps for run in runs])),
         "layer_force_mismatch_max": (each, np.array([run.mismatch for run in runs])),
     }
-    # The state at the end of each run, from which another test can go on; no empty variables.
-    memories = [state_memory(run.state) for run in runs]
-    for key in memories[0]:
-        values = np.array([memory[key] for memory in memories])
-        if values.size:
-            also = memory_dimension(key)
-            dims = each if also is None else (*each, also)
-            data[PREFIX + key] = (dims, values, memory_attributes(key))
+    data |= _memories(runs)
     air = [climate.at(0.0) for climate in climates[: len(runs)]]
     coordinates: dict[str, Any] = {
         "ambient": (each, np.array(air)),
@@ -184,6 +177,17 @@ def _build_dataset(
                 k: v for k, v in about.attributes.items() if k != "units" or about.stored
             }
     return dataset
+
+
+def _memories(runs: list[History]) -> dict[str, Any]:
+    """Return the state at the end of each run, from which another test can go on."""
+    memories, found = [state_memory(run.state) for run in runs], {}
+    for key in memories[0]:
+        values, also = np.array([memory[key] for memory in memories]), memory_dimension(key)
+        if values.size:  # no empty variables
+            dims = ("ambient",) if also is None else ("ambient", also)
+            found[PREFIX + key] = (dims, values, memory_attributes(key))
+    return found
 
 
 def _stacked(arrays: list[NDArray[Any]], padding: float = np.nan) -> NDArray[Any]:
