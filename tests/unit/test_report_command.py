@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import thermobearing as tb
-import thermobearing.report.files as files
+import thermobearing.reporting as files
 from tests.unit.inputs import command, content, cyclic, last_line, quick_case, told
 from tests.unit.report_pieces import EVIL, LOGO, saved_directory
 from tests.unit.test_killed_and_together import killed

@@ -136,8 +136,7 @@ class Documents:
         wanted = self.report or self.workbook
         if not wanted and title == TitleBlock():
             return []
-        from thermobearing.report.files import keep_title
-        from thermobearing.reporting import Kinds, make_documents
+        from thermobearing.reporting import Kinds, keep_title, make_documents
 
         try:
             if not wanted:
