@@ -38,10 +38,6 @@ def significant_duration(motion: GroundMotion, start: float = 0.05, end: float =
 
     Trifunac and Brady, Bulletin of the Seismological Society of America 65, 1975; between
     samples the growth is taken as linear. Shares are 0 <= start < end <= 1.
-
-    >>> even = GroundMotion("even", 0.01, np.ones(1001))
-    >>> round(significant_duration(even), 6)
-    9.0
     """
     first, last = significant_interval(motion, start, end)
     return last - first

@@ -104,9 +104,6 @@ def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
     that nothing changes but the number of points. Any other step goes through a zero-phase
     low-pass filter (polyphase FIR) that takes out what the new step cannot carry; its ratio to
     the old one must be a fraction of whole numbers up to 1000.
-
-    >>> resampled(GroundMotion("ramp", 0.01, np.array([0.0, 10.0])), 0.005).acceleration.tolist()
-    [0.0, 5.0, 10.0]
     """
     if not (np.isfinite(dt) and 0.0 < dt <= motion.duration):
         raise InputError(

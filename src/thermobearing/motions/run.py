@@ -210,12 +210,6 @@ def examine_motion(
     If neither `kind` nor `ground` of the standard spectrum is given, they are those that a built-in
     motion was made for; there is none for others. `baseline` or a corner `high_pass` [Hz] corrects
     the base line first; see `baseline_corrected`.
-
-    >>> examined = examine_motion(load_motion("jra-ii-i-1"))
-    >>> examined.reference
-    Reference(kind='II', ground='I', zone_factor=1.0)
-    >>> examined.misfit < 0.03
-    True
     """
     if baseline or high_pass is not None:
         motion = baseline_corrected(motion, high_pass=high_pass)

@@ -144,9 +144,6 @@ def standard_spectrum(
     Japan Road Association, Specifications for Highway Bridges, Part V (2012), for type "I" (plate
     boundary) or "II" (inland), ground "I" (hard), "II" or "III" (soft), natural periods > 0 [s] and
     the factor c_z of the region in [0.01, 2].
-
-    >>> standard_spectrum("II", "I", [0.5]).tolist()  # 2000 gal
-    [20000.0]
     """
     key = kind_and_ground(kind, ground)
     values = number_list(periods, "periods [s]")
@@ -193,12 +190,6 @@ def load_spectrum(name_or_path: str | Path, factor: float = 1.0) -> DesignSpectr
     `name_or_path` is one of `list_spectra()`, or a file with columns `period` [s] and
     `acceleration` (with its unit: gal, g, m/s2 ...), of 5 % damping, from 0.1 s or less to 3 s or
     more.
-
-    >>> import tempfile
-    >>> file = Path(tempfile.mkdtemp()) / "site.csv"
-    >>> _ = file.write_text("period_s,acceleration_gal\n0.1,400\n0.5,800\n4,100\n")
-    >>> load_spectrum(file).at(np.array([0.5])).round(6).tolist()
-    [8000.0]
     """
     text = str(name_or_path)
     if STANDARD.fullmatch(text):

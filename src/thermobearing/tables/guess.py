@@ -39,24 +39,14 @@ Taken = dict[int, tuple[str, str]]  # quantity and reason by the number of the c
 
 @dataclass(frozen=True)
 class ColumnGuess:
-    """One column of a file, and what it is taken for.
-
-    Attributes
-    ----------
-    title : in the file.
-    unit : "" where neither title nor a row of units states it.
-    holds : time, displacement, force, ambient, temperature, strain, numbers, words or nothing.
-    why : what speaks for it.
-    place : of a thermocouple, where its title states it.
-    assumed : the unit that is taken where the file states none.
-    """
+    """One column of a file, and what it is taken for."""
 
     title: str
-    unit: str
-    holds: str
-    why: str
-    place: str = ""
-    assumed: str = ""
+    unit: str  # "" where neither title nor a row of units states it
+    holds: str  # time, displacement, force, ambient, temperature, strain, numbers, words, nothing
+    why: str  # what speaks for it
+    place: str = ""  # of a thermocouple, where its title states it
+    assumed: str = ""  # the unit that is taken where the file states none
 
 
 @dataclass(frozen=True)

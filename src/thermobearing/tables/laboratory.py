@@ -128,29 +128,16 @@ class Recognised(NamedTuple):
 
 @dataclass(frozen=True)
 class Readings:
-    """All samples of a laboratory's file or files, in kN, mm, s, degC.
+    """All samples of a laboratory's file or files, in kN, mm, s, degC."""
 
-    Attributes
-    ----------
-    sidecar : what was stated about them, with the thermocouples and the sign that were found.
-    file : they came from, the table or its sidecar; names in the sidecar are seen from its folder.
-    values : samples by name: time, displacement, force, ambient, strain [percent], and
-        thermocouples by title.
-    block : number of the block that each sample belongs to.
-    recognised : the first file.
-    given : the keys of the sidecar as they stand in it.
-    assumptions : what the file did not state.
-    unused : titles of columns that nothing was made of.
-    """
-
-    sidecar: Sidecar
-    file: Path
-    values: Part
-    block: Ints
-    recognised: Recognised
-    given: dict[str, Any] = field(default_factory=dict)
-    assumptions: list[str] = field(default_factory=list)
-    unused: list[str] = field(default_factory=list)
+    sidecar: Sidecar  # with the thermocouples and the sign of the force that were found
+    file: Path  # the table or its sidecar; names in the sidecar are seen from its folder
+    values: Part  # by name: time, displacement, ..., strain [percent], thermocouples by title
+    block: Ints  # number of the block that each sample belongs to
+    recognised: Recognised  # the first file
+    given: dict[str, Any] = field(default_factory=dict)  # the keys of the sidecar
+    assumptions: list[str] = field(default_factory=list)  # what the file did not state
+    unused: list[str] = field(default_factory=list)  # titles of columns that nothing was made of
 
     @property
     def displacement(self) -> Floats:
