@@ -211,9 +211,9 @@ class StudyResult(Result):
             kept &= self.table[name].isin(values).to_numpy(dtype=bool)
         if not kept.any():
             raise InputError(f"no run has {chosen}")
-        whole = {**self.manifest, "runs": int(kept.sum())}
+        manifest = {**self.manifest, "runs": int(kept.sum())}
         table = self.table[kept].reset_index(drop=True)
-        return StudyResult(table, self.study, whole, self.directory, self.asked)
+        return StudyResult(table, self.study, manifest, self.directory, self.asked)
 
     def parts(self) -> dict[str, "StudyResult"]:
         """Return a result for each structure and bearing, by name; "" if there is one of each."""

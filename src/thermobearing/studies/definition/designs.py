@@ -86,7 +86,7 @@ def _run_ids(
         "motion": [_motion_digest(*one) for one in pairs],
     }
     counts = [len(parts[name]) for name in THINGS]
-    whole = np.ravel_multi_index(tuple(places[name] for name in THINGS), counts)
+    combined = np.ravel_multi_index(tuple(places[name] for name in THINGS), counts)
     names = sorted(numbers)
     values = np.column_stack([numbers[name] for name in names])
     without = np.isnan(values)
@@ -94,7 +94,7 @@ def _run_ids(
     for gaps in np.unique(without, axis=0):
         rows = np.flatnonzero((without == gaps).all(axis=1))
         known = [name for name, gap in zip(names, gaps, strict=True) if not gap]
-        different, of_row = np.unique(whole[rows], return_inverse=True)
+        different, of_row = np.unique(combined[rows], return_inverse=True)
         heads = []
         for here in zip(*np.unravel_index(different, counts), strict=True):
             things = [parts[name][place] for name, place in zip(THINGS, here, strict=True)]

@@ -122,7 +122,7 @@ def settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> N
             settled += _level(item, folder)
         except InputError as error:
             faults += error.lines(key)
-    # Something in the place of what is told already, so that the checks go on to the rest.
+    # A stand-in for what is reported already, so that the other checks go on.
     table["levels"] = settled or [load_device(ANY)] if len(faults) > before else settled
     names = [getattr(item, "name", "") for item in settled]
     twice = dict.fromkeys(name for name in names if name and names.count(name) > 1)
@@ -153,13 +153,13 @@ def _posterior(item: dict[str, Any], folder: Path) -> Posterior:
         raise InputError(
             f'posterior = "{given}": holds no {SAMPLES}; identify writes it with --posterior'
         )
-    beside, bearing = path.with_name(IDENTIFIED), item.get("bearing")
-    if bearing is None and not is_file(beside):
-        raise InputError(f"posterior: no {IDENTIFIED} beside it; say its bearing")
+    fitted, bearing = path.with_name(IDENTIFIED), item.get("bearing")
+    if bearing is None and not is_file(fitted):
+        raise InputError(f"posterior: no {IDENTIFIED} next to it; give its bearing")
     if isinstance(bearing, str | Path):
         own = str(bearing).endswith(".toml")
         bearing = load_bearing(folder / bearing if own else bearing)
-    bearing = load_bearing(beside) if bearing is None else bearing
+    bearing = load_bearing(fitted) if bearing is None else bearing
     if not isinstance(bearing, Bearing):
         raise InputError("bearing: must be the name or the file of a bearing")
     more = {"count": item["count"]} if "count" in item else {}

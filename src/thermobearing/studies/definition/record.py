@@ -195,7 +195,7 @@ class Picked(Strict):
     """How levels are met: each with every one of the other factors, or drawn by lot.
 
     `random` draws one level for each sample, with the probabilities of `weights` (all alike
-    without); otherwise every combination of levels has samples of its own.
+    without); otherwise every combination of levels has its samples.
     """
 
     random: bool = False
@@ -253,7 +253,7 @@ class Made:
 
 
 class MotionFactor(Picked):
-    """Ground motions, each with a name of its own; or motions that are made to fit a spectrum.
+    """Ground motions, each with a name; or motions that are made to fit a spectrum.
 
     Attributes
     ----------
@@ -391,8 +391,8 @@ class AmbientFactor(Drawn, Picked):
         ways = [key for key in ("levels", "distribution", "weather", "climate") if key in given]
         faults = super()._conflicts(given)
         if len(ways) != 1:
-            told = f"; got {', '.join(ways)}" if ways else ""
-            faults.append(f"give one of levels, distribution, weather and climate{told}")
+            got = f"; got {', '.join(ways)}" if ways else ""
+            faults.append(f"give one of levels, distribution, weather and climate{got}")
         made_up = [key for key in ("years", "seed") if key in given]
         if made_up and "climate" not in given:
             faults.append(f"{made_up[0]}: of a climate that weather is made up from")
@@ -448,7 +448,7 @@ COLUMNS = {"PGA": "PGA_m_s2", "PGV": "PGV_m_s", "Sa": "Sa_m_s2"}
 
 
 def intensity(motion: GroundMotion, scale: ScaleFactor) -> float:
-    """The measure of a whole motion, before any scale [m/s2], PGV [m/s]."""
+    """Return the measure of a motion that is not scaled: PGA, Sa [m/s2] or PGV [m/s]."""
     if scale.measure == "PGA":
         found = motion.pga
     elif scale.measure == "PGV":

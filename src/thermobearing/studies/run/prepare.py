@@ -245,15 +245,15 @@ class Preparer:
         if place not in self._devices:
             _make_room(self._devices)
             self._devices[place] = build_device(case, bearing)
-        whole = self._devices[place]
+        shared = self._devices[place]
         if not changes:
-            return whole
+            return shared
         changed = with_numbers(bearing, changes)
         multi_layer = case.analysis.exposure is None and case.analysis.model == "multi-layer"
         if multi_layer and isinstance(changed, Bearing) and not any(map(moves_heat, changes)):
-            assert whole.stack is not None
-            constants = with_parameters(whole.constants, changed, whole.stack)
-            return Device(changed, constants, whole.stack)
+            assert shared.stack is not None
+            constants = with_parameters(shared.constants, changed, shared.stack)
+            return Device(changed, constants, shared.stack)
         return build_device(case, changed)
 
     def _own(self, case: EarthquakeCase, plain: bool) -> list[Device | None]:
@@ -268,14 +268,14 @@ class Preparer:
         return found
 
     def _shaking(self, level: int, case: EarthquakeCase, plain: bool, scale: float) -> Shaking:
-        whole = self._shakings.get(level) if plain else None
-        if whole is None:
+        shared = self._shakings.get(level) if plain else None
+        if shared is None:
             one = case.model_copy(update={"motions": [self.levels.listed[level]]})
-            whole = build_shaking(one, 0, self.levels.motions[level])
+            shared = build_shaking(one, 0, self.levels.motions[level])
             if plain:
-                self._shakings[level] = whole
-        ground: Floats = scale * whole.ground
-        return Shaking(whole.motion, whole.dt, ground)
+                self._shakings[level] = shared
+        ground: Floats = scale * shared.ground
+        return Shaking(shared.motion, shared.dt, ground)
 
     def _soaked_line(self, hour: int, air: float, case: EarthquakeCase, device: Device) -> OneLine:
         """Return the bearings of a line as warm as the weather before an hour has left them."""

@@ -199,12 +199,12 @@ def forecast(study: Study, jobs: int | None = None) -> Forecast:
 
 def say_duration(seconds: float) -> str:
     """Return a time in words: "42 s", "3 min 20 s", "11 h 6 min"."""
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60} s"
-    return f"{whole // 3600} h {whole % 3600 // 60} min"
+    rounded = round(seconds)
+    if rounded < 60:
+        return f"{rounded} s"
+    if rounded < 3600:
+        return f"{rounded // 60} min {rounded % 60} s"
+    return f"{rounded // 3600} h {rounded % 3600 // 60} min"
 
 
 class Pace:

@@ -228,10 +228,10 @@ def ranked_by(table: pd.DataFrame) -> str:
 
 def worst_runs(table: pd.DataFrame, count: int = WORST, by: str | None = None) -> list[int]:
     """Return the numbers of the completed runs with the largest demand, the worst first."""
-    whole = table[table[OUTCOME] == COMPLETED]
-    if len(whole) == 0:
+    completed = table[table[OUTCOME] == COMPLETED]
+    if len(completed) == 0:
         return []
-    name = by or ranked_by(whole)
-    order = pd.Series(numbers(whole, name), index=whole.index)
+    name = by or ranked_by(completed)
+    order = pd.Series(numbers(completed, name), index=completed.index)
     worst = order.sort_values(ascending=False, kind="stable").index[:count]
-    return [int(run) for run in whole.loc[worst, "run"]]
+    return [int(run) for run in completed.loc[worst, "run"]]

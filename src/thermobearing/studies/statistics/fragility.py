@@ -205,7 +205,7 @@ class Fragility:
 
     Attributes
     ----------
-    name : what tells it from others, such as "-20 degC"; may be empty.
+    name : of the curve, such as "-20 degC"; may be empty.
     method : "stripes", "ida" or "cloud".
     demand, intensity : names of the columns.
     capacity : of the demand, in the unit of its column.

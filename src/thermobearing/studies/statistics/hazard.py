@@ -159,13 +159,13 @@ def annual_rate(curve: "Fragility | ClimateFragility", hazard: Hazard) -> Rate:
     at, weights = hazard.points()
     start, stop, last = hazard.intensity[:1], hazard.intensity[-1:], float(hazard.rate[-1])
 
-    def whole(probability: Callable[[Any], Floats]) -> Floats:
+    def total(probability: Callable[[Any], Floats]) -> Floats:
         inner: Floats = probability(at) @ weights
         return np.asarray(inner + last * probability(stop)[..., 0])
 
-    rate = float(whole(curve.probability))
-    low, high = curve.ends(whole(curve.family)[:, None])
-    family = whole(partial(curve.family, drawn=True))
+    rate = float(total(curve.probability))
+    low, high = curve.ends(total(curve.family)[:, None])
+    family = total(partial(curve.family, drawn=True))
     unit = INTENSITY_UNITS.get(hazard.measure, "").replace("^2", "\N{SUPERSCRIPT TWO}")
     begins, ends = (f"{float(im):.4g} {unit}".strip() for im in hazard.intensity[[0, -1]])
     notes = []
@@ -193,9 +193,9 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
         raise InputError("the bands of two rates must be of the same bootstrap samples")
     if np.isnan(rate.rate + to.rate) or rate.rate == to.rate == 0.0:
         return np.nan, np.nan, np.nan
-    whole = np.append(rate.family, rate.rate), np.append(to.family, to.rate)
+    total = np.append(rate.family, rate.rate), np.append(to.family, to.rate)
     with np.errstate(divide="ignore", invalid="ignore"):
-        each = whole[0] / whole[1]
+        each = total[0] / total[1]
     known = each[:-1][~np.isnan(each[:-1])]  # not the samples in which neither goes beyond
     if len(known) == 0:
         return float(each[-1]), np.nan, np.nan
@@ -287,8 +287,8 @@ class ClimateFragility:
             rows.append({**row, "rate_low": found.low, "rate_high": found.high})
         table = pd.DataFrame(rows)
         used = table["share"] > 0.0
-        whole = (table["share"] * table["rate"])[used].sum(skipna=False)
-        table["part"] = np.where(used, table["share"] * table["rate"] / whole, 0.0)
+        total = (table["share"] * table["rate"])[used].sum(skipna=False)
+        table["part"] = np.where(used, table["share"] * table["rate"] / total, 0.0)
         return table
 
 

@@ -63,12 +63,12 @@ def sobol_indices(
             *(0.5 * (a - swapped) ** 2),
         ]
     )
-    whole = sums.sum(axis=0)[None, :] if draw is None else draw.sums(sums)
-    count, total, squares = whole[:, 0], whole[:, 1], whole[:, 2]
+    parts = sums.sum(axis=0)[None, :] if draw is None else draw.sums(sums)
+    count, total, squares = parts[:, 0], parts[:, 1], parts[:, 2]
     variance = squares / (2.0 * count) - (total / (2.0 * count)) ** 2
     scale = (count * np.where(variance > 0.0, variance, np.nan))[:, None]
     factors = len(swapped)
-    first, every = whole[:, 3 : 3 + factors] / scale, whole[:, 3 + factors :] / scale
+    first, every = parts[:, 3 : 3 + factors] / scale, parts[:, 3 + factors :] / scale
     return (first[0], every[0]) if draw is None else (first, every)
 
 
@@ -102,10 +102,12 @@ def sobol_table(
         )
     for value, name, number in zip(known, matrix, sample, strict=True):
         values[place[name], numbers[number]] = value
-    whole = np.isfinite(values).all(axis=0)
-    if whole.sum() < LEAST_ROWS:
-        raise InputError(f"{whole.sum()} complete rows of {len(whole)}: {LEAST_ROWS} are needed")
-    values = values[:, whole]
+    complete = np.isfinite(values).all(axis=0)
+    if complete.sum() < LEAST_ROWS:
+        raise InputError(
+            f"{complete.sum()} complete rows of {len(complete)}: {LEAST_ROWS} are needed"
+        )
+    values = values[:, complete]
     if np.ptp(values[:2]) == 0.0:
         raise InputError(f'"{demand}" is the same in all runs: there is no variance')
     draw = Draw.of_labels(None, values.shape[1], samples, seed)
@@ -114,7 +116,7 @@ def sobol_table(
     (low, high), (least, most) = percentiles(firsts, level), percentiles(totals, level)
     found: dict[str, Any] = {"factor": factors, "first": first, "first_low": low}
     found |= {"first_high": high, "total": total, "total_low": least, "total_high": most}
-    return pd.DataFrame(found).assign(rows=int(whole.sum()), left_out=int((~whole).sum()))
+    return pd.DataFrame(found).assign(rows=int(complete.sum()), left_out=int((~complete).sum()))
 
 
 def variance_shares(
@@ -154,11 +156,11 @@ def variance_shares(
     again = np.concatenate(
         [np.column_stack([_ratios(cell, weights) for cell in cells]) for weights in draw.weights()]
     )
-    whole = np.append(estimates, max(1.0 - estimates.sum(), 0.0))
+    shares = np.append(estimates, max(1.0 - estimates.sum(), 0.0))
     again = np.column_stack([again, np.maximum(1.0 - again.sum(axis=1), 0.0)])
     # Runs drawn twice make classes look alike inside: the samples are moved to the estimate.
-    low, high = percentiles(again - again.mean(axis=0) + whole, level)
-    found: dict[str, Any] = {"factor": [*apart, "together and the rest"], "share": whole}
+    low, high = percentiles(again - again.mean(axis=0) + shares, level)
+    found: dict[str, Any] = {"factor": [*apart, "together and the rest"], "share": shares}
     found |= {"share_low": low, "share_high": high}
     table = pd.DataFrame(found).assign(levels=[*(int(c.max()) + 1 for c in codes), 0])
     return table.assign(rows=len(values), left_out=runs.left_out)
