@@ -191,14 +191,15 @@ def draw_plot(plot: Plot) -> Figure:
             if start < high and end > low:
                 ends = max(start, low), min(end, high)
                 ax.axvspan(*ends, color=drawing.UNTESTED, zorder=0.2, linewidth=0)
-        ax.set_xlim(low, high)
         if plot.equal:
             ax.set_aspect("equal", adjustable="datalim")
+        else:
+            ax.set_xlim(low, high)
         title = words if len(plot.choices) > 1 else ""
         drawing.name_axes(ax, plot.x_title, plot.y_title, title)
     for ax in axes[len(chosen) :]:
         ax.remove()
-    if len(handles) > 1:
+    if len(handles) > 1 or plot.slider:
         drawing.legend_below(figure, list(handles.values()))
     return figure
 
