@@ -75,11 +75,6 @@ from thermobearing.structure.run import SENTENCES, StructureHistory
 if TYPE_CHECKING:
     from thermobearing.earthquake.run import Task
 
-ENDS = {  # temperatures at the end
-    "final_temperature": {"units": "degC", "long_name": "temperature of the cell at the end"},
-    "final_lead_temperature": {"units": "degC", "long_name": "temperature of the lead at the end"},
-}
-
 
 def end_state_at(task: "Task", history: StructureHistory) -> SpecimenState:
     """Return the state of the bearing of the first line at the end of a run; not a bilinear one."""
@@ -110,7 +105,10 @@ def _labelled_ends(
         whole = np.full((len(parts), max(len(part) for part in parts)), np.nan)
         for row, part in zip(whole, parts, strict=True):
             row[: len(part)] = part
-        name, about = (PREFIX + key, memory_attributes(key)) if key in memory else (key, ENDS[key])
+        if key in memory:
+            name, about = PREFIX + key, memory_attributes(key)
+        else:
+            name, about = key, quantity(key).attributes
         if dimension is None:
             data[name] = (("run",), whole[:, 0], about)
         elif whole.size:

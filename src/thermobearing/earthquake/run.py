@@ -267,15 +267,10 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
     tasks = []
     for device in devices:
         airs = case.ambient if weather is None else [float(weather.temperature[-1])]
-        climates = [
-            (
-                air,
-                prepared_lines(
-                    case, device, own, partial(one_line, case, air=air, weather=weather)
-                ),
-            )
-            for air in airs
-        ]
+        climates = []
+        for air in airs:
+            start = partial(one_line, case, air=air, weather=weather)
+            climates.append((air, prepared_lines(case, device, own, start)))
         for shaking in shakings:
             tasks += [
                 Task(prepared, device, shaking, air, lines, case, mode)
@@ -333,26 +328,8 @@ def run_earthquake(
 ) -> EarthquakeResult:
     """Carry out an analysis; never raises for a failed run (see `EarthquakeResult.outcome`).
 
-    Parameters
-    ----------
-    case : EarthquakeCase
-        From `load_earthquake_case` or `make_earthquake_case`.
-    executor : Executor, optional
-        Any `concurrent.futures` executor; threads by default, since the compiled integration
-        releases the lock of the interpreter.
-    progress : callable, optional
-        Called with (runs done, all runs).
-
-    Returns
-    -------
-    EarthquakeResult
-
-    Examples
-    --------
-    >>> from thermobearing.earthquake.case import make_earthquake_case
-    >>> table = {"command": "bridge", "bearings": ["shen-bilinear-bridge"], "duration": "2 s"}
-    >>> run_earthquake(make_earthquake_case(table, "example")).runs
-    12
+    Runs are on threads by default, since the compiled integration releases the lock of the
+    interpreter; `progress` is called with (runs done, all runs).
     """
     check_workers("run_earthquake()", executor, progress)
     tasks = build_tasks(case)

@@ -360,25 +360,29 @@ def comparison_figure(results: dict[str, EarthquakeResult]) -> Figure:
 
 def comparison_loops(results: dict[str, EarthquakeResult]) -> Figure:
     """Return loops of the multi-layer model and of a single temperature (Fig. 4.11, 5.9, 5.12)."""
-
-    def _draw(ax: Axes, name: str, run: int) -> None:
-        data = results[name].dataset
-        kept = np.isfinite(data["time"].values[run])
-        strain = 100.0 * data["bearing_strain"].values[run, kept]
-        ax.plot(strain, data["bearing_force"].values[run, kept], **LOOP_LOOKS[name])
-
-    return _compare(results, LOOP_LOOKS, _draw, "loops of one bearing", (STRAIN, FORCE))
+    return _compare_single(results, "loops", ("bearing_strain", "bearing_force"), (STRAIN, FORCE))
 
 
 def comparison_strains(results: dict[str, EarthquakeResult]) -> Figure:
     """Return strains of the multi-layer model and of a single temperature (Fig. 5.10, 5.13)."""
+    return _compare_single(results, "strain", ("time", "bearing_strain"), ("time [s]", STRAIN))
+
+
+def _compare_single(
+    results: dict[str, EarthquakeResult],
+    what: str,
+    names: tuple[str, str],
+    labels: tuple[str, str],
+) -> Figure:
+    """Return the multi-layer model and a single temperature in the plane of two histories."""
 
     def _draw(ax: Axes, name: str, run: int) -> None:
-        strain = 100.0 * results[name]["bearing_strain"].values[run].astype(float)
-        kept = drawing.thin(strain[np.isfinite(strain)], TIME_BINS)
-        ax.plot(results[name]["time"].values[run][kept], strain[kept], **LOOP_LOOKS[name])
+        data = results[name].dataset
+        kept = np.isfinite(data["time"].values[run])
+        path = (quantity(one).shown(data[one].values[run, kept].astype(float)) for one in names)
+        ax.plot(*path, **LOOP_LOOKS[name])
 
-    return _compare(results, LOOP_LOOKS, _draw, "strain of one bearing", ("time [s]", STRAIN))
+    return _compare(results, LOOP_LOOKS, _draw, f"{what} of one bearing", labels)
 
 
 def _compare(
