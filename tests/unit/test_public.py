@@ -44,6 +44,7 @@ def test_names_at_the_top_are_few_and_hidden_by_no_module() -> None:
 
 def test_a_name_that_a_room_promised_warns_and_names_its_place() -> None:
     places = {"cyclic.Result": "thermobearing.Result"}
+    places["border.read_columns"] = "thermobearing.read_columns"
     places |= {"studies.plan": "thermobearing.studies.definition.designs.plan"}
     for old, new in places.items():
         room, name = old.split(".")

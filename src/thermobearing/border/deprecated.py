@@ -99,6 +99,9 @@ def find_moved(package: str) -> Callable[[str], Any]:
                 public = name in import_module(TOP).__all__
                 _warn_renamed(f"{package}.{name}", f"{TOP if public else place}.{name}")
                 return getattr(import_module(place), name)
+        if package != TOP and name in import_module(TOP).__all__:  # another package has it now
+            _warn_renamed(f"{package}.{name}", f"{TOP}.{name}")
+            return getattr(import_module(TOP), name)
         raise missing
 
     return find
