@@ -118,11 +118,10 @@ def _range_of_law(found: "Identification") -> TemperatureLaw | None:
     if not {M_T, N_T} & set(found.uncertainty.estimates):
         return law
     ambients = [record.ambient for record in found.records]
-    low, high = min(ambients), max(ambients)
-    known = {"coldest": low, "warmest": high} if high > low else {"coldest": None, "warmest": None}
+    low, high = (min(ambients), max(ambients)) if len(set(ambients)) > 1 else (None, None)
     if law is None or law.temperatures is None:
-        return TemperatureLaw(**known) if high > low else None
-    return law.model_copy(update=known)
+        return TemperatureLaw(coldest=low, warmest=high) if low is not None else None
+    return law.model_copy(update={"coldest": low, "warmest": high})
 
 
 def _sources(found: "Identification", tests: str) -> dict[str, str]:

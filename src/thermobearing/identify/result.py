@@ -34,6 +34,8 @@ from thermobearing.results.base import COMPLETED, Result
 if TYPE_CHECKING:
     from thermobearing.identify.uncertainty.posterior import Forecast
 
+OF_ESTIMATE = ["stderr", "stderr_of_tests", "lower", "upper", "at_bound"]  # in summary.json
+OF_ESTIMATE += ["determined", "well_determined"]
 SENTENCES = {
     "not_converged": "The search stopped before it converged. Give more --starts.",
     "poor_fit": "bearing.toml is marked and does not load. Look at figures/loops.png and the "
@@ -229,13 +231,7 @@ class Identification(Result):
                     "symbol": item.parameter.kind.symbol,
                     "value": item.value,
                     "unit": item.parameter.kind.unit,
-                    "stderr": item.stderr,
-                    "stderr_of_tests": item.stderr_of_tests,
-                    "lower": item.lower,
-                    "upper": item.upper,
-                    "at_bound": item.at_bound,
-                    "determined": item.determined,
-                    "well_determined": item.well_determined,
+                    **{name: getattr(item, name) for name in OF_ESTIMATE},
                     "start": self.start.get(key),
                     "bounds": [item.parameter.lower, item.parameter.upper],
                 }

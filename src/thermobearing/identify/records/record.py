@@ -28,6 +28,8 @@ PARTS = 20  # of the test, in time: noise and a door that was opened are no drif
 READ_TO = 1  # decimals of a temperature in K
 ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
 TOGETHER = 0.05  # of the largest displacement: how far a strain may be from it
+WEIGHTS = ["weight", "first_cycle_weight", "cycle_balance"]
+SETTINGS = [*WEIGHTS, "despike", "detrend", "ambient_uncertainty"]  # of a sidecar
 STEADY = 3.0  # range of an ambient temperature that one number stands for [K]
 
 
@@ -207,7 +209,10 @@ def build_record(readings: Readings) -> TestRecord:
     assumptions = list(readings.assumptions)
     where = Path(sidecar.bearing) if sidecar.bearing else None
     inside = where is not None and where.suffix == ".toml" and not where.is_absolute()
-    thickness = _rubber_thickness(values, assumptions)
+    thickness, given = (
+        _rubber_thickness(values, assumptions),
+        readings.given.get("thermocouples", {}),
+    )
     return TestRecord(
         name=sidecar.name or readings.file.stem,
         file=str(readings.file),
@@ -218,21 +223,12 @@ def build_record(readings: Readings) -> TestRecord:
         ambient=_ambient(readings, assumptions),
         temperatures={title: values[title] for title in sidecar.thermocouples},
         places=dict(sidecar.thermocouples),
-        weight=sidecar.weight,
-        first_cycle_weight=sidecar.first_cycle_weight,
-        cycle_balance=sidecar.cycle_balance,
-        despike=sidecar.despike,
-        detrend=sidecar.detrend,
-        ambient_uncertainty=sidecar.ambient_uncertainty,
         assumptions=tuple(dict.fromkeys(assumptions)),
         bearing=str(readings.file.parent / where) if inside and where else sidecar.bearing,
         unused=tuple(readings.unused),
         rubber_thickness=thickness,
-        guessed_places=tuple(
-            title
-            for title in sidecar.thermocouples
-            if title not in readings.given.get("thermocouples", {})
-        ),
+        guessed_places=tuple(title for title in sidecar.thermocouples if title not in given),
+        **{name: getattr(sidecar, name) for name in SETTINGS},
     )
 
 
@@ -255,9 +251,8 @@ def _ambient(readings: Readings, assumptions: list[str]) -> float:
         return readings.sidecar.ambient
     column = readings.values.get("ambient")
     if column is None:
-        assumptions.append(
-            f"no ambient temperature: {ASSUMED_AMBIENT:g} degC assumed; give ambient"
-        )
+        said = f"no ambient temperature: {ASSUMED_AMBIENT:g} degC assumed; give ambient"
+        assumptions.append(said)
         return ASSUMED_AMBIENT
     if np.ptp(column) > STEADY:
         raise InputError(
@@ -288,9 +283,7 @@ def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
         "largest_speed_mm_s": largest_speed(record.time, record.displacement),
         "cycles_in_a_row": cycles_in_a_row(record.time, record.displacement),
         "thermocouples": dict(record.places),
-        "weight": record.weight,
-        "first_cycle_weight": record.first_cycle_weight,
-        "cycle_balance": record.cycle_balance,
+        **{name: getattr(record, name) for name in WEIGHTS},
         "assumptions": list(record.assumptions),
         "sha256": digest.hexdigest(),
     }

@@ -298,7 +298,7 @@ def _around(steps: Floats) -> Floats:
 
 
 def _possible_way(record: TestRecord) -> Floats:
-    """What an actuator might move in a step of time [mm]: by the fastest leg of the test."""
+    """Return what an actuator may move in a step [mm], by the fastest leg of the test."""
     from scipy.ndimage import median_filter
 
     smooth = median_filter(record.displacement, WINDOW, mode="nearest")
@@ -310,7 +310,7 @@ def _possible_way(record: TestRecord) -> Floats:
 
 
 def _possible_force(x: Floats, force: Floats) -> Floats:
-    """What the loop might do to the force where the bearing moves as it does [kN]."""
+    """Return what a loop may change the force by, as the bearing moves [kN]."""
     from scipy.ndimage import median_filter
 
     peak = float(np.abs(median_filter(force, WINDOW, mode="nearest")).max())
@@ -319,8 +319,10 @@ def _possible_force(x: Floats, force: Floats) -> Floats:
 
 
 def _drifts(record: TestRecord, cycles: list[Cycle]) -> dict[str, Drift]:
-    """Lines through the middles of the loops, of the signals that have one."""
-    # First cycles are stronger to the side they move to first, the more the larger they are.
+    """Return the drifts of signals, by lines through the middles of the loops.
+
+    First cycles do not count: they are stronger to the side they move to first.
+    """
     used = [cycle for cycle in cycles if cycle.number > 1 and not cycle.closing]
     if len(used) < FEWEST_CYCLES:
         return {}
@@ -347,34 +349,28 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
             f"{_count(len(found.rests), 'rest')}, {part:.0%} of the samples: a fit holds the "
             "displacement at its mean there, and leaves their force out",
         )
-    shown = [
-        f"{value:.2g} {UNITS[name]} in the {name}" for name, value in found.noise.items() if value
-    ]
+    shown = [f"{v:.2g} {UNITS[name]} in the {name}" for name, v in found.noise.items() if v]
     if shown:
-        said = f"noise (standard deviation) of {' and '.join(shown)}"
-        yield note("noise", said)
+        yield note("noise", f"noise (standard deviation) of {' and '.join(shown)}")
     for name, flags in found.spikes.items():
-        if not flags.any():
-            continue
-        values = getattr(record, name)
-        off = np.abs(values - _bridge(record.time, values, flags))
-        worst = int(np.argmax(off))
-        said = (
-            f"{_count(len(split_runs(flags)), 'spike')} in the {name}, the largest "
-            f"{off[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
-        )
-        if record.despike:
-            yield note("spikes", f"{said}: removed, as asked")
-        else:
-            ask = "despike = true in the sidecar, or --despike, takes them out"
-            yield warn("spikes", f"{said}: left in; {ask}")
+        if flags.any():
+            values = getattr(record, name)
+            off = np.abs(values - _bridge(record.time, values, flags))
+            worst = int(np.argmax(off))
+            said = (
+                f"{_count(len(split_runs(flags)), 'spike')} in the {name}, the largest "
+                f"{off[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
+            )
+            ask = "left in; despike = true in the sidecar, or --despike, takes them out"
+            level, end = (note, "removed, as asked") if record.despike else (warn, ask)
+            yield level("spikes", f"{said}: {end}")
     for name, drift in found.drifts.items():
         said = f"the zero of the {name} drifts by {drift.total:.3g} {UNITS[name]} over the record"
-        if name in _detrended(record):
-            yield note("drift", f"{said}: removed as a straight line in time, as asked")
-        else:
-            ask = f'detrend = "{name}" in the sidecar, or --detrend {name}, takes a straight line'
-            yield warn("drift", f"{said}: left in; {ask} in time out")
+        ask = f'left in; detrend = "{name}" in the sidecar, or --detrend {name}, takes a straight '
+        asked = "removed as a straight line in time, as asked"
+        removed = name in _detrended(record)
+        level, end = (note, asked) if removed else (warn, f"{ask}line in time out")
+        yield level("drift", f"{said}: {end}")
 
 
 def _count(count: int, name: str) -> str:
