@@ -34,23 +34,7 @@ LEAST_DAMPING = 1e-3  # h_eq below which there is no energy to speak of: linear 
 def compare_models(case: Case) -> dict[str, Result]:
     """Return the results of a test by model, the multi-layer one first.
 
-    Parameters
-    ----------
-    case : Case
-        All models run it with the conservative scheme and automatic stack.
-
-    Returns
-    -------
-    dict of Result
-
-    Examples
-    --------
-    >>> import thermobearing as tb
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=1)
-    >>> from thermobearing.cyclic.case import make_case
-    >>> results = compare_models(make_case({}, "example", test=test, ambient=[23.0]))
-    >>> list(results)[:2]
-    ['multi-layer', 'adiabatic']
+    All models run it with the conservative scheme and automatic stack.
     """
     results: dict[str, Result] = {}
     for model in models_that_fit(case.bearing):
@@ -123,25 +107,13 @@ def _temperatures(result: Result, run: int, place: str) -> Floats:
 
 @dataclass(frozen=True)
 class CellsError:
-    """What too few cells do to the last cycle of the reference test; signs as they are.
+    """What too few cells do to the last cycle of the reference test; signs as they are."""
 
-    Attributes
-    ----------
-    stiffness, energy : float
-        Of G_eq and of the energy of the cycle, relative.
-    warming : float
-        Of the rise of the hottest layer [K].
-    rise : float
-        That rise, with many cells [K].
-    cells : int
-        In a rubber layer.
-    """
-
-    stiffness: float
-    energy: float
-    warming: float
-    rise: float
-    cells: int
+    stiffness: float  # of G_eq, relative
+    energy: float  # of the cycle, relative
+    warming: float  # of the rise of the hottest layer [K]
+    rise: float  # that rise, with many cells [K]
+    cells: int  # in a rubber layer
 
     @property
     def worst(self) -> float:
@@ -163,27 +135,7 @@ class CellsError:
 def cells_error(bearing: Bearing) -> CellsError | None:
     """Estimate the error of a bearing's cells in layers and shims, from twice as many.
 
-    Parameters
-    ----------
-    bearing : Bearing
-        Any layered bearing.
-
-    Returns
-    -------
-    CellsError or None
-        None where the reference test does not run to its end.
-
-    Raises
-    ------
-    InputError
-        Twice as many cells are more than a run can have.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> found = cells_error(load_bearing("shen-hdr-specimen"))
-    >>> found.enough, found.advised
-    (False, 4)
+    None where the reference test does not run to its end.
     """
     cells = bearing.cells
     twice = {"rubber": FINER * cells.rubber, "shim": FINER * cells.shim}

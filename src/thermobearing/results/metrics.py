@@ -36,28 +36,15 @@ FEWEST_POINTS = 8  # in a cycle that is measured; 5 (zeros and peaks) where its 
 
 @dataclass(frozen=True)
 class CycleMeasures:
-    """One loop in numbers.
+    """One loop in numbers."""
 
-    Attributes
-    ----------
-    amplitude_mm : half the range of displacement.
-    G_eq_MPa : equivalent shear modulus, Eq. 3.1.
-    h_eq : equivalent damping ratio E / (4 pi W), Eq. 3.2, W the elastic triangle.
-    energy_kN_mm : area of the loop.
-    stiffness_kN_mm : equivalent stiffness ``(|f_max| + |f_min|) / (|d_max| + |d_min|)``.
-    characteristic_strength_kN : half the difference of the forces at zero displacement.
-    post_yield_stiffness_kN_mm : slope fitted to the loading branches between 50 and 90 % of
-        the peak displacement, mean of both directions.
-    force_max_kN, force_min_kN, displacement_max_mm, displacement_min_mm : extremes.
-    """
-
-    amplitude_mm: float
-    G_eq_MPa: float
-    h_eq: float
-    energy_kN_mm: float
-    stiffness_kN_mm: float
-    characteristic_strength_kN: float
-    post_yield_stiffness_kN_mm: float
+    amplitude_mm: float  # half the range of displacement
+    G_eq_MPa: float  # equivalent shear modulus, Eq. 3.1
+    h_eq: float  # equivalent damping ratio E / (4 pi W), Eq. 3.2, W the elastic triangle
+    energy_kN_mm: float  # area of the loop
+    stiffness_kN_mm: float  # (|f_max| + |f_min|) / (|d_max| + |d_min|)
+    characteristic_strength_kN: float  # half the difference of the forces at zero displacement
+    post_yield_stiffness_kN_mm: float  # mean slope of both loading branches, 50 to 90 % of the peak
     force_max_kN: float
     force_min_kN: float
     displacement_max_mm: float
@@ -148,20 +135,12 @@ def measure_cycle(
 
 @dataclass(frozen=True)
 class FoundCycle:
-    """Points first to last of a cycle, and how it ends.
-
-    Attributes
-    ----------
-    first, last : point numbers; `last` is the first point at or past zero.
-    ends : "closed" where the motion goes on, "rest" where it stops at zero, "incomplete" where the
-        history ends on the way.
-    moving : the last point before a rest, where there is one; else `last`.
-    """
+    """Points `first` to `last`, the first one at or past zero, of a cycle, and how it ends."""
 
     first: int
     last: int
-    ends: str
-    moving: int
+    ends: str  # "closed" if the motion goes on, "rest" if it stops at zero, else "incomplete"
+    moving: int  # the last point before a rest, if there is one; else `last`
 
 
 def found_cycles(

@@ -25,20 +25,12 @@ MOST_MARKERS = 24  # on a profile through many cells
 
 @dataclass(frozen=True)
 class ProfilePanel:
-    """Profiles of one run.
-
-    Attributes
-    ----------
-    title, ambient : of the run; ambient temperature [degC].
-    stack : `depth`, `cell_thickness` and `part` of its cells, and the attribute `half_stack`.
-    lines : which of the names of the figure it is, temperatures of the cells, and that of the
-        lead, or None [degC].
-    """
+    """Profiles of one run."""
 
     title: str
-    ambient: float
-    stack: xr.Dataset
-    lines: list[tuple[int, Floats, float | None]]
+    ambient: float  # [degC]
+    stack: xr.Dataset  # depth, cell_thickness, part of the cells; attribute half_stack
+    lines: list[tuple[int, Floats, float | None]]  # name of the figure, cells, lead or None [degC]
 
 
 def draw_profile_panels(

@@ -19,22 +19,13 @@ NEEDED = {"command", "outcome"}  # keys of every summary.json
 
 @dataclass(frozen=True)
 class SavedResult:
-    """A result directory of `identify`, `validate`, `design`, `lambda`, `bounds` or `motions`.
-
-    Attributes
-    ----------
-    path : the directory.
-    summary : what summary.json says.
-    tables : each CSV file as a DataFrame, by its name without ".csv".
-    figures : the pictures.
-    bearings : by name: the one that was identified, those that were designed.
-    """
+    """A result directory of `identify`, `validate`, `design`, `lambda`, `bounds` or `motions`."""
 
     path: Path
-    summary: dict[str, Any]
-    tables: dict[str, pd.DataFrame]
+    summary: dict[str, Any]  # content of summary.json
+    tables: dict[str, pd.DataFrame]  # CSV files, by name without ".csv"
     figures: list[Path]
-    bearings: dict[str, Any] = field(default_factory=dict)
+    bearings: dict[str, Any] = field(default_factory=dict)  # identified or designed, by name
 
     def __getitem__(self, name: str) -> pd.DataFrame:
         """A table by name."""
