@@ -198,6 +198,7 @@ def test_files_and_functions_stay_small() -> None:
 
     for path in [
         *ROOT.glob("src/**/*.py"),
+        *ROOT.glob("reproduction/*.py"),
         *ROOT.glob("tests/**/*.py"),
         *ROOT.glob("benchmarks/*.py"),
         *ROOT.glob("docs/**/*.py"),
