@@ -28,10 +28,10 @@ from reproduction.tables import printed_tables
 from thermobearing import __version__
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
-from thermobearing.report.files import put_files, report_files
 from thermobearing.report.pieces import Link, Pieces, ReportFigure
 from thermobearing.report.title import TitleBlock
 from thermobearing.report.words import identity_rows
+from thermobearing.reporting import put_files, report_files
 from thermobearing.results.base import Result
 from thermobearing.results.directory import FIGURES, RESULT_NAMES
 from thermobearing.results.screen import print_table, print_warnings, say

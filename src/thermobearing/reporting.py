@@ -127,7 +127,7 @@ def make_documents(
     pieces = build_pieces(loaded, place)
     content = _title_files(block)
     if kinds.html:
-        content |= _report_files(pieces, block, template, pdf=kinds.pdf)
+        content |= report_files(pieces, block, template, pdf=kinds.pdf)
     if kinds.workbook:
         content[WORKBOOK] = workbook_bytes(pieces, histories_by_run(loaded))
     return put_files(place, content)
@@ -193,7 +193,7 @@ def _check_place(directory: Path) -> None:
             raise OutputError(f"{directory / name}: is a directory, where a document is to go")
 
 
-def _report_files(
+def report_files(
     pieces: Pieces, title: TitleBlock, template: Path | None = None, *, pdf: bool = True
 ) -> dict[str, bytes | None]:
     """Return report.html and report.pdf, by name.
