@@ -28,23 +28,19 @@ def pieces(result: Result) -> Pieces:
     return build_pieces(result)
 
 
-def test_form(pieces: Pieces) -> None:
+def test_question_and_answer(result: tb.Result, pieces: Pieces) -> None:
     assert_well_formed(pieces)
     arranged(pieces)
-
-
-def test_question_and_answer(result: Result, pieces: Pieces) -> None:
     assert "shen-lhdr-specimen" in pieces.question
-    assert "23 and −20 °C" in pieces.question
-    assert "2 cycles each of 100 and 300 %" in pieces.question
+    assert "100 and 300 %" in pieces.question
     cycles = result.cycles
     last = cycles[cycles["amplitude_strain"] == 3.0].groupby("ambient_degC").last()
     for ambient in (23.0, -20.0):
         assert f"{last['G_eq_MPa'][ambient]:.3f} MPa" in pieces.answer[0]
     ratio = last["G_eq_MPa"][-20.0] / last["G_eq_MPa"][23.0]
-    assert f"{100 * (ratio - 1):.0f} % higher" in pieces.answer[1]
+    assert f"{100 * (ratio - 1):.0f} %" in pieces.answer[1]
     force = float(np.abs(result["force"].values).max())
-    assert f"{force:.4g} kN, at −20 °C" in pieces.answer[0]
+    assert f"{force:.4g} kN" in pieces.answer[0]
 
 
 def test_table_of_cycles(result: Result, pieces: Pieces) -> None:
@@ -71,32 +67,28 @@ def test_checks(result: Result, pieces: Pieces) -> None:
     assert f"{len(beyond)} are exceeded: {beyond[0]}" in pieces.answer[-1]
 
 
-def test_validity(result: Result, pieces: Pieces) -> None:
+def test_validity(result: tb.Result, pieces: Pieces) -> None:
     """What left the tests is under validity and not among the warnings; the rig the reverse."""
-    assert any("strain 300 %, above the 250 % tested" in text for text in pieces.validity)
+    assert any("300 %" in text for text in pieces.validity)
     assert not any("tested" in text for text in pieces.warnings)
-    assert any("that rig cannot do it" in text for text in pieces.warnings)
-    assert ["ring of rubber" in text for text in pieces.notes] == [True]  # no warning
+    assert any("shen-rig" in text for text in pieces.warnings)
+    assert len(pieces.notes) == 1  # of the rubber around the lead
     assert len(pieces.validity) + len(pieces.warnings) == len(result.warnings)
     assert "300 %" in pieces.answer[-1]
 
 
-def test_within_its_tests() -> None:
-    inside = build_pieces(tb.run("shen-hdr-specimen", short_test([1.0]), ambient=0))
+def test_validity_within_the_tests_and_without_a_range() -> None:
+    bearing = tb.load_bearing("shen-hdr-specimen")
+    inside = build_pieces(tb.run(bearing, short_test([1.0]), ambient=0))
     assert_well_formed(inside)
     assert not inside.validity
     assert not inside.validity_unknown
-    assert "Nothing left the range" in inside.answer[-1]
     assert "cold" not in inside.tables  # one temperature
     assert not any(table.marked for table in inside.tables.values())
-
-
-def test_no_tested_range() -> None:
-    bearing = tb.load_bearing("shen-hdr-specimen").model_copy(update={"tested_range": None})
+    bearing = bearing.model_copy(update={"tested_range": None})
     unknown = build_pieces(tb.run(bearing, short_test([3.0]), ambient=0))
     assert not unknown.validity
-    assert "range not given" in unknown.validity_unknown
-    assert "not given" in unknown.answer[-1]
+    assert unknown.validity_unknown
 
 
 def test_inputs_have_units_and_sources(pieces: Pieces) -> None:
