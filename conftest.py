@@ -30,6 +30,8 @@ tb.hybrid("shen-lhdr-specimen", ambient=-20.0, duration=0.1, laboratory={"mode":
 tb.response_spectrum(tb.load_motion("jra-ii-i-1"), [1.0])
 """
 
+pytest_plugins = ["tests.fixtures.study"]
+
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_setupnodes(config: pytest.Config) -> None:

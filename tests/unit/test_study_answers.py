@@ -3,7 +3,6 @@
 import json
 import shutil
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,31 +10,20 @@ import pytest
 from typer.testing import CliRunner
 
 import thermobearing as tb
-from tests.unit.studies import small_study
 from thermobearing.border.errors import InputError
 from thermobearing.commands.study import app
 from thermobearing.studies.options import Asked, asked_over, keep_asked, kept_asked, make_asked
 from thermobearing.studies.report import build_pieces
 from thermobearing.studies.result import StudyResult, study_result
-from thermobearing.studies.run.engine import run_study
 
 SITE = "PGA [m/s^2],return_period [year]\n0.05,2\n1,20\n5,400\n10,2000\n20,20000\n"
 CAPACITY = 0.00035  # strain, in a study of half a second
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    directory = tmp_path_factory.mktemp("study") / "p1"
-    run_study(small_study(), directory, jobs=1)
-    (directory.parent / "site.csv").write_text(SITE)
-    return directory
-
-
 @pytest.fixture
-def directory(made: Path, tmp_path: Path) -> Iterator[Path]:
-    shutil.copytree(made, tmp_path / "p1")
-    shutil.copy(made.parent / "site.csv", tmp_path)
-    return tmp_path / "p1"  # type: ignore[return-value]
+def directory(small_done: Path, tmp_path: Path) -> Path:
+    (tmp_path / "site.csv").write_text(SITE)
+    return Path(shutil.copytree(small_done, tmp_path / "p1"))
 
 
 def run(words: list[Any]) -> tuple[int, str]:

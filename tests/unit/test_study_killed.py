@@ -2,6 +2,7 @@
 
 import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -26,14 +27,6 @@ PATIENCE = 120  # for what must come, however slow the machine [s]
 WRITES = ("open", "os.rename", "os.mkdir", "os.remove", "os.rmdir")
 
 
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """What the study comes to when nothing stops it, one run a shard."""
-    out = tmp_path_factory.mktemp("whole") / "out"
-    run_study(small_study(), out, jobs=1, size=1)
-    return kept(out)
-
-
 def in_child(action: Callable[[], Any]) -> tuple[bool, str]:
     """Act in a forked process: whether it was killed, and what it raised."""
     reader, writer = os.pipe()
@@ -53,7 +46,7 @@ def in_child(action: Callable[[], Any]) -> tuple[bool, str]:
 
 @needs_fork
 def test_killed_at_any_event(
-    tmp_path: Path, whole: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, small_files: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """SIGKILL when a file is opened, renamed or removed below the directory, one after the other.
 
@@ -95,14 +88,15 @@ def test_killed_at_any_event(
         last = (told, after)
     assert kills >= 8
     assert last == ("", 8)
-    assert kept(out) == whole
+    assert kept(out) == small_files
     assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
 
 
-def test_a_changed_bit_is_never_taken_for_a_result(tmp_path: Path, whole: dict[str, bytes]) -> None:
+def test_a_changed_bit_is_never_taken_for_a_result(
+    tmp_path: Path, small_done: Path, small_files: dict[str, bytes]
+) -> None:
     """A shard with one bit changed anywhere is not done; the next start computes it again."""
-    out = tmp_path / "out"
-    run_study(small_study(), out, jobs=1, size=1)
+    out = shutil.copytree(small_done, tmp_path / "out")
     file = out / "shards" / "00003.parquet"
     content = file.read_bytes()
     for place in range(0, len(content), 61):
@@ -116,11 +110,11 @@ def test_a_changed_bit_is_never_taken_for_a_result(tmp_path: Path, whole: dict[s
     plan[300] ^= 4
     (out / "plan.parquet").write_bytes(plan)
     assert run_study(small_study(), out, jobs=1, size=1).outcome == "completed"
-    assert kept(out) == whole
+    assert kept(out) == small_files
 
 
 @needs_fork
-def test_full_disk(tmp_path: Path, whole: dict[str, bytes]) -> None:
+def test_full_disk(tmp_path: Path, small_files: dict[str, bytes]) -> None:
     """The system refuses files of more than a few kB: those of shards are larger."""
     resource = pytest.importorskip("resource")
     out = tmp_path / "out"
@@ -139,10 +133,12 @@ def test_full_disk(tmp_path: Path, whole: dict[str, bytes]) -> None:
     assert "what is done is kept: start again" in told
     assert kept(out) == before
     assert run_study(small_study(), out, jobs=1).outcome == "completed"
-    assert kept(out) == whole
+    assert kept(out) == small_files
 
 
-def test_ctrl_c(tmp_path: Path, whole: dict[str, bytes], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c(
+    tmp_path: Path, small_files: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """In the middle of a run, in this process; then while processes of their own are at work."""
     run, calls = peaks.run_task, []
 
@@ -166,10 +162,12 @@ def test_ctrl_c(tmp_path: Path, whole: dict[str, bytes], monkeypatch: pytest.Mon
     assert (done.outcome, done.done) == ("interrupted", 3)
     assert not multiprocessing.active_children()
     assert run_study(small_study(), tmp_path / "out", jobs=1).outcome == "completed"
-    assert kept(tmp_path / "out") == whole
+    assert kept(tmp_path / "out") == small_files
 
 
-def test_a_process_that_is_killed_is_replaced(tmp_path: Path, whole: dict[str, bytes]) -> None:
+def test_a_process_that_is_killed_is_replaced(
+    tmp_path: Path, small_files: dict[str, bytes]
+) -> None:
     killed = []
 
     def first(done: int, _: int) -> None:
@@ -181,7 +179,7 @@ def test_a_process_that_is_killed_is_replaced(tmp_path: Path, whole: dict[str, b
 
     assert run_study(small_study(), tmp_path / "out", jobs=2, size=1, progress=first).done == 8
     assert len(killed) == 2
-    assert kept(tmp_path / "out") == whole
+    assert kept(tmp_path / "out") == small_files
 
 
 def test_processes_that_always_die_are_told(
@@ -194,8 +192,11 @@ def test_processes_that_always_die_are_told(
     assert study_status(tmp_path / "out").done == 0
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="looks at processes as Linux shows them")
-def test_processes_end_with_the_one_that_made_them(tmp_path: Path, whole: dict[str, bytes]) -> None:
+def test_processes_end_with_the_one_that_made_them(
+    tmp_path: Path, small_files: dict[str, bytes]
+) -> None:
     """kill -9 of a real program in the middle of a study."""
     program = f"""
         import multiprocessing, time
@@ -226,7 +227,7 @@ def test_processes_end_with_the_one_that_made_them(tmp_path: Path, whole: dict[s
     assert not any(_alive(worker) for worker in workers)
     assert study_status(tmp_path / "out").done >= 1
     assert run_study(small_study(), tmp_path / "out", jobs=1).outcome == "completed"
-    assert kept(tmp_path / "out") == whole
+    assert kept(tmp_path / "out") == small_files
 
 
 def _alive(process: int) -> bool:
@@ -254,7 +255,8 @@ def test_nobody_answers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert study_status(tmp_path / "out").done == 0
 
 
-def test_dask(tmp_path: Path, whole: dict[str, bytes]) -> None:
+@pytest.mark.thorough
+def test_dask(tmp_path: Path, small_files: dict[str, bytes]) -> None:
     """A real cluster: a worker is killed, the work goes on; the scheduler stops, all is kept."""
     import dask
     import distributed
@@ -285,10 +287,10 @@ def test_dask(tmp_path: Path, whole: dict[str, bytes]) -> None:
             )
     assert 6 <= study_status(out).done < 8
     assert run_study(small_study(), out, jobs=1).outcome == "completed"
-    assert kept(out) == whole
+    assert kept(out) == small_files
 
 
-def test_dask_by_a_client_of_the_user(tmp_path: Path, whole: dict[str, bytes]) -> None:
+def test_dask_by_a_client_of_the_user(tmp_path: Path, small_files: dict[str, bytes]) -> None:
     """Two threads of one process, which share nothing; the client goes on to be the user's."""
     import distributed
 
@@ -297,4 +299,4 @@ def test_dask_by_a_client_of_the_user(tmp_path: Path, whole: dict[str, bytes]) -
     ) as client:
         run_study(small_study(), tmp_path / "out", executor="dask", address=client, size=1)
         assert client.status == "running"
-    assert kept(tmp_path / "out") == whole
+    assert kept(tmp_path / "out") == small_files
