@@ -78,12 +78,7 @@ class Hourly:
 
     @property
     def dates(self) -> Dates:
-        """Date of each hour.
-
-        Raises
-        ------
-        InputError : its file has no dates.
-        """
+        """Date of each hour; InputError without dates."""
         if self.begins is None:
             raise InputError("has no dates; write time as 2024-01-31 22:00", self.name)
         return np.asarray(self.begins + np.arange(len(self)))
@@ -100,10 +95,6 @@ class Hourly:
         ----------
         hour : number of the hour, from 0.
         history : how far back the series goes [h], at least 1; rounded up to full hours.
-
-        Raises
-        ------
-        InputError : the weather does not have these hours.
         """
         back = self.full_hours(history)
         first = int(hour) - back
@@ -123,10 +114,6 @@ class Hourly:
         ----------
         shares : uniform numbers in [0, 1), of any design: random, Latin hypercube, Sobol.
         history : hours that are to be known before each of them [h].
-
-        Raises
-        ------
-        InputError : a share outside [0, 1), a history as long as the weather.
 
         Examples
         --------

@@ -236,7 +236,11 @@ def make_table(sheet: Sheet, layout: Layout | None = None) -> Table | None:
     units = [""] * len(titles)
     body = rows[first:]
     skipped = layout.lines_after or next(
-        (n for n, (_, row) in enumerate(body) if _share(row) >= DATA or not _looks_like_head(row)),
+        (
+            n
+            for n, (_, row) in enumerate(body)  # units and names of channels: words, more than one
+            if len(_filled(row)) < 2 or any(map(is_numeric, _filled(row)))
+        ),
         len(body),
     )
     for _, row in body[:skipped]:
@@ -248,12 +252,6 @@ def make_table(sheet: Sheet, layout: Layout | None = None) -> Table | None:
     pairs = [name_and_unit(title) for title in titles]
     units = [own or below for (_, own), below in zip(pairs, units, strict=False)]
     return Table(sheet, titles, [name for name, _ in pairs], units, kept, parts)
-
-
-def _looks_like_head(row: list[str]) -> bool:
-    """Whether a row holds units or names of channels: words, and more than one."""
-    held = _filled(row)
-    return len(held) > 1 and not any(map(is_numeric, held))
 
 
 def _head(rows: list[Row]) -> int:
