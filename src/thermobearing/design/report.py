@@ -21,19 +21,7 @@ from thermobearing.earthquake.case import EarthquakeAnalysis
 from thermobearing.earthquake.report import given_motions_table
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
-from thermobearing.report.content import (
-    IN_EARTHQUAKES,
-    MARKED,
-    TESTED_RANGE,
-    TESTS,
-    input_table,
-    limit_checks,
-    saved_figures,
-    saved_parts,
-)
-from thermobearing.report.content import (
-    build_pieces as assemble_pieces,
-)
+from thermobearing.report import content
 from thermobearing.report.pieces import EXCEEDED, PASSED, Check, Pieces
 from thermobearing.report.words import (
     counted,
@@ -78,13 +66,13 @@ DEMANDS = {  # words, unit, factor
 def _bounds_pieces(saved: SavedResult) -> Pieces:
     """Return the document of `bounds`."""
     summary = saved.summary
-    inputs = {name: one for name, one in (summary.get("inputs") or {}).items() if one}
+    inputs = summary["inputs"]
     names, rows = list(summary["rows"]), summary.get("tested_range", [])
-    words = [bearing_words(one["bearing"]) for one in inputs.values()] or names
+    words = [bearing_words(one["bearing"]) for one in inputs.values()]
     motions = dict.fromkeys(str(r["motion"]) for table in summary["rows"].values() for r in table)
-    first: Summary = next(iter(inputs.values()), {})
-    airs = degrees([float(str(air).split()[0]) for air in first.get("ambient", [])])
-    return assemble_pieces(
+    first: Summary = next(iter(inputs.values()))
+    airs = degrees([float(str(air).split()[0]) for air in first["ambient"]])
+    return content.build_pieces(
         "bounds",
         f"Bounding analyses on {summary['structure']}",
         f"Is it enough to run {summary['structure']} twice, with a lower and an upper bilinear "
@@ -93,11 +81,13 @@ def _bounds_pieces(saved: SavedResult) -> Pieces:
         _bounds_answer(summary),
         inputs=_bounds_inputs(inputs),
         tables={"demands": _demands_table(summary)},
-        figures=saved_figures(saved, BOUNDS_CAPTIONS),
-        checks=limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names),
+        figures=content.saved_figures(saved, BOUNDS_CAPTIONS),
+        checks=content.limit_checks(
+            rows, content.IN_EARTHQUAKES, f"{content.TESTED_RANGE} of the bearing", names
+        ),
         rate_rows=rows,
         assumptions=_assumptions(first, [one["bearing"] for one in inputs.values()]),
-        **saved_parts(saved, "thermobearing.design.run_bounds(...) in Python"),
+        **content.saved_parts(saved, "thermobearing.design.run_bounds(...) in Python"),
     )
 
 
@@ -139,7 +129,7 @@ def _demands_table(summary: Summary) -> Table:
     names += ["envelope_over_coupled", "verdict"]
     beyond = [bool(str(text or "")) for text in frame["beyond_tested"]]
     note = "unsafe: envelope below 0.95 of the coupled model; wasteful: above 1.3."
-    note += f" {MARKED} (some run of that motion)." * any(beyond)
+    note += f" {content.MARKED} (some run of that motion)." * any(beyond)
     caption = "Bounds compared with the coupled model"
     return make_table(frame, names, caption, keys=keys, marked={"motion": beyond}, note=note)
 
@@ -159,8 +149,6 @@ def _bounds_inputs(inputs: Summary) -> dict[str, Table]:
 
 def _assumptions(first: Mapping[str, Any], bearings: list[Mapping[str, Any]]) -> list[str]:
     """Return how the bounds are made, and what holds for the coupled runs."""
-    if not first:
-        return []
     airs = [float(str(air).split()[0]) for air in first["ambient"]]
     found = (
         f"The bounds are bilinear models of the bearing soaked at {degrees([max(airs)])} (lower) "
@@ -185,30 +173,29 @@ QUANTITIES = ("K_eq", "Q_d", "K_d", "energy", "h_eq")
 def _factors_pieces(saved: SavedResult) -> Pieces:
     """Return the document of `lambda`."""
     summary = saved.summary
-    inputs = summary.get("inputs") or {}
-    name, table = str(summary["bearing"]), inputs.get("bearing")
+    name, table = str(summary["bearing"]), summary["inputs"]["bearing"]
     airs = sorted({float(row["ambient_degC"]) for row in summary["factors"]})
     strains = sorted({float(row["strain"]) for row in summary["factors"]})
     reference = degrees([summary["reference_degC"]])
     rows = summary.get("tested_range", [])
-    return assemble_pieces(
+    return content.build_pieces(
         "lambda",
         f"Temperature factors of {name}",
         f"By which factors do stiffness, strength and energy of "
-        f"{bearing_words(table) if table else name} change, from {reference} to {degrees(airs)}, "
+        f"{bearing_words(table)} change, from {reference} to {degrees(airs)}, "
         f"at {joined(percent(s) for s in strains)} shear strain ({summary['motion']}, cycles "
         f"{summary['cycles']})?",
         _factors_answer(summary),
-        inputs=bearing_tables(table, inputs.get("sources")) if table else {},
+        inputs=bearing_tables(table, summary["inputs"]["sources"]),
         tables=_factor_tables(summary),
-        figures=saved_figures(saved, FACTORS_CAPTIONS),
-        checks=limit_checks(rows, TESTS, f"{TESTED_RANGE} of {name}"),
+        figures=content.saved_figures(saved, FACTORS_CAPTIONS),
+        checks=content.limit_checks(rows, content.TESTS, f"{content.TESTED_RANGE} of {name}"),
         assumptions=[
             f"Every test begins with the bearing at the temperature of the air throughout; "
             f"factors are over {reference}.",
-            *model_assumptions({}, [table] if table else []),
+            *model_assumptions({}, [table]),
         ],
-        **saved_parts(saved, "thermobearing.design.run_factors(...) in Python"),
+        **content.saved_parts(saved, "thermobearing.design.run_factors(...) in Python"),
     )
 
 
@@ -264,7 +251,7 @@ def _factor_tables(summary: Summary) -> dict[str, Table]:
             if one is not None and "ambient" in str(one.get("beyond_tested") or "").split()
         }
     note = "first: the first cycle; heated: mean of the cycles with the bearing's own heat."
-    note += " In brackets: band over the samples." * bands + f" {MARKED}." * bool(marked)
+    note += " In brackets: band over the samples." * bands + f" {content.MARKED}." * bool(marked)
     caption = f"Temperature factors over {reference}"
     ratio = summary["stiffness_ratio"]
     bounds_note = f"K_2/K_1 = {ratio['K_2_over_K_1']:g}: {ratio['source']}. {BOUNDS_NOTE}."
@@ -280,7 +267,7 @@ def _factor_tables(summary: Summary) -> dict[str, Table]:
         words = [[tidy(text)] for text in summary["coldest_day"]]
         caption = "The coldest day, compared with published factors"
         tables["coldest"] = Table(caption, [Quantity("Factors")], words, note=f"{FOOTNOTE}.")
-    if summary.get("codes"):
+    if summary["codes"]:
         heads = [Quantity(head) for head in ("Code", "Says", "Source", "Verified")]
         said = [
             [one["code"], one["says"], one["source"], not one.get("unverified", False)]
@@ -315,10 +302,10 @@ def _design_pieces(saved: SavedResult) -> Pieces:
     case, text = read_toml(saved.path / RESOLVED), read_text(saved.path / RESOLVED)
     again = "thermobearing design case.resolved.toml"
     motions = [str(one.get("label") or one["name"]) for one in case["motions"]]
-    parts = saved_parts(saved, again) | {
+    parts = content.saved_parts(saved, again) | {
         "identity": identity_rows(str(summary["version"]), text, again)
     }
-    return assemble_pieces(
+    return content.build_pieces(
         "design",
         f"Design of the bearings of {summary['structure']}",
         f"Which bearing does {summary['structure']} need, so that the displacement that was "
@@ -327,7 +314,7 @@ def _design_pieces(saved: SavedResult) -> Pieces:
         _design_answer(summary),
         inputs=_design_inputs(saved, case),
         tables=_design_tables(summary),
-        figures=saved_figures(saved, CAPTIONS),
+        figures=content.saved_figures(saved, CAPTIONS),
         checks=_design_checks(summary),
         rate_rows=summary.get("tested_range", []),
         assumptions=[
@@ -377,7 +364,9 @@ def _design_inputs(saved: SavedResult, case: Summary) -> dict[str, Table]:
     told = [f"{one['name']} ({', '.join(one['lines'])})" for one in case.get("line_groups", [])]
     rest |= {"line_groups": "; ".join(told)} if told else {}
     found = {
-        "design": input_table("What was to be designed", rest, otherwise="case, or default"),
+        "design": content.input_table(
+            "What was to be designed", rest, otherwise="case, or default"
+        ),
         "structure": structure_table(case["structure"]),
         "motions": given_motions_table(case["motions"]),
     }
@@ -446,4 +435,6 @@ def _design_checks(summary: Summary) -> list[Check]:
         )
     names = [*_safe_file_names(summary), *(str(one["name"]) for one in summary["equal"])]
     rows = summary.get("tested_range", [])
-    return found + limit_checks(rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names)
+    return found + content.limit_checks(
+        rows, content.IN_EARTHQUAKES, f"{content.TESTED_RANGE} of the bearing", names
+    )
