@@ -44,6 +44,14 @@ def test_help_shows_every_word_of_every_option(words: tuple[str, ...]) -> None:
         assert squeezed(text) in shown
 
 
+def test_every_option_is_described() -> None:
+    """The texts of most options are those of docstrings; a name alone is what is left without."""
+    for words, item in COMMANDS.items():
+        for one in item.params:
+            text = getattr(one, "help", None)
+            assert text is None or text.split("; ")[0].count(" ") >= 1, (words, one.name, text)
+
+
 def test_units_are_among_them() -> None:
     texts = [item.help or "" for command in COMMANDS.values() for item in command.params]
     assert sum("[degC]" in text for text in texts) >= 4

@@ -66,7 +66,7 @@ def new_bearing(
     layers : number and thickness of the rubber layers, "20x8mm"; the number in [1, 200].
     shim : thickness of a plate between layers [mm], in [0.05, 1000]; text says its unit, "3 mm".
     plan : length in the direction of motion and width, "1000x1000mm"; or give `diameter`.
-    diameter : of a round bearing [mm], in [1, 1e5].
+    diameter : diameter of a round bearing [mm], in [1, 1e5].
     end_plate : thickness of an end plate [mm], in [0.05, 1000]; 30 mm are assumed by default.
     sealing_plate : thickness of a plate inside each end plate [mm], in [0, 1000]; none by default.
     lead : diameter of a lead core [mm], in [1, 1e4]; no lead by default.

@@ -94,7 +94,7 @@ def bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> int:
         strains="--strain|Shear strain, in [0.1, 3], 1 and 1.75 by default; may be repeated.",
         reference="--reference-temperature --reference|Reference temperature [degC]; that of the "
         "bearing's rubber by default.",
-        period="|Of the sine [s], in [0.2, 1000]; 2 by default.",
+        period="|Period of the sine [s], in [0.2, 1000]; 2 by default.",
         speed="|Mean speed [mm/s] instead of the period.",
     )
 )
@@ -111,7 +111,7 @@ def lambda_(
     scale: Annotated[bool, option("--scale", help="Add sizes 1/6 and 1.")],
     end: Ending,
     cycles: Annotated[str, option(help="3, 1-3, 2-11, all-but-first, or as 2,3,4.")] = "1-3",
-    samples: Annotated[int, option(help="Of the posterior, evenly through it.")] = 20,
+    samples: Annotated[int, option(help="Number of samples of the posterior.")] = 20,
 ) -> int:
     """Temperature factors from the coupled model: K_eq, Q_d, K_d, h_eq, energy; and bounds."""
     from thermobearing.bearing.library import load_bearing

@@ -29,9 +29,29 @@ TESTS = Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOM
 
 
 @command(
-    fields("identify.case:IdentifyCase", "one_temperature temperatures", INPUT),
-    fields("identify.case:IdentifyCase", "method polish seed starts evaluations loss", SEARCH),
-    fields("identify.case:IdentifyCase", "accept_poor"),
+    fields(
+        "identify.case:IdentifyCase",
+        "one_temperature temperatures",
+        INPUT,
+        one_temperature="|Free m_T and n_T of --free though all tests are at one temperature.",
+        temperatures="|Calibrate to the thermocouples too.",
+    ),
+    fields(
+        "identify.case:IdentifyCase",
+        "method polish seed starts evaluations loss",
+        SEARCH,
+        method="|least-squares (default), krill-herd or differential-evolution.",
+        polish="|End with least squares; the default.",
+        seed="|Seed of all random numbers; 0 by default.",
+        starts="|Starting points of least squares, 1 to 100; 3 by default.",
+        evaluations="|Budget of the other methods; 2000 by default.",
+        loss="|linear (default), soft_l1, huber or cauchy.",
+    ),
+    fields(
+        "identify.case:IdentifyCase",
+        "accept_poor",
+        accept_poor="|Write the bearing of a poor calibration (status 4) unmarked.",
+    ),
 )
 def identify(
     tests: TESTS,

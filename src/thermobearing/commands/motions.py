@@ -16,7 +16,7 @@ READING = "unit dt component trust_unit"  # what a file does not say
 READ = fields(
     "motions.readers:read_motion",
     READING,
-    unit="|Of the acceleration (g, gal, m/s2, cm/s2, mm/s2), if the file does not say.",
+    unit="|Unit of the acceleration (g, gal, m/s2, cm/s2, mm/s2), if the file does not say.",
     dt="|Time step [s], if the file does not say.",
     component="|Name such as NS, or number from 1, if the file holds several.",
     trust_unit="|Accept a size that is implausible for the unit.",
@@ -79,11 +79,11 @@ def spectrum(file: RECORD, given: dict[str, Any], end: Ending) -> int:
         "kind ground seed record dt zone_factor unit component trust_unit",
         kind="--type|I (long) or II (pulse-like); II by default.",
         ground="|I (hard), II or III (soft); I by default.",
-        seed="|Of the random phases; 1 by default.",
+        seed="|Seed of the random phases; 1 by default.",
         record="--from|Keep the phases of this record or motion.",
         dt="|Time step [s]; 0.01 by default.",
         zone_factor="|Factor c_z of the region; 1 by default.",
-        unit="|Of the acceleration, if the file does not say.",
+        unit="|Unit of the acceleration, if the file does not say.",
         component="|Name such as NS, or number from 1, if the file holds several.",
         trust_unit="|Accept a size that is implausible for the unit.",
     )

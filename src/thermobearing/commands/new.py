@@ -26,7 +26,7 @@ MEASURED = re.compile(r"(?<!not )\bmeasured\b")
     )
 )
 def new(
-    name: Annotated[str, typer.Argument(help="Of the new bearing; its file is NAME.toml.")],
+    name: Annotated[str, typer.Argument(help="Name of the new bearing; its file is NAME.toml.")],
     given: dict[str, Any],
     output: Annotated[
         Path | None, option("-o", "--output", help="File to write; NAME.toml by default.")

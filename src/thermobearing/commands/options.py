@@ -52,8 +52,8 @@ Title = Annotated[
     list[str] | None,
     option(
         "--title",
-        help="Of the report: project, structure, client, author, number, date, revision or logo "
-        "(a file); may be repeated.",
+        help="Title block of the report: project, structure, client, author, number, date, "
+        "revision or logo (a file); may be repeated.",
         metavar="KEY=VALUE",
         panel=REPORT,
     ),
@@ -71,7 +71,7 @@ REPORT_OPTIONS = {
 }
 
 
-COMPARE = Annotated[bool, option("--compare", help="Earlier models beside it.", panel=MODEL)]
+COMPARE = Annotated[bool, option("--compare", help="Compare with earlier models.", panel=MODEL)]
 EXPOSURE = Annotated[
     list[str] | None,
     option(

@@ -59,7 +59,7 @@ app = typer.Typer(cls=_Study, help=HELP, no_args_is_help=True, rich_markup_mode=
         HOW,
         jobs="|Processes; one a core by default.",
         executor="|process (default) or dask.",
-        address="|Of Dask's scheduler, tcp://HOST:8786.",
+        address="|Address of Dask's scheduler, tcp://HOST:8786.",
         shard="|Every n-th part from the i-th, i/n, for batch systems.",
     )
 )
@@ -146,9 +146,9 @@ def table(
     fields(
         "studies.options:Asked",
         "demand capacity hazard weather method failed",
-        capacity="|Of the demand, in the unit of its column; fragility needs it.",
+        capacity="|Capacity in the unit of the demand; fragility needs it.",
         hazard="|Hazard curve of the site: a file.",
-        weather="|Of the site by the hour: file or climate.",
+        weather="|Hourly weather of the site: file or climate.",
     )
 )
 def figures(directory: DIRECTORY, given: dict[str, Any], as_json: AsJson, quiet: Quiet) -> int:

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, Protocol, runtime_checkable
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from pydantic import Field, field_validator
+from pydantic import AfterValidator, Field
 
 from thermobearing.bearing.library import BEARINGS, as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
@@ -363,7 +363,7 @@ class Analysis(ModelOptions):
     histories: Histories = "thinned"  # in files (cyclic/thinning.py)
 
 
-def each_once(ambient: list[float]) -> list[float]:
+def _each_once(ambient: list[float]) -> list[float]:
     """The temperatures [degC]; ValueError if one is given twice."""
     seen: set[float] = set()
     for value in ambient:
@@ -371,6 +371,9 @@ def each_once(ambient: list[float]) -> list[float]:
             raise ValueError(f"{value:g} degC is given more than once")
         seen.add(value)
     return ambient
+
+
+Ambients = Annotated[list[Temperature], AfterValidator(_each_once)]
 
 
 class Case(Strict):
@@ -394,7 +397,7 @@ class Case(Strict):
 
     bearing: Bearing
     test: CyclicTest
-    ambient: Annotated[list[Temperature], Field(min_length=1, max_length=1000)]
+    ambient: Annotated[Ambients, Field(min_length=1, max_length=1000)]
     # CSV with time and temperature, instead of `ambient`
     ambient_series: Annotated[str, Field(min_length=1)] | None = None
     initial: Temperature | None = None  # uniform; None: the ambient temperature
@@ -404,11 +407,6 @@ class Case(Strict):
     rig: Rig | None = None
     analysis: Analysis = Analysis()
     sources: dict[str, dict[str, str]] | None = None
-
-    @field_validator("ambient")
-    @classmethod
-    def _each_once(cls, ambient: list[float]) -> list[float]:
-        return each_once(ambient)
 
     def to_toml(self) -> str:
         """The case with every default filled in, as TOML; reads back to the same bits."""

@@ -311,8 +311,8 @@ def cyclic_test(
     cycles : fully reversed cycles at each amplitude.
     wave : "triangular" (constant speed) or "sine"; both have the period 4a/speed.
     speed : mean loading rate [mm/s]; 30 by default.
-    frequency : of the cycles [Hz], instead of the speed.
-    period : of the cycles [s], instead of the speed.
+    frequency : frequency of the cycles [Hz], instead of the speed.
+    period : period of the cycles [s], instead of the speed.
     rest : pause between amplitudes [s], 1.25 h by default (Shen (2023) gives 1 to 1.5 h);
         None for no pause.
     closing_strain : strain of the one small cycle that stops the loading smoothly after

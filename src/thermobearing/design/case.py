@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, field_validator
+from pydantic import Field
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import OneLine, Strict, in_unit, overridden, validated
 from thermobearing.border.toml import to_toml
-from thermobearing.cyclic.case import Temperature, each_once
+from thermobearing.cyclic.case import Ambients
 from thermobearing.design.peaks import PeakRule
 from thermobearing.design.sizing import Kind, SizingRules, load_rubber
 from thermobearing.earthquake.case import make_earthquake_case
@@ -45,21 +45,21 @@ class DesignCase(Strict):
     structure, motions : the bridge, and the earthquakes it is designed for.
     compound, compound_kind : rubber, and which of its curves: "HDR" or "HDR-S".
     start : first displacement u_B [mm], in [1, 2000].
-    weight : on one bearing [kN], in [0.1, 1e6]; by default the weight of what the lines carry,
-        in equal parts on all their bearings.
+    weight : vertical load on one bearing [kN], in [0.1, 1e6]; by default the weight of what the
+        lines carry, in equal parts on all their bearings.
     line_groups : bearing lines that get one size; lines that no group names are grouped by their
         count and by what they stand on (the ground or a pier). None of a structure with one line.
     stiffness_ratio : ratio K_2 / K_1 of the bilinear model, in [0.001, 0.99].
     effective_displacement_factor : factor c_B of u_Be = c_B u_B, in [0.01, 1] (0.7 is said to be
         usual for Level 2; unverified).
-    tolerance : on found over assumed displacement, relative, in [1e-6, 0.1] (the source stops at
-        10 %).
+    tolerance : of convergence, found over assumed displacement, relative, in [1e-6, 0.1]
+        (Shen (2023) stops at 10 %).
     most_rounds : of the loop, 1 to 200.
     dt : largest time step [s], in [1e-6, 0.1].
     mass : "consistent" or "published".
     sizing : rules of plan and layers.
     equal : names of layered bearings that are to be scaled to the same K_B.
-    ambient : temperatures that these are judged at [degC], in [-100, 100].
+    ambient : temperatures at which layered bearings are checked [degC], in [-100, 100].
     peaks : what counts under several motions: "mean" over the motions of a group, or the largest
         where it has fewer than three, and of the groups the largest; or "largest" of all motions
         (data/design/peaks.toml).
@@ -81,13 +81,8 @@ class DesignCase(Strict):
     sizing: SizingRules = SizingRules()
     equal: list[str] = ["shen-hdr-bridge", "shen-lhdr-bridge"]  # noqa: RUF012 (pydantic copies it)
 
-    ambient: Annotated[list[Temperature], Field(max_length=100)] = [23.0, 0.0, -20.0]  # noqa: RUF012
+    ambient: Annotated[Ambients, Field(max_length=100)] = [23.0, 0.0, -20.0]  # noqa: RUF012
     peaks: PeakRule = "mean"
-
-    @field_validator("ambient")
-    @classmethod
-    def _each_once(cls, ambient: list[float]) -> list[float]:
-        return each_once(ambient)
 
     @property
     def groups(self) -> list[LineGroup]:

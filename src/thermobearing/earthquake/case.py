@@ -17,9 +17,8 @@ from thermobearing.border.schema import Strict, in_unit, overridden
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import (
     RIGS,
+    Ambients,
     Rig,
-    Temperature,
-    each_once,
     left_by,
     load_rig,
     settle_start,
@@ -85,10 +84,10 @@ class Laboratory(Strict):
     ----------
     mode : "rt" runs in real time; in "pd" the actuator moves at `speed`, and the specimen lives on
         that slower clock; with both, every combination makes two runs.
-    speed : of the actuator in "pd" [mm/s], in [1e-3, 1e4].
-    delay : of the actuator [s], in [0, 1].
+    speed : speed of the actuator in "pd" [mm/s], in [1e-3, 1e4].
+    delay : delay of the actuator [s], in [0, 1].
     force_noise : standard deviation of the measured force [kN], in [0, 1e5].
-    seed : of the noise.
+    seed : seed of the noise.
     """
 
     mode: Annotated[tuple[Mode, ...], ONE_OR_SEVERAL, Field(min_length=1)] = ("rt",)
@@ -154,12 +153,12 @@ class EarthquakeCase(Strict):
     Attributes
     ----------
     command : "bridge", or "hybrid" with a specimen in the loop.
-    structure : what stands on the bearings: name, TOML file, or table.
+    structure : structure on the bearings: name, TOML file, or table.
     bearings, motions : one or more each: name, file, or table.
     ambient : temperatures of the air and of the bearings at the start [degC], in [-100, 100].
     weather : file with time and temperature, a table or EPW, that ends when the earthquake begins,
         instead of `ambient`. Faces and sides of the bearings then have other defaults.
-    duration : motions are cut to this [s], in [0.001, 1e6]; None for their whole length.
+    duration : motions are cut to this [s], in [0.001, 1e6]; by default their whole length.
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
     initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
@@ -175,7 +174,7 @@ class EarthquakeCase(Strict):
     structure: Structure
     bearings: Annotated[list[Device], Field(min_length=1, max_length=MOST_OF["bearings"])]
     motions: Annotated[list[Motion], Field(min_length=1, max_length=MOST_OF["motions"])]
-    ambient: Annotated[list[Temperature], Field(min_length=1, max_length=MOST_OF["ambient"])]
+    ambient: Annotated[Ambients, Field(min_length=1, max_length=MOST_OF["ambient"])]
     weather: Annotated[str, Field(min_length=1)] | None = None
     duration: Annotated[float, in_unit("s"), Field(ge=1e-3, le=1e6)] | None = None
     analysis: EarthquakeAnalysis = EarthquakeAnalysis()
@@ -184,11 +183,6 @@ class EarthquakeCase(Strict):
     lines: Annotated[tuple[OnLine, ...], Field(max_length=8)] = ()
     rig: Rig | None = None
     sources: dict[str, dict[str, str]] | None = None
-
-    @field_validator("ambient")
-    @classmethod
-    def _each_once(cls, ambient: list[float]) -> list[float]:
-        return each_once(ambient)
 
     @property
     def climates(self) -> int:

@@ -108,14 +108,14 @@ class SequenceCase(Strict):
     ----------
     command : "sequence".
     name : for titles.
-    bearing : the specimen.
+    bearing : the specimen: a name, a TOML file, or a table.
     ambient : temperature of the air [degC], in [-100, 100]; a part may have its own. The specimen
         starts at that of the first part.
     parts : each a table with `part`, "hybrid", "cyclic" or "rest"; at most 50.
     between : what the rig does after each part: "unloaded" (default), it returns to zero force and
         the instruments are zeroed there, so that the next part starts from zero; "as-left", it
         holds the specimen where it is, with its force.
-    rig : limits of the rig that is to do them.
+    rig : limits of the test rig, its name or file.
     analysis : how to model the specimen.
     """
 
