@@ -57,7 +57,7 @@ app = typer.Typer(cls=_Study, help=HELP, no_args_is_help=True, rich_markup_mode=
         "studies.run.engine:run_study",
         "jobs executor address shard",
         HOW,
-        jobs="|Processes; one a core by default.",
+        jobs="|Number of processes; one a core by default.",
         executor="|process (default) or dask.",
         address="|Address of Dask's scheduler, tcp://HOST:8786.",
         shard="|Every n-th part from the i-th, i/n, for batch systems.",
