@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 import thermobearing as tb
 from benchmarks.rows import Row, at_least, at_most, plain
 from thermobearing.identify.fit.parameters import SHAPE, default_free, with_values
-from thermobearing.identify.fit.search import krill_herd
+from thermobearing.identify.fit.search import _krill_herd
 from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.uncertainty.assumed import assumed_groups, shifted, usual_groups
+from thermobearing.identify.uncertainty.assumed import _assumed_groups, shifted, usual_groups
 
 Floats = NDArray[np.float64]
 
@@ -164,7 +164,7 @@ def chamber_off(kind: str, kelvin: float) -> Row:
 def with_another_file(bearing: tb.Bearing, seed: int) -> tb.Bearing:
     """A bearing whose numbers that a fit takes from the file are off, by chance."""
     rng = np.random.default_rng(seed)
-    for group in assumed_groups(bearing, default_free(bearing, AMBIENTS), usual_groups()):
+    for group in _assumed_groups(bearing, default_free(bearing, AMBIENTS), usual_groups()):
         off = float(np.clip(rng.normal(), -2.4, 2.4))
         bearing = shifted(bearing, group, abs(off) if group.name == "E2" else off)
     return bearing
@@ -223,7 +223,7 @@ def known_functions() -> list[Row]:
     ]
     for name, function, limit in cases:
         begin = time.perf_counter()
-        values = [krill_herd(function, 7, evaluations=5000, seed=s).value for s in range(5)]
+        values = [_krill_herd(function, 7, evaluations=5000, seed=s).value for s in range(5)]
         note = f"worst {max(values):.2g}; {(time.perf_counter() - begin) / 5:.2f} s a run"
         what = f"Krill Herd, 7-D {name}, 5000 evaluations, median"
         rows.append(at_most(what, float(np.median(values)), limit, note=note))

@@ -32,8 +32,8 @@ def test_a_forecast_is_public(exact: tb.Identification) -> None:
 def test_no_cause_is_named_for_no_misfit(exact: tb.Identification) -> None:
     """Residuals of 0.02 % are no misfit, whatever takes them away."""
     assumed = exact.uncertainty.assumed
-    told = tuple(replace(item, explained=0.9, sigmas=50.0, stderr=1.0) for item in assumed.told)
-    found = replace(exact.uncertainty, assumed=replace(assumed, told=told))
+    told = tuple(replace(item, explained=0.9, sigmas=50.0, stderr=1.0) for item in assumed.evidence)
+    found = replace(exact.uncertainty, assumed=replace(assumed, evidence=told))
     assert found.rms < uncertainty.NEGLIGIBLE
     tests: Any = SimpleNamespace(records=[SimpleNamespace(ambient=t) for t in (23.0, -20.0)])
     assert uncertainty._misfit(tests, found) == []

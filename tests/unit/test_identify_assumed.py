@@ -16,9 +16,9 @@ from thermobearing.identify.records.treatment import to_be_treated
 from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.uncertainty.assumed import (
     Assumed,
-    assumed_groups,
-    carried,
+    _assumed_groups,
     chosen_groups,
+    propagate,
     shifted,
     usual_groups,
 )
@@ -30,7 +30,7 @@ HDR, LHDR, LRB = (
 
 
 def names(bearing: Bearing, free: list[str]) -> list[str]:
-    return [group.name for group in assumed_groups(bearing, free, usual_groups())]
+    return [group.name for group in _assumed_groups(bearing, free, usual_groups())]
 
 
 def test_groups_are_what_the_bearing_has_and_the_fit_has_not() -> None:
@@ -86,7 +86,7 @@ def test_uncertainties_that_cannot_be(given: dict[str, float], pieces: list[str]
 
 def test_exactly_known_is_not_assumed() -> None:
     groups = chosen_groups({"sigma_Y": 0.0, "materials.rubber.conductivity": 0.02})
-    assert "sigma_Y" not in [g.name for g in assumed_groups(LHDR, [], groups)]
+    assert "sigma_Y" not in [g.name for g in _assumed_groups(LHDR, [], groups)]
     (heat,) = (g for g in groups if g.name == "conduction of heat")
     assert heat.relative == 0.02
 
@@ -155,13 +155,13 @@ def test_an_unseen_number_carries_its_whole_uncertainty() -> None:
     jacobian = rng.normal(size=(400, 2))
     noise = 0.01 * rng.normal(size=400)
     noise -= jacobian @ np.linalg.lstsq(jacobian, noise, rcond=None)[0]
-    found = carried(
+    found = propagate(
         linear(noise, jacobian), Assumed(told("sigma_Y").groups, -3.0 * jacobian[:, :1])
     )
     assert found.shifts == pytest.approx(np.array([[3.0], [0.0]]), abs=1e-12)
     assert found.spread == pytest.approx(np.ones((1, 1)))
     assert found.covariance() == pytest.approx(np.diag([9.0, 0.0]), abs=1e-9)
-    assert found.told[0].stderr == np.inf
+    assert found.evidence[0].stderr == np.inf
 
 
 @pytest.mark.parametrize("off", [0.0, 0.5, 8.0])
@@ -174,8 +174,10 @@ def test_what_the_tests_ask_for(off: float) -> None:
     noise = rng.normal(size=400)
     basis = np.column_stack([jacobian, apart])
     noise -= basis @ np.linalg.lstsq(basis, noise, rcond=None)[0]
-    found = carried(linear(noise - off * apart, jacobian), Assumed(told("sigma_Y").groups, column))
-    (item,) = found.told
+    found = propagate(
+        linear(noise - off * apart, jacobian), Assumed(told("sigma_Y").groups, column)
+    )
+    (item,) = found.evidence
     assert item.sigmas == pytest.approx(off, abs=1e-9)
     expected = 1.0 / np.linalg.norm(apart)
     assert 0.7 * expected < item.stderr < 1.4 * expected

@@ -37,7 +37,7 @@ from thermobearing.identify.fit.problem import (
     _sample_weights,
     half_cycles,
 )
-from thermobearing.identify.fit.search import krill_herd
+from thermobearing.identify.fit.search import _krill_herd
 from thermobearing.identify.fit.start import _with_temperature, loop_start
 from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.identify.records.cycles import compute_measures, full_cycles, turning_points
@@ -362,7 +362,7 @@ def test_krill_begin_at_the_start_and_keep_the_best() -> None:
         return float(((u - 0.3) ** 2).sum())
 
     start = np.array([0.31, 0.29, 0.3])
-    found = krill_herd(objective, 3, evaluations=300, population=10, seed=1, start=start)
+    found = _krill_herd(objective, 3, evaluations=300, population=10, seed=1, start=start)
     assert_allclose(asked[0], start)
     assert found.value <= objective(start)
     assert found.evaluations == len(asked) - 1 <= 300
@@ -472,7 +472,7 @@ def test_krill_herd_on_known_functions(measured: Recorder) -> None:
         ("sphere", _sphere, tol.KRILL_SPHERE),
         ("Rosenbrock", _rosenbrock, tol.KRILL_ROSENBROCK),
     ):
-        runs = [krill_herd(function, 7, evaluations=5000, seed=seed) for seed in range(5)]
+        runs = [_krill_herd(function, 7, evaluations=5000, seed=seed) for seed in range(5)]
         assert all(found.evaluations <= 5000 for found in runs)
         median = float(np.median([found.value for found in runs]))
         measured(f"Krill Herd, 7-D {name}, median of 5", median, f"<= {limit:g}")
@@ -480,7 +480,7 @@ def test_krill_herd_on_known_functions(measured: Recorder) -> None:
 
 
 def test_krill_herd_repeats_itself_and_takes_negative_functions() -> None:
-    runs = [krill_herd(lambda u: _sphere(u) - 100.0, 3, evaluations=600, seed=4) for _ in "ab"]
+    runs = [_krill_herd(lambda u: _sphere(u) - 100.0, 3, evaluations=600, seed=4) for _ in "ab"]
     assert runs[0].value == runs[1].value < -90.0
     assert all(b <= a for a, b in zip(runs[0].history[:-1], runs[0].history[1:], strict=True))
 

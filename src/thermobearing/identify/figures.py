@@ -224,8 +224,8 @@ class IdentificationFigures(drawing.Figures):
             loops = [loop for panel in self._panels for loop in panel.fit.loops]
             errors = [100.0 * loop.errors[measure] for loop in loops]
             if errors:  # not without a full cycle
-                told = f"model off by {min(errors):+.1f} to {max(errors):+.1f} %"
-                title += ": " + told.replace("-", "\N{MINUS SIGN}")
+                words = f"model off by {min(errors):+.1f} to {max(errors):+.1f} %"
+                title += ": " + words.replace("-", "\N{MINUS SIGN}")
             drawing.name_axes(ax, "cycle", unit, title)
         handles = [
             Line2D([], [], color=colour, marker=drawing.MARKERS[k % 8], label=panel.title)
@@ -254,8 +254,8 @@ class IdentificationFigures(drawing.Figures):
 
     def band(self, band: Band) -> Figure:
         """Draw the loops at a temperature within their 95 % band, and the force at each turn."""
-        told = " (not tested)" if band.beyond_tested else ""
-        title = self._title(f"predicted at {drawing.degrees(band.ambient)}{told}")
+        words = " (not tested)" if band.beyond_tested else ""
+        title = self._title(f"predicted at {drawing.degrees(band.ambient)}{words}")
         figure, (loops, peaks) = drawing.panels(1, 2, (10.0, 4.4), title)
         x, force = band.displacement, band.best
         most = float(np.abs(x).max())

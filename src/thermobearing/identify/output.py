@@ -46,7 +46,7 @@ def save_checks(
 ) -> Path:
     """Write summary.json and a figure per record; return the directory."""
 
-    def fill(folder: Path) -> None:
+    def _fill(folder: Path) -> None:
         write_summary(folder, checks_summary(reports))
         if not figures:
             return
@@ -60,7 +60,7 @@ def save_checks(
         }
         save_figures(drawn, folder / FIGURES)
 
-    return write_directory(directory, fill, overwrite=overwrite)
+    return write_directory(directory, _fill, overwrite=overwrite)
 
 
 def write_identification(found: "Identification", folder: Path) -> None:

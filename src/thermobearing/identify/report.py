@@ -42,7 +42,7 @@ CAPTIONS = {
     "held_out_cycles": "Each cycle of the tests that judge the fit: the model off the test.",
     "held_out_ratios": "Largest loop of the tests that judge the fit: the model off the test.",
     "held_out_residuals": "Force of the model less that of the tests that judge the fit.",
-    "folds": "Parameters without each group of tests, beside those of all.",
+    "folds": "Parameters without each group of tests, compared with those of all.",
     "convergence": "Best misfit of the search against its evaluations.",
 }
 
@@ -53,14 +53,14 @@ def build_pieces(saved: SavedResult) -> Pieces:
     if "parameters" not in summary:
         return _checked(saved)
     bearing, sources = split_sources(read_toml(saved.path / IDENTIFIED))
-    asked = {**bearing, "name": summary["bearing"]}
+    named = {**bearing, "name": summary["bearing"]}
     predicted = (summary.get("posterior") or {}).get("warnings", [])
     tests = [str(record["name"]) for record in summary["records"]]
     checks = _report_checks(summary)
     return content.build_pieces(
         "identify",
         f"Identification of {summary['bearing']}",
-        f"Which parameters does the bearing {bearing_words(asked)} have, by "
+        f"Which parameters does the bearing {bearing_words(named)} have, by "
         f"{counted(len(tests), 'test')} ({joined(tests)}) at "
         f"{degrees([r['ambient_degC'] for r in summary['records']])}, how well are they known, "
         "and how well does the model agree with the tests?",

@@ -243,7 +243,7 @@ class Identification(Result):
                 if p.kind.key not in estimates
             },
             "sensitivity": {item.key: item.summary() for item in self.sensitivity},
-            "assumed": [told.summary() for told in self.uncertainty.assumed.told],
+            "assumed": [item.summary() for item in self.uncertainty.assumed.evidence],
             "records": [
                 fit.summary()
                 | {"conditions": record_conditions(fit.record, rubber)}

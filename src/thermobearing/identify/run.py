@@ -142,7 +142,7 @@ def run_identify(case: IdentifyCase) -> Identification:
         cube, converged = polished(problem, cube)
     predictions = [p for p in problem.predict(cube) if p is not None]
     if len(predictions) != len(records):
-        raise InputError("the model does not get through these tests with any parameters tried")
+        raise InputError("the model ends early in these tests with all parameters tried")
     covered = range_of_tests(records, predictions, base.total_rubber_thickness)
     uncertainty = estimate(problem, cube, chosen_groups(case.assumed))
     uncertainty.warnings[:0] = held
@@ -196,13 +196,13 @@ def _problem(
     base, ambients = case.bearing, [record.ambient for record in records]
     coarse = [ForwardModel(record, base) for record in records]
 
-    def begin(free: Sequence[str] | None) -> tuple[ParameterSet, dict[str, float]]:
+    def _begin(free: Sequence[str] | None) -> tuple[ParameterSet, dict[str, float]]:
         pset = parameter_set(base, free, ambients, case.bounds)
         start = loop_start(records, pset, coarse) if case.blind else pset.values(pset.start)
         fixed = {p.kind.key for p in pset.parameters if not p.free}
         return pset.with_start({k: v for k, v in start.items() if k not in fixed}), start
 
-    pset, start = begin(case.free)
+    pset, start = _begin(case.free)
     problem = Problem(
         records,
         pset,
@@ -220,5 +220,5 @@ def _problem(
     free = [item.key for item in found if item.free]
     if all(item.free == item.usual for item in found):
         return problem, start, found
-    pset, start = begin(free)
+    pset, start = _begin(free)
     return problem.with_parameters(pset), start, found

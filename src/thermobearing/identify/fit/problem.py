@@ -22,7 +22,7 @@ from thermobearing.identify.fit.parameters import ParameterSet
 from thermobearing.identify.records.cycles import full_cycles, turning_points
 from thermobearing.identify.records.record import TestRecord
 
-LOST = 2.0  # residual where the model does not get through: twice the largest force
+LOST = 2.0  # residual where the model ends early: twice the largest force
 KELVIN = 5.0  # a temperature that is off by this counts as ...
 KELVIN_AS = 0.05  # ... a force that is off by this part of the largest
 ROBUST_SCALE = 0.02  # of the largest force: beyond it a robust loss bends

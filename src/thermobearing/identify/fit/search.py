@@ -32,7 +32,7 @@ class Found(NamedTuple):
     history: list[float]
 
 
-def krill_herd(
+def _krill_herd(
     objective: Objective,
     dimensions: int,
     *,
@@ -119,7 +119,7 @@ def _cross_and_mutate(x: Floats, merit: Floats, best: int, rng: np.random.Genera
 
 
 AROUND = 0.25  # half width, in the unit cube, of where other starts are drawn
-PROBES = 12  # points looked at for each start that is taken
+PROBES = 12  # points tried for each start that is taken
 MOST_STEPS = 40  # of least squares from one start
 POLISH_STEPS = 30
 INSIDE = 1e-6  # of the cube: least squares starts strictly inside
@@ -130,7 +130,7 @@ def search(problem: Problem, case: IdentifyCase) -> Floats:
     """Return a point of the unit cube near the best one, found with coarse steps of the model."""
     first = np.clip(problem.pset.start, INSIDE, 1.0 - INSIDE)
     if case.method == "krill-herd":
-        return krill_herd(
+        return _krill_herd(
             problem.cost, len(first), evaluations=case.evaluations, seed=case.seed, start=first
         ).best
     if case.method == "differential-evolution":

@@ -202,10 +202,10 @@ def sensitivities(problem: Problem, cube: Floats, groups: Sequence[Group]) -> li
     stated = spreads > 0.0
     slopes = np.array([p.slope(float(u)) for p, u in zip(problem.pset.free, cube, strict=True)])
     jacobian = problem.jacobian(cube) * (np.where(stated, spreads, 1.0) / slopes)
-    beside = linearise_assumed(problem, cube, groups, fine=False).columns
-    columns = np.column_stack([jacobian, beside])
+    assumed = linearise_assumed(problem, cube, groups, fine=False).columns
+    columns = np.column_stack([jacobian, assumed])
     information = columns.T @ (columns * _worth(problem)[:, None]) / MISFIT**2
-    prior = np.array([WIDE**-2] * len(free) + [1.0] * beside.shape[1])
+    prior = np.array([WIDE**-2] * len(free) + [1.0] * assumed.shape[1])
     ratios, kept = np.zeros(len(free)), np.ones(len(free), dtype=bool)
     movable = stated & (np.array(free) != kinds.K_R)
     while True:

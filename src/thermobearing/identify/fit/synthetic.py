@@ -41,7 +41,7 @@ def synthetic_record(
     test : what is done; Table 3.4 by default (sine waves for bearings with lead).
     noise : standard deviation of the force, relative to its peak, 0 to 10.
     memory : correlation of the noise from sample to sample, in [0, 1); 0 is white.
-    sampling : [Hz], 1e-6 to 1e6; ends of legs are recorded besides.
+    sampling : [Hz], 1e-6 to 1e6; ends of legs are recorded too.
     first_cycle : factor on the force of the first cycle of each amplitude, 0.1 to 10: an error
         of the law put in on purpose, like scragging.
     jitter : standard deviation of the noise of the displacement [mm], 0 to 10.

@@ -53,7 +53,7 @@ class MeasuredCycles:
     def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
         """Write summary.json, cycles.csv and the figure of the loops; return the directory."""
 
-        def fill(folder: Path) -> None:
+        def _fill(folder: Path) -> None:
             summary = {
                 "command": "measure",
                 "outcome": "completed",
@@ -66,7 +66,7 @@ class MeasuredCycles:
             if figures:
                 drawing.save_figures({"loops": partial(_draw_loops, self)}, folder / FIGURES)
 
-        return write_directory(Path(directory), fill, overwrite=overwrite)
+        return write_directory(Path(directory), _fill, overwrite=overwrite)
 
 
 def measured_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:

@@ -37,7 +37,7 @@ UNITS = {"displacement": "mm", "force": "kN"}
 WITHIN = 5.0  # of the noise to either side of the mean: one sample in 2e6 is beyond
 STILL = 0.002  # of the largest displacement to either side: a servo that hunts is at rest
 FEWEST = 5  # samples: a rest that the logger slept through needs no treatment
-LARGE = 0.2  # of the largest displacement: legs that tell how fast the test is
+LARGE = 0.2  # of the largest displacement: legs that show how fast the test is
 PART = 0.25  # of the time of a leg from 10 to 90 % of its way: a sine dwells less at its turns
 KEPT = 20  # samples of a rest with thermocouples, denser in its beginning
 WINDOW = 7  # samples of the running median: spikes of up to three are seen
@@ -293,8 +293,8 @@ def _around(steps: Floats) -> Floats:
     """The largest step from one sample to the next in the window around each sample."""
     from scipy.ndimage import maximum_filter1d
 
-    beside = np.maximum(np.append(steps, 0.0), np.insert(steps, 0, 0.0))
-    return np.asarray(maximum_filter1d(beside, WINDOW))
+    steepest = np.maximum(np.append(steps, 0.0), np.insert(steps, 0, 0.0))
+    return np.asarray(maximum_filter1d(steepest, WINDOW))
 
 
 def _possible_way(record: TestRecord) -> Floats:

@@ -114,7 +114,7 @@ def shifted(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
     )
 
 
-def assumed_groups(
+def _assumed_groups(
     bearing: Bearing, identified: Sequence[str], groups: Sequence[Group]
 ) -> list[Group]:
     """Return the groups that a fit of a bearing assumes.
@@ -143,17 +143,17 @@ def linearise_assumed(
     here = np.concatenate(problem.parts(cube, fine=fine))
     kept, columns = [], []
 
-    def add(group: Group, bearing: Bearing, records: Sequence[TestRecord], part: float) -> None:
+    def _add(group: Group, bearing: Bearing, records: Sequence[TestRecord], part: float) -> None:
         moved = problem.split_parts(bearing, records, fine=fine)
         column = np.zeros(0) if moved is None else (np.concatenate(moved) - here) / part
         if column.any():
             kept.append(group)
             columns.append(column)
 
-    for group in assumed_groups(bearing, identified, groups):
-        add(group, shifted(bearing, group, PART), problem.records, PART)
+    for group in _assumed_groups(bearing, identified, groups):
+        _add(group, shifted(bearing, group, PART), problem.records, PART)
     for group, records in _other_tests(problem.records, groups):
-        add(group, bearing, records, 1.0)
+        _add(group, bearing, records, 1.0)
     shape = (len(here), len(kept))
     return Assumed(tuple(kept), np.array(columns).T if columns else np.zeros(shape))
 
@@ -187,7 +187,7 @@ def _other_tests(
 
 
 @dataclass(frozen=True)
-class Told:
+class Evidence:
     """What the tests say about one group, the others as in the file."""
 
     group: Group
@@ -217,10 +217,10 @@ class Told:
 
 
 @dataclass(frozen=True)
-class Carried:
+class Propagated:
     """Effect of the uncertainty of the assumed numbers on the identified ones."""
 
-    told: tuple[Told, ...]  # what the tests say about each group
+    evidence: tuple[Evidence, ...]  # what the tests say about each group
     shifts: Floats  # [parameter inside, group] of the optimum by one standard uncertainty
     spread: Floats  # [group, group] mean square of the errors of the groups, given the tests
 
@@ -233,7 +233,7 @@ class Carried:
         return np.asarray(shifts @ self.spread @ shifts.T)
 
 
-def carried(linear: Linear, assumed: Assumed) -> Carried:
+def propagate(linear: Linear, assumed: Assumed) -> Propagated:
     """Carry the uncertainty of what is assumed into what is identified.
 
     The optimum moves by -(J^T J)^-1 J^T c for a column c (a "consider" analysis; Schmidt 1966).
@@ -245,7 +245,7 @@ def carried(linear: Linear, assumed: Assumed) -> Carried:
     columns = linear.weights[:, None] * assumed.columns
     shifts = -linear.solved(columns)
     apart = columns + linear.jacobian @ shifts  # what no change of the parameters can imitate
-    told = [_ask_tests(linear, group, apart[:, i]) for i, group in enumerate(assumed.groups)]
+    evidence = [_weigh(linear, group, apart[:, i]) for i, group in enumerate(assumed.groups)]
     inner = apart.T @ apart
     wanted = -np.linalg.pinv(inner, rcond=1e-10, hermitian=True) @ (apart.T @ linear.residuals)
     left_over = linear.residuals + apart @ wanted
@@ -256,18 +256,18 @@ def carried(linear: Linear, assumed: Assumed) -> Carried:
     known = np.maximum(known, 0.0)
     posterior = (axes / (1.0 + known)) @ axes.T
     mean = axes @ (known / (1.0 + known) * (axes.T @ wanted))
-    return Carried(tuple(told), shifts, posterior + np.outer(mean, mean))
+    return Propagated(tuple(evidence), shifts, posterior + np.outer(mean, mean))
 
 
-def _ask_tests(linear: Linear, group: Group, column: Floats) -> Told:
+def _weigh(linear: Linear, group: Group, column: Floats) -> Evidence:
     """Return what the tests say about a group, by its column less what parameters can imitate."""
     residuals = linear.residuals
     norm = float(column @ column)
     if norm <= UNSEEN * max(linear.variance, 1e-300):
-        return Told(group, 0.0, float("inf"), 0.0)
+        return Evidence(group, 0.0, float("inf"), 0.0)
     sigmas = -float(column @ residuals) / norm
     left_over = residuals + sigmas * column  # or the error of the file would be taken for noise
     meat = float(linear.meat(column[:, None], left_over)[0, 0])
     least = norm * float(left_over @ left_over) / len(left_over)
     explained = sigmas**2 * norm / max(float(residuals @ residuals), 1e-300)
-    return Told(group, sigmas, float(np.sqrt(max(meat, least))) / norm, explained)
+    return Evidence(group, sigmas, float(np.sqrt(max(meat, least))) / norm, explained)

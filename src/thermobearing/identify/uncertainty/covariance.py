@@ -15,10 +15,10 @@ from thermobearing.identify.fit.parameters import Parameter, at_one_temperature
 from thermobearing.identify.fit.problem import AT_BOUND, BLOCK_TURN, Problem, linearised
 from thermobearing.identify.records.cycles import turning_points
 from thermobearing.identify.uncertainty.assumed import (
-    Carried,
     Group,
-    carried,
+    Propagated,
     linearise_assumed,
+    propagate,
     usual_groups,
 )
 
@@ -89,7 +89,7 @@ class Uncertainty:
     estimates: dict[str, Estimate]  # by dotted key
     covariance: Floats  # in the unit cube; zero for parameters at bounds
     correlation: Floats  # by the tests alone
-    assumed: Carried
+    assumed: Propagated
     inside: NDArray[np.bool_]  # of the free parameters, those that are not at a bound
     samples: int
     effective_samples: float  # independent samples that they are worth
@@ -119,13 +119,13 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
     """Return standard errors, intervals and warnings at the optimum of a fit."""
     linear = linearised(problem, cube)
     groups = usual_groups() if groups is None else groups
-    assumed = carried(linear, linearise_assumed(problem, cube, groups))
+    assumed = propagate(linear, linearise_assumed(problem, cube, groups))
     inside = np.ix_(linear.inside, linear.inside)
     of_tests, covariance = np.zeros((2, len(cube), len(cube)))
     of_tests[inside] = linear.covariance()
     covariance[inside] = of_tests[inside] + assumed.covariance()
     half = np.zeros(len(cube))  # of the intervals: each part with its own degrees of freedom
-    wide = np.array([_wide(item.group.freedom) for item in assumed.told])
+    wide = np.array([_wide(item.group.freedom) for item in assumed.evidence])
     half[linear.inside] = np.diag(assumed.covariance(wide))
     half += _wide(int(linear.blocks.max()) + 1 - len(cube)) ** 2 * np.diag(of_tests)
     spread = np.sqrt(np.diag(of_tests))
@@ -205,13 +205,15 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
     """Return likely causes of residuals that are no noise: first what the tests contradict."""
     if found.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
         return []
-    told = sorted(found.assumed.told, key=lambda item: -item.explained)
+    evidence = sorted(found.assumed.evidence, key=lambda item: -item.explained)
     if at_one_temperature(record.ambient for record in problem.records):
-        told = [item for item in told if item.group.keys[0] not in (kinds.M_T, kinds.N_T)]
+        evidence = [item for item in evidence if item.group.keys[0] not in (kinds.M_T, kinds.N_T)]
     said = []
-    if told and told[0].contradicted:
-        worst = told[0]
-        alike = [t for t in told if t.contradicted and t.explained > AS_LIKELY * worst.explained]
+    if evidence and evidence[0].contradicted:
+        worst = evidence[0]
+        alike = [
+            t for t in evidence if t.contradicted and t.explained > AS_LIKELY * worst.explained
+        ]
         causes = [item.group.cause or f"the value of {item.group.name}" for item in alike]
         said.append(
             f"likely {'; or '.join(causes[:MOST_CAUSES])}: the tests ask for "
@@ -220,7 +222,7 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
         )
     held = [
         item
-        for item in told
+        for item in evidence
         if item.group.keys[0] in kinds.BY_KEY
         and item.explained > MUCH
         and abs(item.sigmas) > SURELY * item.stderr

@@ -120,7 +120,7 @@ def forecast(
 
     Raises
     ------
-    InputError : a temperature out of range, emcee is not installed, or no draw gets through.
+    InputError : a temperature out of range, emcee is not installed, or every draw ends early.
 
     Examples
     --------
@@ -252,7 +252,7 @@ def _predictive_band(
     forces = np.array([run.force for run in runs if run is not None])
     best = model.run(found.bearing)
     if best is None or len(forces) == 0:
-        raise InputError(f"the model does not get through the test at {ambient:g} degC")
+        raise InputError(f"the model ends early in the test at {ambient:g} degC")
     lower, upper = np.quantile(forces, [LOW, HIGH], axis=0)
     peak_lower, peak_upper = np.quantile(np.abs(forces).max(axis=1), [LOW, HIGH])
     return Band(

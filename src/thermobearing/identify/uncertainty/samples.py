@@ -15,7 +15,7 @@ from thermobearing.identify.fit import parameters as kinds
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
 from thermobearing.tables.text import read_text
 
-MOST = 10_000  # samples that can be asked for
+MOST = 10_000  # of samples
 SIZED = (kinds.K_R, kinds.D_Y, kinds.K_L, kinds.K_V, kinds.C_V)  # they go with the size
 FAR = 10.0  # standard deviations from the mean of the samples, ...
 APART = 0.2  # ... and this part of it: not the bearing that they are of
@@ -28,7 +28,7 @@ def posterior_bearings(
     r"""The fitted bearing, then bearings of some samples of its posterior.
 
     Or a bearing of another size that is made of the fitted compound, with `bearing.toml` of the
-    fit beside the samples: each of them is then made to that size by the rules of scaling.py.
+    fit in the directory of the samples: each of them is then made to that size by the rules of scaling.py.
 
     Parameters
     ----------
@@ -77,12 +77,12 @@ def posterior_bearings(
     return [first, *sized]
 
 
-def _fitted(bearing: Bearing, beside: Path) -> Bearing:
+def _fitted(bearing: Bearing, place: Path) -> Bearing:
     """Return the bearing of the samples: that in their directory if its size is another one."""
-    if not is_file(beside):
+    if not is_file(place):
         return bearing
     try:
-        fitted = load_bearing(beside)
+        fitted = load_bearing(place)
     except InputError:  # a poor fit does not load: the given bearing's numbers must do
         return bearing
     if fitted.geometry == bearing.geometry and lead_cores(fitted) == lead_cores(bearing):
@@ -96,8 +96,8 @@ def _fitted(bearing: Bearing, beside: Path) -> Bearing:
             raise InputError(
                 f"{bearing.name} has another size than {fitted.name}, whose samples these are, "
                 f"and is not made of its compound: {key} is {shown}, not {wanted}; make it with "
-                f"thermobearing new --compound {beside}",
-                str(beside.with_name(SAMPLES)),
+                f"thermobearing new --compound {place}",
+                str(place.with_name(SAMPLES)),
             )
     return fitted
 
@@ -112,7 +112,7 @@ def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where
             raise InputError(
                 f"{kind.symbol} is {mean:.4g} {kind.unit} in the samples and {own:.4g} in "
                 f"{bearing.name}: they are of another bearing; a bearing made of the fitted "
-                f"compound takes them where {IDENTIFIED} of the fit lies beside them",
+                f"compound takes them where {IDENTIFIED} of the fit lies in their directory",
                 where,
             )
 
