@@ -49,7 +49,8 @@ def test_every_option_is_described() -> None:
     for words, item in COMMANDS.items():
         for one in item.params:
             text = getattr(one, "help", None)
-            assert text is None or text.split("; ")[0].count(" ") >= 1, (words, one.name, text)
+            name = (one.name or "").replace("_", " ")
+            assert text is None or text.split(";")[0].rstrip(".").lower() != name, (words, text)
 
 
 def test_units_are_among_them() -> None:
