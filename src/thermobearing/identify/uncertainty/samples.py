@@ -28,7 +28,7 @@ def posterior_bearings(
     r"""The fitted bearing, then bearings of some samples of its posterior.
 
     Or a bearing of another size that is made of the fitted compound, with `bearing.toml` of the
-    fit in the directory of the samples: each of them is then made to that size by the rules of scaling.py.
+    fit in the directory of the samples: each of them is then scaled to that size.
 
     Parameters
     ----------
