@@ -9,11 +9,11 @@ from thermobearing.cyclic.dataset import written_part
 from thermobearing.cyclic.result import Result, history_columns
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.loading import AnyResult
+from thermobearing.quantities.register import Quantity
 from thermobearing.report.content import (
     MOST_ROWS,
     words,
 )
-from thermobearing.report.pieces import Column
 from thermobearing.report.workbook import History
 from thermobearing.results.saved import SavedResult
 from thermobearing.studies.result import StudyResult
@@ -41,7 +41,7 @@ def histories_by_run(result: AnyResult) -> dict[str, History]:
 
 
 def _history(keys: dict[str, Any], table: pd.DataFrame) -> History:
-    columns = [Column(*words(str(name))) for name in table.columns]
+    columns = [Quantity(*words(str(name))) for name in table.columns]
     return History(keys, columns, table.to_numpy(dtype=float))
 
 

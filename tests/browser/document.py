@@ -3,18 +3,18 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
 from thermobearing.report.pieces import (
     Bullets,
     Check,
     ChecksBlock,
-    Column,
     Document,
     FigureBlock,
     Heading,
     Paragraph,
     Plot,
     ReportFigure,
-    ReportTable,
     TableBlock,
     Trace,
 )
@@ -35,19 +35,19 @@ def drawn() -> Figure:
     return figure
 
 
-def peaks() -> ReportTable:
+def peaks() -> Table:
     """Forces that are sorted otherwise as text than as numbers, one of them not there."""
-    columns = [Column("Run"), Column("Force", "kN", ".0f")]
+    columns = [Quantity("Run"), Quantity("Force", "kN", ".0f")]
     rows = [(f"run {name}", force) for name, force in zip("bcad", FORCES, strict=True)]
     marked = frozenset({(2, 1)})
-    return ReportTable("Peaks", columns, rows, marked=marked, note="Force: of one bearing.")
+    return Table("Peaks", columns, rows, marked=marked, note="Force: of one bearing.")
 
 
-def long_table() -> ReportTable:
+def long_table() -> Table:
     """More rows than a page holds, more columns than it has room for."""
-    columns = [Column(f"Quantity {place}", "kN/mm", ".3f") for place in range(18)]
+    columns = [Quantity(f"Quantity {place}", "kN/mm", ".3f") for place in range(18)]
     rows = [[1234.5678 * k] * 18 for k in range(60)]
-    return ReportTable("Long and broad", columns, rows, marked=frozenset({(3, 17)}))
+    return Table("Long and broad", columns, rows, marked=frozenset({(3, 17)}))
 
 
 def loops() -> Plot:

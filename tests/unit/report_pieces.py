@@ -7,7 +7,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from thermobearing.report.pieces import Check, Column, Pieces, ReportFigure, ReportTable
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
+from thermobearing.report.pieces import Check, Pieces, ReportFigure
 from thermobearing.results.writing import write_summary
 
 EVIL = '=1+1 #evil[ $x$ \\n "<b>*_`@[1]~//'
@@ -27,9 +29,9 @@ def wide() -> Figure:
     return Figure(figsize=(12.0, 5.0))
 
 
-TABLE = ReportTable(
+TABLE = Table(
     "Peaks of every run",
-    [Column("Run"), Column("Force", "kN", ".1f"), Column("Strain", "%", ".0f")],
+    [Quantity("Run"), Quantity("Force", "kN", ".1f"), Quantity("Strain", "%", ".0f")],
     [(EVIL, -312.64, 175.0), ("θ₀ Δ", 280.0, None), ("three", float("nan"), 352.0)],
     marked=frozenset({(2, 2)}),
 )
@@ -38,9 +40,7 @@ PIECES = Pieces(
     "Two tests in the cold",
     f"How large is the force of {EVIL.replace('*', '').replace('`', '').replace('_', '')}?",
     ["**313 kN** at -20 °C.", "Warm: less."],
-    inputs={
-        "bearing": ReportTable("The bearing", [Column("What"), Column("Value")], [("K_r", 30)])
-    },
+    inputs={"bearing": Table("The bearing", [Quantity("What"), Quantity("Value")], [("K_r", 30)])},
     tables={"peaks": TABLE},
     figures={"line": ReportFigure("A parabola", line, alt="It rises.")},
     checks=[
@@ -54,9 +54,9 @@ PIECES = Pieces(
 
 def many_columns(count: int, rows: int = 3) -> Pieces:
     """Pieces with a table of that many columns of numbers."""
-    columns = [Column("Run"), *(Column(f"Quantity {k}", "kN", ".1f") for k in range(count - 1))]
+    columns = [Quantity("Run"), *(Quantity(f"Quantity {k}", "kN", ".1f") for k in range(count - 1))]
     body = [(f"run {j}", *(100.0 * k + j for k in range(count - 1))) for j in range(rows)]
-    return dataclasses.replace(PIECES, tables={"wide": ReportTable("Wide", columns, body)})
+    return dataclasses.replace(PIECES, tables={"wide": Table("Wide", columns, body)})
 
 
 def saved_directory(folder: Path) -> Path:

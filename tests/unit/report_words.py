@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from thermobearing.report.pieces import Pieces, Plot, ReportTable
+from thermobearing.quantities.tables import Table
+from thermobearing.report.pieces import Pieces, Plot
 
 
 def plain(value: Any) -> Any:
@@ -16,7 +17,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def table_as_data(table: ReportTable) -> Any:
+def table_as_data(table: Table) -> Any:
     heads = [column.title for column in table.columns]
     return [table.caption, heads, plain(table.rows), sorted(table.marked), table.note, table.keys]
 
@@ -80,7 +81,7 @@ def assert_well_formed(pieces: Pieces) -> None:
                     assert len(trace.frames) == len(figure.plot.slider)
 
 
-def numbers_in(table: ReportTable, head: str) -> list[Any]:
+def numbers_in(table: Table, head: str) -> list[Any]:
     """A column of a table."""
     place = [column.head for column in table.columns].index(head)
     return [row[place] for row in table.rows]

@@ -13,6 +13,8 @@ from matplotlib.figure import Figure
 from tests import tolerances as tol
 from tests.browser.document import HOSTILE, document
 from thermobearing.border.library import data_path
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
 from thermobearing.report import figures
 from thermobearing.report.figures import (
     ALL_POINTS,
@@ -29,7 +31,6 @@ from thermobearing.report.pieces import (
     Bullets,
     Check,
     ChecksBlock,
-    Column,
     Document,
     FigureBlock,
     Heading,
@@ -37,7 +38,6 @@ from thermobearing.report.pieces import (
     Paragraph,
     Plot,
     ReportFigure,
-    ReportTable,
     TableBlock,
     Trace,
 )
@@ -80,7 +80,7 @@ def body(*blocks: Block) -> str:
     return text[text.index("<main") : text.index("</main>")]
 
 
-def table_text(table: ReportTable) -> str:
+def table_text(table: Table) -> str:
     return body(TableBlock("one", table))
 
 
@@ -172,18 +172,18 @@ def test_pictures_from_elsewhere_and_links_in_headings_stay_words():
 
 def test_long_words_may_be_broken_and_stay_whole_when_they_are_copied():
     digest = "0123456789abcdef" * 4
-    text = table_text(ReportTable("x", [Column("a")], [(f"a {digest} <b>",)]))
+    text = table_text(Table("x", [Quantity("a")], [(f"a {digest} <b>",)]))
     assert "<wbr>" in text
     assert f"a {digest} &lt;b&gt;" in text.replace("<wbr>", "")
     assert ">shen-lhdr-specimen<" in table_text(
-        ReportTable("x", [Column("a")], [("shen-lhdr-specimen",)])
+        Table("x", [Quantity("a")], [("shen-lhdr-specimen",)])
     )
 
 
 def test_cells_of_a_table():
-    columns = [Column("Run"), Column("Force", "kN", ".1f"), Column("Value"), Column("Unit")]
+    columns = [Quantity("Run"), Quantity("Force", "kN", ".1f"), Quantity("Value"), Quantity("Unit")]
     rows = [("a", -1.25, 3.0, "mm"), ("b", float("nan"), "steel", ""), ("c", 2.0, 4.0, "mm")]
-    table = ReportTable("Forces", columns, rows, marked=frozenset({(2, 1)}), note="N.")
+    table = Table("Forces", columns, rows, marked=frozenset({(2, 1)}), note="N.")
     text = table_text(table)
     assert "Table 1." in text
     assert '<th scope="row" class="words brief">a</th>' in text
@@ -193,13 +193,13 @@ def test_cells_of_a_table():
     assert re.search(r'class="marked amount" data-value="2">†<span.+?</span> 2.0</td>', text)
     assert '<p class="note">† beyond what was tested. N.</p>' in text
     assert 'Force <span class="unit">[kN]</span></button>' in text
-    assert "<button" not in table_text(ReportTable("Two", columns, rows[:2]))
+    assert "<button" not in table_text(Table("Two", columns, rows[:2]))
 
 
 def test_a_cell_leads_to_a_figure_of_the_document():
     rows = [(Link("Fig. 3.8", "fig_3_08"),), (Link("Fig. 9.9", "not there"),)]
     blocks = [
-        TableBlock("claims", ReportTable("Claims", [Column("Figure")], rows)),
+        TableBlock("claims", Table("Claims", [Quantity("Figure")], rows)),
         FigureBlock("other", ReportFigure("first", image=b"<svg/>")),
         FigureBlock("fig_3_08", ReportFigure("second", image=b"<svg/>")),
     ]
@@ -211,8 +211,8 @@ def test_a_cell_leads_to_a_figure_of_the_document():
 
 def test_broad_tables_are_turned_on_paper():
     def look(count):
-        columns = [Column(f"Quantity {place}") for place in range(count)]
-        return table_text(ReportTable("x", columns, [[1234.5] * count] * 20))
+        columns = [Quantity(f"Quantity {place}") for place in range(count)]
+        return table_text(Table("x", columns, [[1234.5] * count] * 20))
 
     assert 'class="table"' in look(5)
     assert 'class="table broad"' in look(15)
@@ -220,13 +220,13 @@ def test_broad_tables_are_turned_on_paper():
 
 def test_long_tables_open_with_the_rows_that_govern():
     rows = [(f"run {k}", float(k)) for k in range(100)]
-    columns, marked = [Column("Run"), Column("Force", "kN", "g")], frozenset({(3, 1)})
-    text = table_text(ReportTable("x", columns, rows, marked=marked, governing="Force"))
+    columns, marked = [Quantity("Run"), Quantity("Force", "kN", "g")], frozenset({(3, 1)})
+    text = table_text(Table("x", columns, rows, marked=marked, governing="Force"))
     shown, folded = (re.findall(r">(run \d+)<", part) for part in text.split("<details"))
     assert shown[:3] == ["run 3", "run 99", "run 98"]
     assert (len(shown), len(folded)) == (MOST_ROWS, 100 - MOST_ROWS)
     assert folded[:4] == ["run 0", "run 1", "run 2", "run 4"]
-    plain = table_text(ReportTable("x", columns, rows))
+    plain = table_text(Table("x", columns, rows))
     assert re.findall(r">(run \d+)<", plain) == [row[0] for row in rows]
 
 

@@ -12,6 +12,8 @@ import pytest
 
 from tests.unit.report_pieces import EVIL, LOGO, PIECES, line, many_columns, wide
 from thermobearing.border.errors import InputError
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
 from thermobearing.report.figures import missing_words, picture_size, svg_bytes
 from thermobearing.report.pdf import (
     SEAM,
@@ -22,13 +24,7 @@ from thermobearing.report.pdf import (
     laid_out,
     pdf_bytes,
 )
-from thermobearing.report.pieces import (
-    Column,
-    Pieces,
-    ReportFigure,
-    ReportTable,
-    column_letters,
-)
+from thermobearing.report.pieces import Pieces, ReportFigure, column_letters
 from thermobearing.report.template import document
 
 BLOCK = {"Project": EVIL, "Document": "B12-7", "Revision": "C", "Date": "2026-04-01"}
@@ -156,7 +152,7 @@ def test_wide_tables_are_made_smaller_turned_or_parted_but_never_cut(
 
 def test_long_words_are_broken_and_numbers_are_not() -> None:
     digest, number = "0123456789abcdef" * 8, 10**23
-    table = ReportTable("x", list(map(Column, "abc")), [("hash", f"{digest} x", number)])
+    table = Table("x", list(map(Quantity, "abc")), [("hash", f"{digest} x", number)])
     (part,) = fitted(column_letters(table, table.texts()), 1)
     assert part.broken(digest, 1).replace(SEAM, "") == digest
     assert SEAM in part.broken(digest, 1)
@@ -219,7 +215,7 @@ def test_a_logo_that_is_no_picture_is_refused() -> None:
 
 def test_a_caption_is_not_parted_from_its_table() -> None:
     tables = {
-        f"t{k}": ReportTable(f"Caption {k}", [Column("a")], [(j,) for j in range(3 + k % 5)])
+        f"t{k}": Table(f"Caption {k}", [Quantity("a")], [(j,) for j in range(3 + k % 5)])
         for k in range(60)
     }
     for text in text_of(written(dataclasses.replace(PIECES, tables=tables))):

@@ -5,22 +5,22 @@ from dataclasses import replace
 import pytest
 
 from thermobearing.border.errors import InputError
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
 from thermobearing.report.pieces import (
     Bullets,
     Check,
     ChecksBlock,
-    Column,
     FigureBlock,
     Heading,
     Paragraph,
     Pieces,
     ReportFigure,
-    ReportTable,
     TableBlock,
 )
 from thermobearing.report.template import arranged
 
-TABLE = ReportTable("Cycles", [Column("Cycle", "", "d"), Column("Force", "kN", ".1f")], [(1, 2.0)])
+TABLE = Table("Cycles", [Quantity("Cycle", "", "d"), Quantity("Force", "kN", ".1f")], [(1, 2.0)])
 PIECES = Pieces(
     "cyclic",
     "A test",
@@ -115,7 +115,7 @@ def test_without_a_verdict_on_validity_the_reason_is_told(tmp_path):
     ],
 )
 def test_cells_as_a_reader_sees_them(value, form, text):
-    assert Column("x", "", form).text(value) == text
+    assert Quantity("x", "", form).text(value) == text
 
 
 def test_checks_are_listed_by_severity(tmp_path):

@@ -12,11 +12,12 @@ import pytest
 
 from tests.unit.report_pieces import EVIL, PIECES
 from thermobearing.border.errors import InputError
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
 from thermobearing.report import workbook
-from thermobearing.report.pieces import Column, ReportTable
 from thermobearing.report.workbook import History, history_tables, sheet_name, workbook_bytes
 
-COLUMNS = [Column("time", "s"), Column("force", "kN")]
+COLUMNS = [Quantity("time", "s"), Quantity("force", "kN")]
 HISTORIES = {
     name: History({"Motion": name}, COLUMNS, np.arange(8.0).reshape(4, 2)) for name in ("a", EVIL)
 }
@@ -96,7 +97,7 @@ def test_histories_with_other_columns_have_a_sheet_of_their_own() -> None:
 
 def test_tables_longer_than_a_sheet_go_on_in_another(monkeypatch: Any) -> None:
     monkeypatch.setattr(workbook, "ROWS", 6)
-    table = ReportTable("Long", [Column("n", "", "d")], [(k,) for k in range(5)])
+    table = Table("Long", [Quantity("n", "", "d")], [(k,) for k in range(5)])
     pieces = dataclasses.replace(PIECES, tables={"long": table}, inputs={}, checks=())
     book = opened(workbook_bytes(pieces, {}))
     told = {name: [c.value for c in book[name]["A"][3:]] for name in book.sheetnames[-3:]}
@@ -129,7 +130,7 @@ def test_names_of_sheets_are_such_as_excel_takes(wanted: str, name: str) -> None
     ],
 )
 def test_formats_of_numbers(value: Any, form: str, shown: str) -> None:
-    table = ReportTable("T", [Column("a", "", form)], [(value,)])
+    table = Table("T", [Quantity("a", "", form)], [(value,)])
     book = opened(workbook_bytes(dataclasses.replace(PIECES, tables={"t": table}), {}))
     assert book["t"]["A4"].number_format == shown
 

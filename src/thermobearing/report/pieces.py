@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,10 +13,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from thermobearing.results.drawing import Floats
-
-# Names that analyses use until all their tables come from the register.
-Column: TypeAlias = Quantity
-ReportTable: TypeAlias = Table
 
 # Verdicts of a check, and their signs; the third where there is no limit, or no value.
 PASSED, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
