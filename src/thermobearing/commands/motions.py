@@ -65,7 +65,15 @@ def show(file: RECORD, given: dict[str, Any], end: Ending) -> int:
 
 
 @add(app, "spectrum", "motions spectrum jra-ii-i-1 --type II --ground I")
-@command(READ, EXAMINED, fields("motions.run:examine_motion", "damping"))
+@command(
+    READ,
+    EXAMINED,
+    fields(
+        "motions.run:examine_motion",
+        "damping",
+        damping="|Ratio of critical damping; 0.05 by default.",
+    ),
+)
 def spectrum(file: RECORD, given: dict[str, Any], end: Ending) -> int:
     """Response spectrum of a motion, compared with a standard one (5 % damping)."""
     end.check()
