@@ -20,7 +20,7 @@ from thermobearing.border.units import is_number, one_or_several
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.cyclic.run import run
-from thermobearing.results.ranges import Row, limits_passed, list_rows
+from thermobearing.results.ranges import Row, limits_passed
 
 TEMPERATURES = tuple(float(t) for t in range(-40, 41, 10))
 STRAINS = (1.0, 1.75)
@@ -237,7 +237,7 @@ def _measured(
         for row in part.to_dict("records")
         for name, unit in QUANTITIES.items()
     ]
-    asked = list_rows(result.tested_range)
+    asked = result.tested_range.to_dict("records")
     names = {run_name(t): _place(strain, t) for t in air}
     return pd.DataFrame(rows), [{**row, "run": names[row["run"]]} for row in asked]
 

@@ -36,7 +36,6 @@ from thermobearing.results.base import Result
 from thermobearing.results.ranges import (
     Row,
     asked_of_tests,
-    list_rows,
     one_per_cause,
     outside_tests,
 )
@@ -126,7 +125,7 @@ class Design(Result):
 
         Those stand for the design displacement, and for every run at every temperature.
         """
-        rows = list_rows(self.study.tested_range)
+        rows = self.study.tested_range.to_dict("records")
         for item in self.equal:
             bearing, far = item.bearing, item.displacement
             reached = {"strain": far / bearing.total_rubber_thickness}
@@ -137,7 +136,7 @@ class Design(Result):
     @property
     def warnings(self) -> list[str]:
         """What a reader must know: what left the tested ranges."""
-        rows = list_rows(self.tested_range)
+        rows = self.tested_range.to_dict("records")
         every: list[Bearing | BilinearBearing] = [
             *self.bearings,
             *(item.bearing for item in self.equal),

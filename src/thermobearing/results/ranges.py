@@ -5,17 +5,17 @@ Names, units and numbers come in; rows of a table and sentences for all analyses
 
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from thermobearing.results.metrics import Floats
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 Ends = tuple[float, float]
-Row = dict[str, Any]
+Row = dict[Any, Any]
 
 # Of a tested range (its width, or its upper end where that is more), beyond either end: what the
 # nominal and the measured value of one test differ by.
@@ -118,11 +118,6 @@ def largest_speed(time: Floats, displacement: Floats) -> float:
     lag = min(max(1, int(np.median(apart)) // 10), len(time) - 1)
     moved = np.abs(displacement[lag:] - displacement[:-lag])
     return float((moved / np.maximum(time[lag:] - time[:-lag], np.finfo(float).tiny)).max())
-
-
-def list_rows(table: "pd.DataFrame") -> list[Row]:
-    """Return the rows of `compared` from a table of them."""
-    return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
 
 
 def asked_of_tests(
