@@ -2,13 +2,15 @@
 
 A page holds `<!-- keys: MODULE.CLASS -->` and `<!-- end keys -->`; `make docs` writes the table
 between them: key, unit or kind, default, range, meaning. The meaning is that of the attribute in
-the docstring of the class.
+the docstring of the class, or in docs/keys.toml.
 """
 
 import re
+import tomllib
 import types
 from collections.abc import Iterator
 from importlib import import_module
+from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
@@ -20,6 +22,7 @@ MARK = re.compile(
     r"(<!-- keys: (?P<name>[\w.]+)(?P<skipped>(?: -\w+)*) -->\n).*?(<!-- end keys -->)", re.DOTALL
 )
 ATTRIBUTE = re.compile(r"^ {4}(?P<names>\w+(?:, \w+)*) :(?P<text>.*(?:\n {8}.*)*)", re.MULTILINE)
+MEANINGS = tomllib.loads((Path(__file__).parents[1] / "keys.toml").read_text(encoding="utf-8"))
 KINDS = {float: "number", int: "integer", str: "text", bool: "true or false"}
 
 
@@ -37,7 +40,7 @@ def fill(text: str) -> str:
 
 def key_table(model: type[BaseModel], skipped: list[str]) -> str:
     """Return a Markdown table of the fields of a model, without those to skip."""
-    meanings = attribute_texts(model)
+    meanings = attribute_texts(model) | MEANINGS.get(model.__name__, {})
     lines = ["| key | unit or kind | default | range | meaning |", "|---|---|---|---|---|"]
     for name, field in model.model_fields.items():
         if name in skipped:
