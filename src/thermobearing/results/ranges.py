@@ -11,8 +11,6 @@ import numpy as np
 
 from thermobearing.results.metrics import Floats
 
-if TYPE_CHECKING:
-    pass
 
 Ends = tuple[float, float]
 Row = dict[Any, Any]
