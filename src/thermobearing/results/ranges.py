@@ -11,7 +11,6 @@ import numpy as np
 
 from thermobearing.results.metrics import Floats
 
-
 Ends = tuple[float, float]
 Row = dict[Any, Any]
 
