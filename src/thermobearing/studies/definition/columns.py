@@ -35,22 +35,14 @@ WITHOUT_HEAT: dict[str | int, set[str] | None] = {
 
 @dataclass(frozen=True)
 class Target:
-    """A number that a study varies.
+    """A number that a study varies."""
 
-    Attributes
-    ----------
-    name : dotted, as the study says it.
-    part : "bearing", "structure" or "case".
-    paths : where it is in each level of that part; None in one that does not have it.
-    unit : its own; None for a pure number.
-    of : "factor" multiplies it, "value" replaces it.
-    """
-
-    name: str
-    part: str
+    name: str  # dotted, as the study says it
+    part: str  # "bearing", "structure" or "case"
+    # where it is in each level of that part; None in one that does not have it
     paths: Sequence[Path | None]
-    unit: str | None
-    of: str
+    unit: str | None  # its own; None for a pure number
+    of: str  # "factor" multiplies it, "value" replaces it
 
     def change(self, level: int, record: Strict, number: float) -> dict[Path, float]:
         """Return the number of a record of a level, changed, by its path; {} without it."""
@@ -179,22 +171,15 @@ SAMPLE = "bearing.sample"  # number of a sample of a posterior, -1 of a bearing 
 
 @dataclass(frozen=True)
 class Column:
-    """One factor.
+    """One factor."""
 
-    Attributes
-    ----------
-    name : of the column.
-    levels : names of things, or numbers; none of a distribution.
-    distribution : of a number.
-    chances : of each level, where one is drawn by lot; None where all are met.
-    share : a number in [0, 1) that selects a sample, or an hour of the weather.
-    """
-
-    name: str
+    name: str  # of the column
+    # names of things, or numbers; none of a distribution
     levels: Sequence[str] | Sequence[float] = ()
-    distribution: Distribution | None = None
+    distribution: Distribution | None = None  # of a number
+    # of each level, where one is drawn by lot; None where all are met
     chances: Sequence[float] | None = None
-    share: bool = False
+    share: bool = False  # a number in [0, 1) that selects a sample, or an hour of the weather
 
     @property
     def drawn(self) -> bool:

@@ -114,18 +114,11 @@ SPARE = 16  # bits of an id that its seed does without: 48 are exact in any tabl
 
 @dataclass(frozen=True)
 class Draws:
-    """Probabilities for each drawn factor, and where in the arrangement a row of them belongs.
+    """Probabilities for each drawn factor, and where in the arrangement a row of them belongs."""
 
-    Attributes
-    ----------
-    values : [rows, drawn factors] in [0, 1).
-    sample : [rows] number of the sample.
-    matrix : [rows] "A", "B" or "AB <factor>"; none in a plain arrangement.
-    """
-
-    values: Floats
-    sample: Ints
-    matrix: list[str] | None = None
+    values: Floats  # [rows, drawn factors] in [0, 1)
+    sample: Ints  # [rows] number of the sample
+    matrix: list[str] | None = None  # [rows] "A", "B" or "AB <factor>"; none in a plain arrangement
 
 
 def plan(study: Study) -> pd.DataFrame:

@@ -66,23 +66,14 @@ class Fitted(NamedTuple):
 
 @dataclass(frozen=True)
 class Recipe:
-    """What one motion is made of: random phases of a seed, or those of a record.
+    """What one motion is made of: random phases of a seed, or those of a record."""
 
-    Attributes
-    ----------
-    name : of the motion.
-    spectrum : that it shall fit.
-    phases : type and ground of the shaking, of random phases.
-    seed, dt : of random phases.
-    record : whose phases are kept instead.
-    """
-
-    name: str
-    spectrum: DesignSpectrum
-    phases: tuple[str, str] = ("II", "I")
-    seed: int = SEED
+    name: str  # of the motion
+    spectrum: DesignSpectrum  # that it shall fit
+    phases: tuple[str, str] = ("II", "I")  # type and ground of the shaking, of random phases
+    seed: int = SEED  # of random phases
     dt: float = STEP
-    record: GroundMotion | None = None
+    record: GroundMotion | None = None  # whose phases are kept instead
 
     @property
     def key(self) -> str:

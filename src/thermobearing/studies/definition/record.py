@@ -47,20 +47,13 @@ RARE = 1e-6  # a study of a million runs meets what is as rare as this
 
 @dataclass(frozen=True)
 class Distribution:
-    """A distribution of one number, truncated at `low` and `high`.
+    """A distribution of one number, truncated at `low` and `high`."""
 
-    Attributes
-    ----------
-    kind : "normal", "lognormal", "uniform" or "triangular".
-    centre : mean, median, or mode.
-    spread : standard deviation; of a lognormal one that of the logarithm; none of the others.
-    low, high : ends.
-    """
-
-    kind: Kind
-    centre: float
+    kind: Kind  # "normal", "lognormal", "uniform" or "triangular"
+    centre: float  # mean, median, or mode
+    # standard deviation; of a lognormal one that of the logarithm; none of the others
     spread: float
-    low: float = -math.inf
+    low: float = -math.inf  # ends
     high: float = math.inf
 
     @cached_property

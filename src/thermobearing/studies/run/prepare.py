@@ -56,16 +56,11 @@ MOST_KEPT = 2000  # bearings as models, and their temperatures when rows come on
 
 @dataclass(frozen=True)
 class Warm:
-    """Temperatures of the bearings of some runs; small enough to be sent with them.
+    """Temperatures of the bearings of some runs; small enough to be sent with them."""
 
-    Attributes
-    ----------
-    soaked : by thermal key: hours, increasing, and temperatures of the bearing at them.
-    weather : where each run has a thermal key of its own.
-    """
-
+    # by thermal key: hours, increasing, and temperatures of the bearing at them
     soaked: Mapping[Key, tuple[Ints, Soaked]] = field(default_factory=dict)
-    weather: Hourly | None = None
+    weather: Hourly | None = None  # where each run has a thermal key of its own
 
 
 def thermal_key(device: Device, case: EarthquakeCase) -> Key:

@@ -135,28 +135,16 @@ NUMBER, HISTORY = 8, 4  # bytes of a number in a table and in a history; neither
 
 @dataclass(frozen=True)
 class Forecast:
-    """What a study will cost.
+    """What a study will cost."""
 
-    Attributes
-    ----------
-    runs : number of them.
-    seconds : of one run in one process.
-    jobs : number of processes.
-    size : on the disk, at most [bytes].
-    failed : of the runs that were tried, those that did not complete.
-    tried : how many were.
-    motions : to be made first, to fit a spectrum.
-    motion_seconds : of one of them in one process.
-    """
-
-    runs: int
-    seconds: float
-    jobs: int
-    size: float
-    failed: int
-    tried: int
-    motions: int
-    motion_seconds: float
+    runs: int  # number of them
+    seconds: float  # of one run in one process
+    jobs: int  # number of processes
+    size: float  # on the disk, at most [bytes]
+    failed: int  # of the runs that were tried, those that did not complete
+    tried: int  # how many were
+    motions: int  # to be made first, to fit a spectrum
+    motion_seconds: float  # of one of them in one process
 
     @property
     def whole_seconds(self) -> float:

@@ -32,22 +32,13 @@ def check_level(level: float) -> None:
 
 @dataclass(frozen=True)
 class Draw:
-    """How runs are drawn again.
+    """How runs are drawn again."""
 
-    Attributes
-    ----------
-    groups : number of the group of each run.
-    count : of groups.
-    samples : of the bootstrap.
-    seed : of its generator.
-    alone : every run is a group by itself.
-    """
-
-    groups: Ints
-    count: int
-    samples: int
-    seed: tuple[int, ...]
-    alone: bool
+    groups: Ints  # number of the group of each run
+    count: int  # of groups
+    samples: int  # of the bootstrap
+    seed: tuple[int, ...]  # of its generator
+    alone: bool  # every run is a group by itself
 
     @classmethod
     def of_labels(

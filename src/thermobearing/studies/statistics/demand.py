@@ -28,21 +28,13 @@ NEVER_RUN = (BAD_INPUT, BROKEN)  # they say nothing about the structure
 
 @dataclass(frozen=True)
 class Counted:
-    """The runs that an estimate is made of.
+    """The runs that an estimate is made of."""
 
-    Attributes
-    ----------
-    table : their rows.
-    demand : of each of them; infinite for a run that failed and counts as collapse.
-    left_out, collapsed : how many runs failed and are left out, or count as collapse.
-    kept, through : whether each row of the full table counts, and whether it completed.
-    """
-
-    table: pd.DataFrame
-    demand: Floats
-    left_out: int
+    table: pd.DataFrame  # their rows
+    demand: Floats  # of each of them; infinite for a run that failed and counts as collapse
+    left_out: int  # how many runs failed and are left out, or count as collapse
     collapsed: int
-    kept: NDArray[np.bool_]
+    kept: NDArray[np.bool_]  # whether each row of the full table counts, and whether it completed
     through: NDArray[np.bool_]
 
     @property

@@ -66,20 +66,12 @@ NONE_BEYOND = "none_beyond"
 
 
 class IdaCurve(NamedTuple):
-    """Demand of one motion against its intensity.
+    """Demand of one motion against its intensity."""
 
-    Attributes
-    ----------
-    name : values of the columns that identify the curve.
-    intensity : increasing, beginning with 0.
-    demand : at each, beginning with 0; infinite where a run failed and counts as collapse.
-    first : place of its first run among the runs that count.
-    """
-
-    name: tuple[Any, ...]
-    intensity: Floats
-    demand: Floats
-    first: int
+    name: tuple[Any, ...]  # values of the columns that identify the curve
+    intensity: Floats  # increasing, beginning with 0
+    demand: Floats  # at each, beginning with 0; infinite where a run failed and counts as collapse
+    first: int  # place of its first run among the runs that count
 
     def at(self, intensity: Floats) -> Floats:
         """Return the demand at intensities; NaN beyond the last run.
@@ -112,21 +104,13 @@ class IdaCurve(NamedTuple):
 
 
 class Ida(NamedTuple):
-    """Curves of all motions.
+    """Curves of all motions."""
 
-    Attributes
-    ----------
-    curves : one for each motion (and whatever else differs).
-    by : columns that identify curves.
-    demand, intensity : names of the columns.
-    sentence : how runs that failed count.
-    """
-
-    curves: list[IdaCurve]
-    by: tuple[str, ...]
-    demand: str
+    curves: list[IdaCurve]  # one for each motion (and whatever else differs)
+    by: tuple[str, ...]  # columns that identify curves
+    demand: str  # names of the columns
     intensity: str
-    sentence: str
+    sentence: str  # how runs that failed count
 
     def fractiles(
         self, intensity: Floats | None = None, shares: Sequence[float] = FRACTILES
@@ -201,33 +185,20 @@ def _ida(runs: Counted, values: Floats, demand: str, intensity: str, by: Sequenc
 
 @dataclass(frozen=True)
 class Fragility:
-    """A fragility curve with what it was made of.
+    """A fragility curve with what it was made of."""
 
-    Attributes
-    ----------
-    name : of the curve, such as "-20 degC"; may be empty.
-    method : "stripes", "ida" or "cloud".
-    demand, intensity : names of the columns.
-    capacity : of the demand, in the unit of its column.
-    estimate : the curve, and those of the bootstrap or on the edge of the likelihood region.
-    band : "bootstrap", "percentile" or "profile".
-    level : confidence of the bands, a share in (0, 1).
-    runs : how many the curve is made of.
-    counts : for each intensity `runs` and `beyond`; of many intensities in classes.
-    left_out, collapsed : how many runs failed and are left out, or count as collapse.
-    """
-
-    name: str
-    method: Method
-    demand: str
+    name: str  # of the curve, such as "-20 degC"; may be empty
+    method: Method  # "stripes", "ida" or "cloud"
+    demand: str  # names of the columns
     intensity: str
-    capacity: float
+    capacity: float  # of the demand, in the unit of its column
+    # the curve, and those of the bootstrap or on the edge of the likelihood region
     estimate: Estimate
-    band: Band
-    level: float
-    runs: int
-    counts: pd.DataFrame
-    left_out: int
+    band: Band  # "bootstrap", "percentile" or "profile"
+    level: float  # confidence of the bands, a share in (0, 1)
+    runs: int  # how many the curve is made of
+    counts: pd.DataFrame  # for each intensity `runs` and `beyond`; of many intensities in classes
+    left_out: int  # how many runs failed and are left out, or count as collapse
     collapsed: int
 
     @property

@@ -40,18 +40,11 @@ TOO_EARLY = 0.05  # of the rate, that intensities beyond the last one may add
 
 @dataclass(frozen=True)
 class Hazard:
-    """How often a year an intensity is exceeded at a site.
+    """How often a year an intensity is exceeded at a site."""
 
-    Attributes
-    ----------
-    intensity : increasing, > 0, in the unit of the measure.
-    rate : of exceedance [1/year], decreasing, > 0.
-    measure : of the intensity: "PGA" [m/s2], "PGV" [m/s], "Sa" [m/s2], or your own word.
-    """
-
-    intensity: Floats
-    rate: Floats
-    measure: str = ""
+    intensity: Floats  # increasing, > 0, in the unit of the measure
+    rate: Floats  # of exceedance [1/year], decreasing, > 0
+    measure: str = ""  # of the intensity: "PGA" [m/s2], "PGV" [m/s], "Sa" [m/s2], or your own word
 
     def __post_init__(self) -> None:
         for name in ("intensity", "rate"):
@@ -122,23 +115,14 @@ def load_hazard(path: str | Path, measure: str = "PGA", unit: str | None = None)
 
 @dataclass(frozen=True)
 class Rate:
-    """Annual rate of exceedance of a capacity.
+    """Annual rate of exceedance of a capacity."""
 
-    Attributes
-    ----------
-    rate : [1/year]; NaN where there is no fragility curve.
-    low, high : ends of its band; where no motion went beyond the rate is 0, and below `high`.
-    family : of each bootstrap sample.
-    notes : sentences on what the ends of the hazard curve leave out.
-    groups : that the bootstrap draws from; 0 where it does not matter.
-    """
-
-    rate: float
-    low: float
+    rate: float  # [1/year]; NaN where there is no fragility curve
+    low: float  # ends of its band; where no motion went beyond the rate is 0, and below `high`
     high: float
-    family: Floats
-    notes: tuple[str, ...] = ()
-    groups: int = 0
+    family: Floats  # of each bootstrap sample
+    notes: tuple[str, ...] = ()  # sentences on what the ends of the hazard curve leave out
+    groups: int = 0  # that the bootstrap draws from; 0 where it does not matter
 
     @property
     def return_period(self) -> float:
@@ -205,18 +189,11 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
 
 @dataclass(frozen=True)
 class ClimateFragility:
-    """Fragility over all temperatures of a site; `Fragility` describes the methods.
+    """Fragility over all temperatures of a site; `Fragility` describes the methods."""
 
-    Attributes
-    ----------
-    parts : curve of each temperature [degC], from `fragilities`.
-    shares : of the time, of each; their sum is 1.
-    name : of the climate.
-    """
-
-    parts: Mapping[float, Fragility]
-    shares: Floats
-    name: str = "climate"
+    parts: Mapping[float, Fragility]  # curve of each temperature [degC], from `fragilities`
+    shares: Floats  # of the time, of each; their sum is 1
+    name: str = "climate"  # of the climate
 
     def __post_init__(self) -> None:
         parts = list(self.parts.values())

@@ -67,18 +67,11 @@ REASONS = {
 
 @dataclass(frozen=True)
 class Curves:
-    """Curves P = F(slope (ln im - place)), F normal or logistic; one a row.
+    """Curves P = F(slope (ln im - place)), F normal or logistic; one a row."""
 
-    Attributes
-    ----------
-    place : logarithm of the median; infinite where none (+) or all (-) are beyond.
-    slope : one over the dispersion; infinite for a jump.
-    link : "probit" or "logit".
-    """
-
-    place: Floats
-    slope: Floats
-    link: Link = "probit"
+    place: Floats  # logarithm of the median; infinite where none (+) or all (-) are beyond
+    slope: Floats  # one over the dispersion; infinite for a jump
+    link: Link = "probit"  # "probit" or "logit"
 
     def probability(self, im: Floats) -> Floats:
         """Return the probability of exceedance at intensities, shape (curves, intensities)."""
@@ -344,27 +337,18 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
 
 @dataclass(frozen=True)
 class Estimate:
-    """A curve, and what its band is made of.
+    """A curve, and what its band is made of."""
 
-    Attributes
-    ----------
-    best : the likeliest curve.
-    others : those of the bootstrap, or on the edge of the likelihood region.
-    collapse, collapses : logistic curves of the share of collapse, of both; None without.
-    outcome : "completed", or why there is no curve.
-    sentence : likewise, and what to try.
-    drawn : the same with the curves of the bootstrap as it drew them, where `others` are pivots.
-    groups : that the bootstrap draws from; 0 where it does not matter.
-    """
-
-    best: Curves
-    others: Curves
+    best: Curves  # the likeliest curve
+    others: Curves  # those of the bootstrap, or on the edge of the likelihood region
+    # logistic curves of the share of collapse, of both; None without
     collapse: Curves | None = None
     collapses: Curves | None = None
-    outcome: str = COMPLETED
-    sentence: str = ""
+    outcome: str = COMPLETED  # "completed", or why there is no curve
+    sentence: str = ""  # likewise, and what to try
+    # the same with the curves of the bootstrap as it drew them, where `others` are pivots
     drawn: "Estimate | None" = None
-    groups: int = 0
+    groups: int = 0  # that the bootstrap draws from; 0 where it does not matter
 
     @property
     def known(self) -> bool:
