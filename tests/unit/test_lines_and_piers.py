@@ -19,7 +19,7 @@ from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.measures import COLUMNS
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import build_tasks, judged
-from thermobearing.earthquake.tables import governing_runs
+from thermobearing.earthquake.tables import governing_runs, parts_table
 from thermobearing.structure.matrices import coordinates
 from thermobearing.structure.model import (
     Structure,
@@ -121,6 +121,20 @@ def test_the_document_is_about_all_lines(study: tb.EarthquakeResult) -> None:
     own = 100.0 * study.lines.set_index("line").loc["on B", "strain_max"]
     assert "line on B, pier B" in pieces.figures["loops"].caption
     assert f"{own:.0f} %" in pieces.figures["loops"].alt
+
+
+def test_many_rows_become_the_largest_of_all_runs(study: tb.EarthquakeResult) -> None:
+    """On the console; equal lines share a row."""
+    table = parts_table(study, "line", most=1)
+    place = [column.name for column in table.columns].index("rubber_max_degC")
+    assert [(row[0], row[place]) for row in table.rows] == [
+        (row["line"], row["rubber_max_degC"]) for row in study.lines.to_dict("records")
+    ]
+    twice = study.dataset.assign_coords(line=["on A", "on A too"])
+    for name in twice:
+        if str(name).startswith("line_"):
+            twice[name][..., 1] = twice[name][..., 0]
+    assert [row[0] for row in parts_table(type(study)(twice), "line").rows] == ["on A, on A too"]
 
 
 def test_a_study_of_runs_counts_the_governing_line(tmp_path: Path) -> None:

@@ -92,6 +92,10 @@ GOVERNED: Final = {
 }
 
 
+def _largest(values: "pd.Series[float]") -> float:
+    return float(farthest(values))
+
+
 def _keys(frame: pd.DataFrame) -> list[str]:
     return [name for name in KEYS if name in frame]
 
@@ -274,10 +278,10 @@ def parts_table(result: "EarthquakeResult", part: str, most: int | None = None) 
         names.remove("line_bearing")
     if most is not None and len(frame) > most:
         keys = keys[:1] + (["line_bearing"] if "line_bearing" in names else [])
-        names = [name for name in names if name not in keys]
+        names = [name for name in names if name not in (*keys, "line_ambient_degC")]
         caption = f"{part.capitalize()}s: the largest of all runs (each run: {part}s.csv)"
-        groups = frame.groupby([part, *keys], sort=False)[names]
-        frame = groups.agg(farthest).reset_index()
+        how: Any = {name: "max" if name.endswith("_degC") else _largest for name in names}
+        frame = frame.groupby([part, *keys], sort=False).agg(how).reset_index()
     shown = [*keys, *names]
     equal = frame[[part, *shown]].groupby(shown, sort=False, dropna=False)
     frame = equal[part].agg(", ".join).reset_index().sort_values(part, kind="stable")
@@ -381,6 +385,6 @@ def balance_table(result: "EarthquakeResult", *, bearing: bool = False) -> Table
 def errors_table(rows: pd.DataFrame) -> Table:
     """Return the error of largest size of each earlier model over the runs of each bearing."""
     shown = [name for name in ERRORS if name in rows]
-    worst = rows.groupby(["bearing", "model"], sort=False)[shown].agg(farthest).reset_index()
+    worst = rows.groupby(["bearing", "model"], sort=False)[shown].agg(_largest).reset_index()
     caption = "Earlier models: the error of largest size in all runs"
     return make_table(worst, ["bearing", "model", *shown], caption, keys=2)
