@@ -287,7 +287,7 @@ def label_analysis(
             "ambient": ("run", air, quantity("ambient_degC").attributes),
             "mode": ("run", np.array([task.mode for task in tasks], dtype=str)),
             "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
-            "body": np.array([body.name for body in case.structure.bodies], dtype=str),
+            "body": np.array([body.name for body in case.structure.bodies if tasks], dtype=str),
             **parts_coords,
         },
         attrs=_attributes(case, tasks, histories)
