@@ -27,6 +27,7 @@ from tests.unit.inputs import (
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.earthquake import run
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
+from thermobearing.earthquake.dataset import label_analysis
 from thermobearing.earthquake.run import build_device, run_earthquake, soaked
 
 SMALL: dict[str, Any] = {
@@ -222,6 +223,13 @@ def test_interrupted_study_keeps_what_it_has(monkeypatch: pytest.MonkeyPatch) ->
     assert result.outcome == "interrupted"
     assert result.sentence.startswith("The run was interrupted")
     assert result.runs == 1
+
+
+def test_an_analysis_interrupted_at_once_is_a_result(tmp_path: Path) -> None:
+    result = label_analysis(small(), [], [])
+    assert (result.runs, result.outcome) == (0, "interrupted")
+    result.show()
+    assert json.loads((result.save(tmp_path / "out", figures=False) / "summary.json").read_text())
 
 
 MASSES = {"body": "deck", "height": "0 m", "mass": "1 t"}

@@ -130,7 +130,7 @@ def test_many_rows_become_the_largest_of_all_runs(study: tb.EarthquakeResult) ->
     assert [(row[0], row[place]) for row in table.rows] == [
         (row["line"], row["rubber_max_degC"]) for row in study.lines.to_dict("records")
     ]
-    twice = study.dataset.assign_coords(line=["on A", "on A too"])
+    twice = study.dataset.copy(deep=True).assign_coords(line=["on A", "on A too"])
     for name in twice:
         if str(name).startswith("line_"):
             twice[name][..., 1] = twice[name][..., 0]
