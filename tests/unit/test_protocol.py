@@ -168,12 +168,6 @@ def test_rest_within_ends_when_settled() -> None:
     assert_allclose(result["final_temperature"].values[0], 0.0, atol=0.5)
 
 
-def test_rest_within_ends_at_once_in_a_settled_bearing() -> None:
-    test = tb.CyclicTest(steps=[{"step": "rest", "within": 0.5}])
-    result = tb.run(SPECIMEN, test, ambient=0)
-    assert int(result["steps"][0]) == 1
-
-
 def recorded(tmp_path: Path, time: Any, x: Any, dt: float = 0.01) -> Segment:
     path = tmp_path / "moved.csv"
     rows = "\n".join(f"{a!r},{b!r}" for a, b in zip(time, x, strict=True))
@@ -219,16 +213,3 @@ def test_largest_test_is_refused_before_it_is_built() -> None:
     """The limit is on the sum of all steps; the arrays of the first would already be too large."""
     with pytest.raises(tb.InputError, match=f"at most {MAX_STEPS}"):
         built(cycles(speed=30.0, count=10_000), cycles(speed=30.0, count=20_000), dt=0.0002)
-
-
-def test_python_and_toml_tests_are_the_same() -> None:
-    given = {
-        "name": "cyclic test",
-        "dt": "5 ms",
-        "steps": [
-            {"step": "cycles", "strain": 1.0, "count": 3, "speed": "3 cm/s", "closing_strain": 0.1}
-        ],
-    }
-    from thermobearing.border.schema import validated
-
-    assert validated(tb.CyclicTest, given, "toml") == tb.cyclic_test(strain=1.0, cycles=3)
