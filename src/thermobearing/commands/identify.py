@@ -247,16 +247,13 @@ def validate(
     end: Ending,
 ) -> int:
     """Validate a bearing with tests it was not fitted to; nothing is fitted."""
-    from thermobearing.validate.case import make_validate_case
-    from thermobearing.validate.run import run_validate
+    from thermobearing.bearing.library import as_bearing
+    from thermobearing.validate.run import check_limits, validate_bearing
 
-    case = make_validate_case(
-        [bearing, *(beside or [])],
-        tests,
-        models=model or ["multi-layer"],  # type: ignore[arg-type]
-        limits=_limits(limit),
-    )
-    target = end.target(f"validate-{case.bearings[0].name}")
+    limits = check_limits(_limits(limit))
+    first = as_bearing(bearing)
+    target = end.target(f"validate-{first.name}")
     announce_compiling(end.quiet)
-    found = run_validate(case)
+    models: Any = model or "multi-layer"
+    found = validate_bearing([first, *(beside or [])], tests, models=models, limits=limits)
     return end.save(found, target)

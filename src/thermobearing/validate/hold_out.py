@@ -16,12 +16,17 @@ from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.units import is_number
 from thermobearing.identify.case import IdentifyCase, Test, make_identify_case
 from thermobearing.identify.records.checks import check_test
-from thermobearing.identify.records.record import TestRecord, load_test
+from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import run_identify
-from thermobearing.validate.case import LIMITS, ValidateCase, checked_limits
 from thermobearing.validate.result import CrossValidation, Validation
-from thermobearing.validate.run import as_fitted, judge, refuse_unusable
+from thermobearing.validate.run import (
+    as_fitted,
+    check_limits,
+    judge,
+    load_tests,
+    refuse_unusable,
+)
 
 Progress = Callable[[int, int], None]
 
@@ -77,7 +82,7 @@ def cross_validate(
     if folds is not None:
         _check_folds(folds, len(tests))
     case = make_identify_case(tests, bearing, **fit)
-    largest = dict(LIMITS) | checked_limits(limits or {})
+    largest = check_limits(limits)
     tests = case.records
     if refused := [line for one in tests for line in check_test(one, case.bearing).refusals]:
         raise InputError(refused)
@@ -86,7 +91,9 @@ def cross_validate(
     final, *fits = _fit(case, groups if folds else [], progress)
     alike = {id(record): as_fitted(record) for record in [*tests, *out]}
     groups = [[alike[id(record)] for record in group] for group in groups]
-    judged = [_judged(one, group) for one, group in zip(fits or [final], groups, strict=True)]
+    judged = [
+        judge([one.bearing], group) for one, group in zip(fits or [final], groups, strict=True)
+    ]
     warnings = [
         f"held out{f' of fold {number}' if folds else ''}: {text}"
         for number, found in enumerate(judged, start=1)
@@ -97,7 +104,7 @@ def cross_validate(
         final=final,
         folds=fits,
         groups=groups,
-        fitted=replace(_judged(final, [alike[id(r)] for r in tests]), limits=largest),
+        fitted=judge([final.bearing], [alike[id(r)] for r in tests], limits=largest),
         held_out=Validation(items, largest, warnings),
     )
 
@@ -106,13 +113,7 @@ def split_tests(
     records: Sequence[Test] | Test, hold_out: Sequence[Test] | Test
 ) -> tuple[list[TestRecord], list[TestRecord]]:
     """Return the tests to fit and those held out, each once."""
-    kept, out = (
-        [one if isinstance(one, TestRecord) else load_test(one) for one in several]
-        for several in (
-            [given] if isinstance(given, TestRecord | str | Path) else list(given)
-            for given in (records, hold_out)
-        )
-    )
+    kept, out = load_tests(records), load_tests(hold_out)
     once = [one for i, one in enumerate(out) if not any(_same(one, other) for other in out[:i])]
     return [one for one in kept if not any(_same(one, other) for other in out)], once
 
@@ -157,7 +158,3 @@ def _fit(
     if progress:
         progress(len(groups) + 1, len(groups) + 1)
     return fits
-
-
-def _judged(found: Identification, records: list[TestRecord]) -> Validation:
-    return judge(ValidateCase([found.bearing], records))

@@ -28,7 +28,6 @@ from thermobearing.results.directory import FIT_TABLE, FOLDS, TABLE, THERMOCOUPL
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
 from thermobearing.results.ranges import Row
 from thermobearing.results.writing import without_formulas, write_csv
-from thermobearing.validate.case import QUANTITIES
 
 if TYPE_CHECKING:
     from thermobearing.identify.uncertainty.posterior import Forecast
@@ -38,6 +37,15 @@ PARTLY = (
     "a warmer start or another model would."
 )
 OF_A_FOLD = "The fit of a fold stopped before it converged. Give more --starts."
+# What can be judged; all of them relative errors but NRMSE, which is one of the largest force.
+QUANTITIES = {
+    "K_eq": "equivalent stiffness",
+    "h_eq": "equivalent damping ratio",
+    "energy": "energy of a cycle",
+    "force": "peak force of a cycle, either side",
+    "temperature": "temperature rise, Eq. 4.39",
+    "NRMSE": "root mean square error of the force",
+}
 RATIOS = ("F+", "F-", "K_eq", "h_eq", "energy")  # of the largest loop, model over test
 WITHIN, BEYOND, TOLD = "within", "beyond", "told"
 FITTED, HELD_OUT = "fitted", "held out"

@@ -8,33 +8,34 @@ bearing's file (4.4.2 and 5.4.2 of the source).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
 from thermobearing.bearing.exposure import describe_all, exposures
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, calibration_ranges
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.toml import to_table
+from thermobearing.border.units import is_number
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.cycles import compare_largest_loops, compare_loops
-from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.records.record import TestRecord, load_test
 from thermobearing.identify.uncertainty.agreement import determination, reached_in
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions
 from thermobearing.results.ranges import asked_of_tests, outside_tests
-from thermobearing.validate.case import (
-    Chosen,
-    Test,
-    ValidateCase,
-    make_validate_case,
-    possible_models,
-)
-from thermobearing.validate.result import Comparison, Validation
+from thermobearing.validate.result import QUANTITIES, Comparison, Validation
 
 ASSUMED = ("assumed", "rubber")  # checks whose warnings a comparison repeats
 NOT_NEEDED = ("cycles", "sampling")  # checks of a fit that any history may fail
+LIMITS = {"K_eq": 0.15, "h_eq": 0.15}  # of Shen (2023), 4.4.2
+LARGEST_LIMIT = 10.0
+Test = TestRecord | str | Path
+Chosen = Bearing | str | Path
 
 
 def validate_bearing(
@@ -71,31 +72,67 @@ def validate_bearing(
     >>> [round(item.R2, 2) for item in found.comparisons][0] > 0.99
     True
     """
-    return run_validate(make_validate_case(bearings, records, models=models, limits=limits))
+    chosen = [bearings] if isinstance(bearings, Bearing | str | Path) else list(bearings)
+    wanted: list[Model] = [models] if isinstance(models, str) else list(models)
+    tests = load_tests(records)
+    for what, given in (("bearing", chosen), ("test", tests), ("model", wanted)):
+        if not given:
+            raise InputError(f"give at least one {what}")
+    for model in wanted:
+        if model not in get_args(Model):
+            raise InputError(f'model = "{model}"{nearest(model, get_args(Model))}')
+    largest = check_limits(limits)
+    found = [as_bearing(item) for item in chosen]
+    assumed = refuse_unusable(tests, found[0])
+    judged = judge(found, [as_fitted(record) for record in tests], wanted, largest)
+    return replace(judged, warnings=[*assumed, *judged.warnings])
 
 
-def run_validate(case: ValidateCase) -> Validation:
-    """Run a case from `make_validate_case`; a test that cannot be used is refused."""
-    assumed = refuse_unusable(case.records, case.bearings[0])
-    found = judge(replace(case, records=[as_fitted(record) for record in case.records]))
-    return replace(found, warnings=[*assumed, *found.warnings])
+def load_tests(given: Sequence[Test] | Test) -> list[TestRecord]:
+    """Return one or several tests, read where they are files."""
+    several = [given] if isinstance(given, TestRecord | str | Path) else list(given)
+    return [item if isinstance(item, TestRecord) else load_test(item) for item in several]
 
 
-def judge(case: ValidateCase) -> Validation:
-    """Compare bearings with tests that are checked and treated already (`as_fitted`)."""
+def check_limits(limits: Mapping[str, float] | None) -> dict[str, float]:
+    """Return the usual limits and those given: of known quantities, in (0, 10]."""
+    for name, value in (limits or {}).items():
+        if name not in QUANTITIES:
+            raise InputError(f'limit of "{name}"{nearest(name, QUANTITIES)}')
+        if not is_number(value) or not 0.0 < value <= LARGEST_LIMIT:
+            raise InputError(
+                f"limit of {name} = {value!r}: must be a relative error, more than 0 and at most "
+                f"{LARGEST_LIMIT:g} (0.15 is 15 %)"
+            )
+    return LIMITS | {name: float(value) for name, value in (limits or {}).items()}
+
+
+def judge(
+    bearings: Sequence[Bearing],
+    records: Sequence[TestRecord],
+    models: Sequence[Model] = ("multi-layer",),
+    limits: Mapping[str, float] = LIMITS,
+) -> Validation:
+    """Compare bearings with tests that are checked and treated already (`as_fitted`).
+
+    Each bearing has the models that it can have: `lead-alone` needs lead.
+    """
     found, said = [], []
-    for bearing in case.bearings:
+    for bearing in bearings:
+        possible = [one for one in models if not ModelOptions(model=one).misfits(bearing)]
+        if not possible:
+            raise InputError(f'model "{models[0]}" needs lead, which {bearing.name} has not')
         mine = [
             _comparison(bearing, model, record)
-            for model in possible_models(case, bearing)
-            for record in case.records
+            for model in dict.fromkeys(possible)
+            for record in records
         ]
         said += describe_all(exposures([bearing], None))
         rows = [row for item in mine for row in item.asked]
         said += outside_tests(bearing.name, rows, calibration_ranges(bearing))
         found += mine
-    went_in = {one.name: {"table": to_table(one), "sources": one.sources} for one in case.bearings}
-    return Validation(found, dict(case.limits), said, {"bearings": went_in})
+    went_in = {one.name: {"table": to_table(one), "sources": one.sources} for one in bearings}
+    return Validation(found, dict(limits), said, {"bearings": went_in})
 
 
 def as_fitted(record: TestRecord) -> TestRecord:
