@@ -77,8 +77,8 @@ def test_fit_says_what_the_test_was(fitted: SavedResult, fit: Pieces) -> None:
     row = dict(zip((column.name for column in tests.columns), tests.rows[0], strict=True))
     conditions = fitted.summary["records"][0]["conditions"]
     assert row["ambient_degC"] == -20.0
-    assert row["test_strain_max"] == pytest.approx(100.0, rel=1e-3)
-    assert row["test_sha256"] == conditions["sha256"][:16]
+    assert row["largest_strain"] == pytest.approx(100.0, rel=1e-3)
+    assert row["sha256"] == conditions["sha256"][:16]
     assert "treatment" in fit.inputs
     assert "shear strains of 100 %, air of −20 °C" in fit.answer[-1]
     assert not fit.validity

@@ -18,6 +18,9 @@ Row = Mapping[Any, Any]
 STRONG = 0.9  # correlation that is reported
 AT_BOUND, POORLY, NOT = "at its bound", "poorly", "no"
 MOST_ROWS = 200
+CONDITIONS = ["test", "file", "ambient_degC", "duration_s", "samples", "largest_displacement_mm"]
+CONDITIONS += ["largest_strain", "largest_force_kN", "largest_speed_mm_s", "weight"]
+CONDITIONS += ["thermocouples", "sha256"]
 BRIEF = ["symbol", "unit", "estimate", "standard_error", "interval_lower", "interval_upper"]
 BRIEF += ["determined"]
 CYCLE_MEASURES = ("G_eq_error", "h_eq_error", "energy_error", "force_max_error")
@@ -30,27 +33,14 @@ def tests_table(records: Sequence[Row]) -> Table:
     for record in records:
         held = record.get("conditions") or {}
         places = [f"{title}: {place}" for title, place in held.get("thermocouples", {}).items()]
-        rows.append(
-            {
-                "test": record.get("name", record.get("test")),
-                "file": record.get("file", ""),
-                "ambient_degC": record["ambient_degC"],
-                "test_duration_s": held.get("duration_s"),
-                "test_samples": held.get("samples"),
-                "test_displacement_max_mm": held.get("largest_displacement_mm"),
-                "test_strain_max": held.get("largest_strain"),
-                "test_force_max_kN": held.get("largest_force_kN"),
-                "test_speed_max_mm_s": held.get("largest_speed_mm_s"),
-                "test_weight": held.get("weight"),
-                "thermocouples": ", ".join(places),
-                "test_sha256": str(held.get("sha256", ""))[:16],
-            }
-        )
-    frame = pd.DataFrame(rows)
-    if all(row["test_weight"] in (None, 1.0) for row in rows):
-        frame = frame.drop(columns="test_weight")
+        words = {"thermocouples": ", ".join(places), "sha256": str(held.get("sha256", ""))[:16]}
+        name = record.get("name", record.get("test"))
+        whose = {"test": name, "file": record["file"], "ambient_degC": record["ambient_degC"]}
+        rows.append(whose | held | words)
+    usual = all(row.get("weight", 1.0) == 1.0 for row in rows)
+    names = [name for name in CONDITIONS if not (usual and name == "weight")]
     note = "Of the hash the first 16 digits; all are in summary.json."
-    return make_table(frame, caption="Tests", note=note)
+    return make_table(pd.DataFrame(rows), names, "Tests", note=note)
 
 
 def treatment_table(records: Sequence[Row]) -> Table:
