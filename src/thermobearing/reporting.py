@@ -148,7 +148,7 @@ def _report_place(result: AnyResult | str | Path, directory: str | Path | None) 
 def build_pieces(result: AnyResult, directory: Path) -> Pieces:
     """Return what a result has to say, in the words of its analysis.
 
-    With the earlier models that `--compare` left beside it, and the day that it was written.
+    With the earlier models that `--compare` left in its directory, and the day that it was written.
     """
     try:
         summary = result.summary if isinstance(result, SavedResult) else result.summary()
@@ -226,8 +226,8 @@ def keep_title(directory: Path, title: TitleBlock) -> None:
 def put_files(directory: Path, content: Mapping[str, bytes | None]) -> list[Path]:
     """Put files into a directory, all of them or none; None takes one away.
 
-    They are written beside the directory first: a process that is killed leaves nothing in it
-    that is no result, and the next one takes away what it left beside.
+    They are written next to the directory first: a process that is killed leaves nothing in it
+    that is no result, and the next one takes away what it left.
     """
     final = directory.resolve()
     try:

@@ -63,7 +63,7 @@ def bounds_study(
     strain: float = DESIGN_STRAIN,
     **options: Any,
 ) -> pd.DataFrame:
-    """Bounding analysis beside the coupled model, for one bearing on the pier of a bridge.
+    """Compare a bounding analysis with the coupled model, for one bearing on the pier of a bridge.
 
     The bounds are bilinear models of the bearing soaked at the warmest and at the coldest
     temperature (equal peak force and loop area in the third cycle at the design strain, as a
@@ -142,9 +142,9 @@ def bounds_study(
 def _inputs(case: EarthquakeCase, bearing: Bearing, strain: float) -> dict[str, Any]:
     """Return what went in, for documents: tables as in a resolved case."""
     whole = to_table(case)
-    told = {name: whole[name] for name in ("structure", "motions", "ambient", "analysis")}
-    told["strain"] = strain
-    return told | {"bearing": to_table(bearing), "sources": bearing.sources}
+    inputs = {name: whole[name] for name in ("structure", "motions", "ambient", "analysis")}
+    inputs["strain"] = strain
+    return inputs | {"bearing": to_table(bearing), "sources": bearing.sources}
 
 
 def _demanded(study: EarthquakeResult) -> pd.DataFrame:

@@ -117,7 +117,7 @@ def temperature_factors(
         [_measured(item, air, strain, period, numbers, options) for strain in strains]
         for item in bearings
     ]
-    asked = [row for _, rows in parts[0] for row in rows]
+    tested = [row for _, rows in parts[0] for row in rows]
     tables = [pd.concat([table for table, _ in mine]) for mine in parts]
     keys = ["strain", "basis", "ambient_degC", "quantity"]
     for number, table in enumerate(tables):
@@ -135,7 +135,7 @@ def temperature_factors(
     found = found.reset_index().sort_values(
         ["strain", "quantity", "basis", "ambient_degC"], ignore_index=True
     )
-    return _with_tested(found, asked)
+    return _with_tested(found, tested)
 
 
 def factors_at_speed(
@@ -149,8 +149,8 @@ def factors_at_speed(
         temperature_factors(bearings, strains=[s], period=4.0 * s * rubber / speed, **options)
         for s in strains
     ]
-    asked = [row for part in parts for row in part.attrs["tested_range"]]
-    return _with_tested(pd.concat(parts, ignore_index=True), asked)
+    tested = [row for part in parts for row in part.attrs["tested_range"]]
+    return _with_tested(pd.concat(parts, ignore_index=True), tested)
 
 
 def _check(
@@ -166,9 +166,9 @@ def _check(
         problems.append("bearing: give one or more layered bearings")
     kinds = {item.kind: item.name for item in bearings}
     if len(kinds) > 1:
-        told = ", ".join(f"{name} ({kind})" for kind, name in kinds.items())
+        text = ", ".join(f"{name} ({kind})" for kind, name in kinds.items())
         problems.append(
-            f"bearing: {told}: several bearings make one band, as samples of a posterior do; "
+            f"bearing: {text}: several bearings make one band, as samples of a posterior do; "
             "bearings of several kinds need a run each"
         )
     for name, values, low, high, unit in (
@@ -237,9 +237,9 @@ def _measured(
         for row in part.to_dict("records")
         for name, unit in QUANTITIES.items()
     ]
-    asked = result.tested_range.to_dict("records")
+    tested = result.tested_range.to_dict("records")
     names = {run_name(t): _place(strain, t) for t in air}
-    return pd.DataFrame(rows), [{**row, "run": names[row["run"]]} for row in asked]
+    return pd.DataFrame(rows), [{**row, "run": names[row["run"]]} for row in tested]
 
 
 def _place(strain: float, temperature: float) -> str:
@@ -247,12 +247,12 @@ def _place(strain: float, temperature: float) -> str:
     return f"{strain:.0%} at {temperature:g} degC"
 
 
-def _with_tested(table: pd.DataFrame, asked: list[Row]) -> pd.DataFrame:
+def _with_tested(table: pd.DataFrame, tested: list[Row]) -> pd.DataFrame:
     """Return a table with what its first bearing was not tested at; those rows in `attrs`."""
     pairs = zip(table["strain"], table["ambient_degC"], strict=True)
     runs = [_place(float(strain), float(air)) for strain, air in pairs]
-    table["beyond_tested"] = limits_passed(asked, runs)
-    table.attrs["tested_range"] = asked
+    table["beyond_tested"] = limits_passed(tested, runs)
+    table.attrs["tested_range"] = tested
     return table
 
 
@@ -399,9 +399,7 @@ def _published() -> Published:
 
 
 def coldest_factors(table: pd.DataFrame, strain: float) -> list[str]:
-    """Return factors of the coldest temperature and the largest of all, beside published ones, in
-    words.
-    """
+    """Return the factors of the coldest day, the largest of all, published ones, in words."""
     said = []
     for quantity in ("K_eq", "Q_d", "K_d"):
         rows = table[(table["strain"] == strain) & (table["quantity"] == quantity)]

@@ -35,7 +35,7 @@ LOOKS = {
 }
 OTHERS = ("#333333", "#777777")  # greys of other sources; markers tell them apart
 DOTTED = {"markerfacecolor": "white", "markersize": 4.0, "linestyle": ":", "linewidth": 1.0}
-ACROSS = 3  # panels of factors beside each other
+ACROSS = 3  # panels of factors side by side
 PARTS: dict[str, Any] = {"inner layer": "-", "outer layer": "--", "lead": ":"}
 
 
@@ -217,8 +217,8 @@ def _draw_demand(
         beside = at + place / len(temperatures)
         ax.plot(beside, values, "o", color=colour, markeredgecolor="white", zorder=3)
     look: drawing.Look = {"ha": "center", "va": "bottom", "textcoords": "offset points"}
-    told = rows.assign(part=rows.get("part", ""))[["envelope_over_coupled", "verdict", "part"]]
-    for x, y, (ratio, verdict, part) in zip(at, top, told.to_numpy(), strict=True):
+    shown = rows.assign(part=rows.get("part", ""))[["envelope_over_coupled", "verdict", "part"]]
+    for x, y, (ratio, verdict, part) in zip(at, top, shown.to_numpy(), strict=True):
         if np.isfinite([y, ratio]).all():
             colour = UNSAFE_RED if verdict == "unsafe" else drawing.GREY
             look |= {"color": colour, "fontsize": drawing.SMALL, "xytext": (0, 5)}

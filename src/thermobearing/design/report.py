@@ -164,7 +164,7 @@ def _assumptions(first: Mapping[str, Any], bearings: list[Mapping[str, Any]]) ->
 
 
 FACTORS_CAPTIONS = {
-    "factors": "Temperature factors of stiffness, strength and energy, beside published ones.",
+    "factors": "Factors of stiffness, strength and energy, compared with published ones.",
     "scale": "Rise of temperature, and loops, of the bearing at its own and at another size.",
 }
 QUANTITIES = ("K_eq", "Q_d", "K_d", "energy", "h_eq")
@@ -210,8 +210,8 @@ def _factors_answer(summary: Mapping[str, Any]) -> list[str]:
             for row in summary["factors"]
             if (row["strain"], row["ambient_degC"], row["basis"]) == (most, coldest, basis)
         }
-        told = [f"{name} x {found[name]:.2f}" for name in QUANTITIES if name in found]
-        parts.append(f"{basis} {joined(told)}")
+        shown = [f"{name} x {found[name]:.2f}" for name in QUANTITIES if name in found]
+        parts.append(f"{basis} {joined(shown)}")
     bounds = [
         f"{one['bound']} (Q_d {one['Q_d_kN']:.0f} kN, K_2 {one['K_2_kN_mm']:.2f} kN/mm, from "
         f"{degrees([one['ambient_degC']])})"
@@ -361,8 +361,8 @@ def _design_inputs(saved: SavedResult, case: Summary) -> dict[str, Table]:
     """Return the case: limits and loads of the design, structure, the bearings that were found."""
     lists = ("structure", "motions", "analysis", "lines", "templates", "bearings", "equal")
     rest = {k: v for k, v in case.items() if k not in lists and not isinstance(v, list)}
-    told = [f"{one['name']} ({', '.join(one['lines'])})" for one in case.get("line_groups", [])]
-    rest |= {"line_groups": "; ".join(told)} if told else {}
+    shown = [f"{one['name']} ({', '.join(one['lines'])})" for one in case.get("line_groups", [])]
+    rest |= {"line_groups": "; ".join(shown)} if shown else {}
     found = {
         "design": content.input_table(
             "What was to be designed", rest, otherwise="case, or default"

@@ -225,7 +225,7 @@ class Design(Result):
 
 @dataclass(frozen=True, repr=False)
 class BoundsReport(Result):
-    """Bounding analyses beside the coupled model, for some bearings.
+    """Bounding analyses compared with the coupled model, for some bearings.
 
     Attributes
     ----------

@@ -371,6 +371,6 @@ def run_factors(
     else:
         table = factors_at_speed(chosen, speed=speed, **common)
         motion = f"sine at a mean speed of {speed:g} mm/s"
-    told = cycles if isinstance(cycles, str) else ",".join(str(number) for number in cycles)
+    numbers = cycles if isinstance(cycles, str) else ",".join(str(number) for number in cycles)
     sizes = scale_study(first) if scale else None
-    return FactorReport(chosen, table, at, motion, told, sizes)
+    return FactorReport(chosen, table, at, motion, numbers, sizes)

@@ -79,7 +79,7 @@ def build_pieces(
     checks : values and their limits; `limit_checks` makes those of rig and tested range.
     judged : end the answer with a sentence on limits and validity.
     rate_rows : of the tested range, in earthquakes, for a note on strain rates.
-    lead_rise : largest rise of the lead [K], for a note on the rubber beside it.
+    lead_rise : largest rise of the lead [K], for a note on the rubber around it.
     residuals : of the energy balance; see `_quality_table`, which becomes the table "quality".
     tables : results by name.
     validity : further sentences on what left the range.
@@ -120,8 +120,9 @@ def saved_parts(saved: SavedResult, otherwise: str) -> dict[str, Any]:
 
     `otherwise` made it where no command was typed.
     """
-    asked = bool(saved.summary.get("tested_range"))
-    given = asked or not any(NOT_GIVEN in text for text in saved.warnings)
+    given = bool(saved.summary.get("tested_range")) or not any(
+        NOT_GIVEN in text for text in saved.warnings
+    )
     identity = saved_identity(saved, otherwise)
     return {"identity": identity, "warnings": saved.warnings, "range_given": given}
 
@@ -218,15 +219,15 @@ def verdict_of(checks: Sequence[Check]) -> str:
     """Return what the checks come to: what is exceeded first, then what could not be judged."""
     if not checks:
         return "No limit was given."
-    told = []
+    found = []
     for verdict in (EXCEEDED, NOT_JUDGED):
         if names := [check.what for check in checks if check.verdict == verdict]:
             more = f" and {len(names) - 3} more" if len(names) > 3 else ""
             first = f"{', '.join(names[:3])}{more}"
-            told.append(f"{len(names)} {'is' if len(names) == 1 else 'are'} {verdict}: {first}")
+            found.append(f"{len(names)} {'is' if len(names) == 1 else 'are'} {verdict}: {first}")
     many = counted(len(checks), "check")
-    if told:
-        return f"Of {many}, {'; '.join(told)}."
+    if found:
+        return f"Of {many}, {'; '.join(found)}."
     return f"All {many} are within their limits." if len(checks) > 1 else ONE_CHECK
 
 
@@ -239,15 +240,15 @@ def _verdict(
     """Return the sentences on limits and validity, the last of an answer."""
     known_range = "the range that the parameters were identified in"
     if unknown:
-        told = f"{known_range.capitalize()} is not given, so validity is not judged."
+        text = f"{known_range.capitalize()} is not given, so validity is not judged."
     elif validity:
         shown = [text.rstrip(".").split(" (")[0].split(", outside")[0] for text in validity[:2]]
         more = f"; and {len(validity) - 2} more" if len(validity) > 2 else ""
-        told = f"Beyond {known_range}, results are extrapolated: {'; '.join(shown)}{more}."
+        text = f"Beyond {known_range}, results are extrapolated: {'; '.join(shown)}{more}."
     else:
         start = "But for strain rates, nothing" if rate else "Nothing"
-        told = f"{start} left {known_range}."
-    return f"{verdict_of(checks)} {told}"
+        text = f"{start} left {known_range}."
+    return f"{verdict_of(checks)} {text}"
 
 
 def beyond_mark(rows: Iterable[Row], run: str, limit: str, value: float) -> bool:
@@ -353,7 +354,7 @@ def pieces_of_saved(saved: SavedResult) -> Pieces:
     return Pieces(
         command=saved.command,
         title=f"Result of {saved.command}",
-        question=f"What `thermobearing {saved.command}` was asked, and found.",
+        question=f"What does `thermobearing {saved.command}` find?",
         answer=[str(summary.get("sentence") or f"The analysis ended: {saved.outcome}.")],
         inputs=inputs,
         tables={name: make_table(name, table) for name, table in saved.tables.items()},
@@ -391,7 +392,7 @@ def saved_figures(saved: SavedResult, captions: Mapping[str, str]) -> dict[str, 
 def with_plot(
     found: dict[str, ReportFigure], name: str, plot: Plot, captions: Mapping[str, str]
 ) -> dict[str, ReportFigure]:
-    """Return figures with a plot beside one of them; first, drawn from it, where it has none."""
+    """Return figures with a plot of one of them; first, drawn from it, where it has none."""
     if name in found:
         return {**found, name: replace(found[name], plot=plot)}
     return {name: ReportFigure(captions[name], alt=captions[name], plot=plot), **found}

@@ -58,8 +58,8 @@ def pdf_bytes(document: Document) -> bytes:
     missing = _undrawn(foreign, system_fonts=True) if foreign else foreign
     spoken = document
     if missing:
-        told = Paragraph(missing_words(sorted(missing), "its text"), "warning")
-        spoken = replace(document, blocks=[told, *document.blocks])
+        note = Paragraph(missing_words(sorted(missing), "its text"), "warning")
+        spoken = replace(document, blocks=[note, *document.blocks])
     day = document_date(document)
     with tempfile.TemporaryDirectory(prefix="thermobearing-") as name:
         folder = Path(name)
@@ -296,7 +296,7 @@ LETTER, ROUNDING = 0.54, 0.05  # mean width of a letter, of its size; of a numbe
 
 
 class Part(NamedTuple):
-    """Columns of a table that stand beside each other: widths [mm], size of letters [pt]."""
+    """Columns of a table that stand side by side: widths [mm], size of letters [pt]."""
 
     places: list[int]
     widths: list[float]

@@ -183,8 +183,8 @@ class Pieces:
     ----------
     command : that made the result, such as "bridge".
     title : of the document, without the project.
-    question : what was asked: a sentence or two.
-    answer : what came out: three sentences with numbers.
+    question : in a sentence or two.
+    answer : the result: three sentences with numbers.
     inputs : what went in, each value with unit and source.
     tables, figures : by name; a template calls them by it, the rest comes in this order.
     checks : numbers compared with limits.

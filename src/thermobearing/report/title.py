@@ -112,7 +112,7 @@ def read_title(path: Path | None) -> TitleBlock:
 
 
 def _title_in(table: dict[str, Any], path: Path) -> TitleBlock:
-    """Return the title block of a file; its logo is beside the file."""
+    """Return the title block of a file; its logo is in the same folder."""
     try:
         title = validated(TitleBlock, table[KEY], "")
     except InputError as error:

@@ -30,8 +30,8 @@ def number(value: float, form: str = ".3g") -> str:
 
 def degrees(values: Sequence[float]) -> str:
     """Return temperatures in a sentence, each once: "23 and −20 °C"."""
-    told = joined(f"{value:g}" for value in dict.fromkeys(values))
-    return f"{told} °C".replace("-", MINUS)
+    text = joined(f"{value:g}" for value in dict.fromkeys(values))
+    return f"{text} °C".replace("-", MINUS)
 
 
 def percent(share: float, digits: int = 0) -> str:

@@ -76,7 +76,7 @@ def the_writer() -> Any:
 
 
 def _front(pieces: Pieces) -> Table:
-    """Return what was asked, the answer, warnings, identity."""
+    """Return question, answer, warnings, identity."""
     texts: dict[str, Sequence[str]] = {
         "Question": [pieces.question],
         "Answer": pieces.answer,

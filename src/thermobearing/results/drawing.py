@@ -197,8 +197,8 @@ def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 
         wide = parent_figure(ax).get_figwidth() / (grid.ncols if grid else 1) - MARGIN
         room = max(int(wide * 72.0 / (LETTER * NORMAL)), SHORTEST_LINE)
         whole = title.replace(" °C", f"{UNBROKEN}°C")
-        told = textwrap.fill(whole, room).replace(UNBROKEN, " ")
-        ax.set_title(told, fontsize=NORMAL, loc="left", pad=pad)
+        label = textwrap.fill(whole, room).replace(UNBROKEN, " ")
+        ax.set_title(label, fontsize=NORMAL, loc="left", pad=pad)
 
 
 def head_grid(axes: list[Axes], heads: list[str], sides: list[str]) -> None:
@@ -376,7 +376,7 @@ def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> N
     at, gap = (1.0, 1.0), (-3.0, -3.0)
     pairs = list(zip(values, colours, strict=True))
     for text, colour in [*reversed(pairs), *([(name, GREY)] if name else [])]:
-        told = ax.annotate(
+        label = ax.annotate(
             text.replace("-", "\N{MINUS SIGN}"),
             at,
             gap,
@@ -386,8 +386,8 @@ def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> N
             bbox={"facecolor": "white", "alpha": 0.7, "pad": 0.5, "linewidth": 0},
             **look,
         )
-        told.set_in_layout(False)
-        anchor, at, gap = told, (0.0, 1.0), (-4.0, 0.0)
+        label.set_in_layout(False)
+        anchor, at, gap = label, (0.0, 1.0), (-4.0, 0.0)
 
 
 def mark_tested(ax: Axes, largest: float, name: str) -> None:
