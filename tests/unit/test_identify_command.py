@@ -137,21 +137,18 @@ def test_bad_tests_write_nothing_and_say_why(folder: Path, tmp_path: Path) -> No
         (["--start", "nobody"], "no bearing"),
         (["--bearing", "nobody"], "no bearing"),
         (["--predict", "400"], "between -100 and 100"),
+        ([], "which bearing?"),
     ],
 )
 def test_wrong_options(folder: Path, tmp_path: Path, words: list[str], said: str) -> None:
-    status, text = invoke(folder / "at0.csv", "-o", tmp_path / "out", *words)
+    path = folder / "at0.csv"
+    if not words:  # a file without its sidecar
+        path = tmp_path / "t.csv"
+        path.write_bytes((folder / "at0.csv").read_bytes())
+    status, text = invoke(path, "-o", tmp_path / "out", *words)
     assert status == 2
     assert said in text
     assert not (tmp_path / "out").exists()
-
-
-def test_which_bearing(tmp_path: Path) -> None:
-    path = write(tmp_path, synthetic_record(HDR, 0.0, SHORT), "t")
-    path.with_suffix(".toml").unlink()
-    status, text = invoke(path, "-o", tmp_path / "out")
-    assert status == 2
-    assert "which bearing?" in text
 
 
 def test_saved_from_python(found: Identification, tmp_path: Path) -> None:

@@ -60,10 +60,21 @@ def test_japanese_laboratory_file(tmp_path: Path, encoding: str) -> None:
     assert record.assumptions == ()
 
 
-def test_unit_map_overrules_the_title(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("sidecar", "name", "wanted"),
+    [
+        ('[units]\nforce = "tonf"', "force", 9.80665 * FORCE),
+        ('flip_force = true\nforce_offset = "3 kN"', "force", -(FORCE - 3.0)),
+        ('displacement_offset = "1 mm"', "displacement", X - 1.0),
+    ],
+)
+def test_units_signs_and_offsets(
+    tmp_path: Path, sidecar: str, name: str, wanted: np.ndarray
+) -> None:
     plain(tmp_path / "t.csv")
-    (tmp_path / "t.toml").write_text('ambient = "0 degC"\n[units]\nforce = "tonf"\n')
-    assert_allclose(load_test(tmp_path / "t.toml").force, 9.80665 * FORCE, rtol=tol.CONVERSION)
+    (tmp_path / "t.toml").write_text(f'ambient = "0 degC"\n{sidecar}\n')
+    found = getattr(load_test(tmp_path / "t.toml"), name)
+    assert_allclose(found, wanted, rtol=tol.CONVERSION, atol=tol.CONVERSION)
 
 
 def test_blocks_with_rests_make_one_line_of_time(tmp_path: Path) -> None:
@@ -77,17 +88,6 @@ def test_blocks_with_rests_make_one_line_of_time(tmp_path: Path) -> None:
     assert (np.diff(record.time) > 0.0).all()
     assert_allclose(record.time[400] - record.time[399], 4500.0, rtol=tol.CONVERSION)
     assert record.block.tolist() == [0] * 400 + [1] * 400
-
-
-def test_sign_and_offsets(tmp_path: Path) -> None:
-    plain(tmp_path / "t.csv")
-    (tmp_path / "t.toml").write_text(
-        'ambient = "0 degC"\nflip_force = true\nforce_offset = "3 kN"\n'
-        'displacement_offset = "1 mm"\n'
-    )
-    record = load_test(tmp_path / "t.csv")
-    assert_allclose(record.force, -(FORCE - 3.0), rtol=tol.CONVERSION, atol=tol.CONVERSION)
-    assert_allclose(record.displacement, X - 1.0, rtol=tol.CONVERSION, atol=tol.CONVERSION)
 
 
 def test_without_a_clock_a_speed_is_assumed_and_said(tmp_path: Path) -> None:

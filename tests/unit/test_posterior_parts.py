@@ -1,6 +1,7 @@
 """Likelihood and bands of a fit by hand: the sampler and the model are replaced."""
 
 import sys
+from dataclasses import replace
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -8,10 +9,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.test_identify_numbers import sines
 from thermobearing.identify.fit.forward import Prediction
-from thermobearing.identify.uncertainty import posterior as posterior
+from thermobearing.identify.uncertainty import covariance, posterior
 
 
 def fit_with(problem: Any, cube: np.ndarray, **uncertainty: Any) -> Any:
@@ -89,3 +91,20 @@ def test_band_is_that_of_95_percent_of_the_draws(monkeypatch: pytest.MonkeyPatch
     told = band.summary()
     assert [told[f"{name}_kN"] for name in ("best", "lower", "upper")] == list(peaks)
     assert told["ambient_degC"] == -30.0
+
+
+def test_no_cause_is_named_for_no_misfit() -> None:
+    """Residuals of 0.02 % are no misfit, whatever removes them."""
+    test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    record = tb.synthetic_record("shen-hdr-specimen", 23.0, test, noise=2e-4, memory=0.9)
+    exact = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    assumed = exact.uncertainty.assumed
+    evidence = tuple(
+        replace(item, explained=0.9, sigmas=50.0, stderr=1.0) for item in assumed.evidence
+    )
+    found = replace(exact.uncertainty, assumed=replace(assumed, evidence=evidence))
+    assert found.rms < covariance.NEGLIGIBLE
+    tests: Any = SimpleNamespace(records=[SimpleNamespace(ambient=t) for t in (23.0, -20.0)])
+    assert covariance._misfit(tests, found) == []
+    large = replace(found, rms=2.0 * covariance.NEGLIGIBLE)
+    assert "the tests ask for" in " ".join(covariance._misfit(tests, large))
