@@ -12,7 +12,7 @@ import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.earthquake.analysis import compare_models, refuse_incomparable
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.comparison import comparison_table, underestimates, verdict
+from thermobearing.earthquake.tables import comparison_table, underestimates, verdict
 from thermobearing.model.earlier import models_that_fit
 
 HDR, LHDR = "shen-hdr-specimen", "shen-lhdr-specimen"

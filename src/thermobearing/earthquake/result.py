@@ -10,7 +10,6 @@ import xarray as xr
 
 from thermobearing.core.records import Floats
 from thermobearing.earthquake import tables
-from thermobearing.earthquake.comparison import comparison_table, verdict
 from thermobearing.earthquake.measures import (
     BEARING,
     COLUMNS,
@@ -404,9 +403,9 @@ class EarthquakeResult(DatasetResult):
             for table in tables.console_tables(self):
                 show_table(table)
         if self.compared:
-            rows = comparison_table(self.compared)
+            rows = tables.comparison_table(self.compared)
             show_table(tables.errors_table(rows))
-            say(verdict(rows))
+            say(tables.verdict(rows))
             for early in rows[rows["outcome"] != "completed"].to_dict("records"):
                 where = run_name(early["bearing"], early["motion"], early["ambient_degC"], "")
                 text = f"{early['model']} ended early ({where}): {early['outcome']}"
@@ -436,7 +435,11 @@ class EarthquakeResult(DatasetResult):
                     row[name] = [_plain(one) for one in mine]
             runs.append(row)
         names = list(dict.fromkeys(str(name) for name in self.dataset["bearing"].values))
-        told = {"verdict": verdict(comparison_table(self.compared))} if self.compared else {}
+        told = (
+            {"verdict": tables.verdict(tables.comparison_table(self.compared))}
+            if self.compared
+            else {}
+        )
         return {
             "command": attrs["command"],
             "bearing": names[0] if len(names) == 1 else names,
@@ -466,7 +469,7 @@ class EarthquakeResult(DatasetResult):
             directory.MODES: self.modes_table,
             directory.LINES: self.lines,
             directory.PIERS: self.piers,
-            directory.COMPARISON: comparison_table(self.compared)
+            directory.COMPARISON: tables.comparison_table(self.compared)
             if self.compared
             else pd.DataFrame(),
         }

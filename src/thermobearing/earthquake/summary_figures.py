@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
-from thermobearing.earthquake.comparison import INNER, SINGLE, run_keys
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.tables import INNER, SINGLE, run_keys
 from thermobearing.model.earlier import REFERENCE
 from thermobearing.quantities.register import quantity
 from thermobearing.results import drawing
