@@ -179,6 +179,7 @@ def test_energy_gives_the_residual(result: tb.Result) -> None:
     figure = result.plot.energy()
     assert all(ax.get_ylabel() == "energy [kJ = kN m]" for ax in figure.axes)
     assert all(len(drawn(ax)) == 6 for ax in figure.axes)
+    assert len(set(shown(figure))) == 6
     assert "thermal" in titles(figure)[0]
     assert "%" not in titles(figure)[0]
     work = drawn(figure.axes[0])[0]

@@ -5,6 +5,7 @@ The numbers are those of `Result`; nothing is computed here but where to draw th
 
 import math
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -42,6 +43,16 @@ SHARES = (
     ("lead_force", "lead f_l", "#555555"),
     ("viscous_force", "rate dependence f_v", "#D55E00"),
 )
+ENERGIES = (
+    ("work_in", "#000000", "-", 2.2),
+    ("heat_released", "#E69F00", "--", 1.6),
+    ("heat_stored", "#D55E00", "-", 1.3),
+    ("heat_lost_ends", "#0072B2", "-", 1.3),
+    ("heat_lost_sides", "#56B4E9", "-.", 1.3),
+    ("recoverable", "#009E73", "-", 1.3),
+)
+CYCLE_LOOKS = (("-", "o"), ("--", "s"), (":", "^"))  # line and marker
+POINTS = ("none", "o")
 LEAD, INNER, OUTER = "#222222", "#D55E00", "#56B4E9"
 FILES = {  # of the figures, by method
     "displacement": "imposed_displacement",
@@ -55,6 +66,26 @@ NOT_KEPT = 'the result holds no {}; run with keep=["{}", ...]'
 
 class NothingToDrawError(InputError):
     """The result does not hold what a figure shows."""
+
+
+def _joined(pieces: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
+    """Return pieces of a line as one, NaN after each."""
+    gap = np.array([np.nan])
+    xs, ys = ([np.empty(0), *(p for xy in pieces for p in (xy[k], gap))] for k in (0, 1))
+    return np.concatenate(xs), np.concatenate(ys)
+
+
+def _cycle_look(line: str, marker: str, colour: str) -> drawing.Look:
+    """Return line and marker of one cycle number; only full lines and lone points are filled."""
+    face = colour if line in ("-", "none") else "white"
+    look: drawing.Look = {"color": colour, "linestyle": line, "linewidth": 1.2}
+    return look | {"marker": marker, "markersize": 4.5, "markerfacecolor": face}
+
+
+def _residual(value: float) -> str:
+    """Return a residual for a title: rounding as a power of ten, a real one in per cent."""
+    text = f"{value:.1e}" if abs(value) < 1e-3 else f"{100.0 * value:.2g} %"
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 class TimeAxis(DrawnAxis):
@@ -114,16 +145,15 @@ class TimeAxis(DrawnAxis):
 
     def trace(self, run: int, values: Floats) -> tuple[Floats, Floats]:
         """Return places and thinned values of a history of a run; NaN between stretches."""
-        xs, ys = [np.empty(0)], [np.empty(0)]
+        pieces = []
         for s in self.stretches:
             inside = self.inside(run, s.first, s.last)
             if inside == slice(0, 0) or (self.cut and s.shortened):
                 continue
             y, time = values[inside], self.times[run][inside]
             kept = drawing.thin(y, math.ceil(MOST_POINTS * s.width / self.end))
-            xs += [s.place(time[kept] - time[0]), np.array([np.nan])]
-            ys += [y[kept], np.array([np.nan])]
-        return np.concatenate(xs), np.concatenate(ys)
+            pieces.append((s.place(time[kept] - time[0]), y[kept]))
+        return _joined(pieces)
 
     def rows_of_panels(self, title: str, titles: list[str]) -> tuple[Figure, list[Axes]]:
         """Return a panel per run, one below the other, with loadings and rests marked."""
@@ -218,7 +248,8 @@ class Figures(drawing.Figures):
         time.set_ticks(ax)
         drawing.name_axes(ax, time.caption(), "shear displacement [mm]")
         factor = 100.0 / float(self._data.attrs["total_rubber_thickness_mm"])
-        strain = ax.secondary_yaxis("right", functions=drawing.scaling(factor))
+        scale: Any = (lambda x: factor * x, lambda y: y / factor)
+        strain = ax.secondary_yaxis("right", functions=scale)
         strain.set_ylabel(STRAIN, fontsize=drawing.NORMAL)
         strain.tick_params(labelsize=drawing.SMALL, color=drawing.GREY)
         strain.spines["right"].set_visible(False)  # the panel has one
@@ -271,7 +302,9 @@ class Figures(drawing.Figures):
         strain, stress = 100.0 * self._data["strain"].values, self._data["stress"].values
         spans = [max(float(np.nanmax(v) - np.nanmin(v)), 1e-9) for v in (strain, stress)]
         moving = TimeAxis(self._result).moving_rows(run)
-        return drawing.thin_paths([(strain[run, r], stress[run, r]) for r in moving], *spans)
+        paths = [(strain[run, rows], stress[run, rows]) for rows in moving]
+        kept = [drawing.thin_loops(x, y, spans[0], spans[1]) for x, y in paths]
+        return _joined([(x[k], y[k]) for (x, y), k in zip(paths, kept, strict=True)])
 
     def measures(self) -> Figure:
         """Draw equivalent modulus [MPa] and damping ratio against strain [%], as Fig. 4.8.
@@ -288,7 +321,7 @@ class Figures(drawing.Figures):
                 for _, table, look in shown:
                     mine = table[table["ambient_degC"] == ambient]
                     strain = 100.0 * mine["amplitude_strain"]
-                    ax.plot(strain, mine[name], **drawing.cycle_look(*look, colour))
+                    ax.plot(strain, mine[name], **_cycle_look(*look, colour))
             drawing.name_axes(ax, quantity("amplitude_strain").label, quantity(name).label)
             ax.set_xlim(0.0, 108.0 * float(cycles["amplitude_strain"].max()))
             ax.set_ylim(0.0, 1.08 * float(cycles[name].max()))
@@ -297,7 +330,7 @@ class Figures(drawing.Figures):
             for name, colour in zip(self._run_titles(), self._colours, strict=True)
         ]
         handles += [
-            Line2D([], [], label=name, **drawing.cycle_look(*look, drawing.GREY))
+            Line2D([], [], label=name, **_cycle_look(*look, drawing.GREY))
             for name, _, look in shown
         ]
         drawing.legend_below(figure, handles)
@@ -307,12 +340,12 @@ class Figures(drawing.Figures):
         """Return name, rows of `Result.cycles` and look of each line of `measures`."""
         cycles = self._result.cycles
         if any(about["kind"] == "recorded" for about in self._result.segments):
-            return [("every cycle", cycles, drawing.POINTS)]
+            return [("every cycle", cycles, POINTS)]
         last = min(int(cycles["cycle"].max()), max(SHOWN_CYCLES))
         numbers = sorted({n for n in SHOWN_CYCLES if n <= last} | {last})
         return [
             (f"cycle {n}", cycles[cycles["cycle"] == n], look)
-            for n, look in zip(numbers, drawing.CYCLE_LOOKS, strict=False)
+            for n, look in zip(numbers, CYCLE_LOOKS, strict=False)
         ]
 
     def layer_temperatures(self) -> Figure:
@@ -472,16 +505,17 @@ class Figures(drawing.Figures):
         residuals = self._result.energy[["mechanical_residual", "thermal_residual"]].to_numpy()
         titles = [
             f"{title}; relative residual of the balance: mechanical "
-            f"{drawing.residual(mechanical)}, thermal {drawing.residual(thermal)}"
+            f"{_residual(mechanical)}, thermal {_residual(thermal)}"
             for title, (mechanical, thermal) in zip(self._run_titles(), residuals, strict=True)
         ]
         figure, axes = time.rows_of_panels(self._title("energy balance"), titles)
         for run, ax in enumerate(axes):
-            for name, label, colour, line, width in drawing.ENERGIES:
+            for name, colour, line, width in ENERGIES:
                 look: drawing.Look = {"color": colour, "linestyle": line, "linewidth": width}
-                ax.plot(*time.trace(run, KJ * self._data[name].values[run]), label=label, **look)
+                look["label"] = quantity(f"{name}_kN_mm").head
+                ax.plot(*time.trace(run, KJ * self._data[name].values[run]), **look)
             drawing.name_axes(ax, y="energy [kJ = kN m]")
-        drawing.legend_below(figure, axes[0].get_lines()[: len(drawing.ENERGIES)])
+        drawing.legend_below(figure, axes[0].get_lines()[: len(ENERGIES)])
         return figure
 
     def comparison(self) -> Figure:

@@ -67,17 +67,7 @@ COLD_TO_WARM = LinearSegmentedColormap.from_list(
 )
 COLD, WARM = -20.0, 23.0  # ends of the scale for a single ambient temperature [degC]
 MOST_LOOP_POINTS = 60_000
-CYCLE_LOOKS = (("-", "o"), ("--", "s"), (":", "^"))  # line and marker
-POINTS = ("none", "o")
 MARKERS = "os^Dv<>p"
-ENERGIES = (
-    ("work_in", "work in", "#000000", "-", 2.2),
-    ("heat_released", "heat released", "#E69F00", "--", 1.6),
-    ("heat_stored", "heat stored", "#D55E00", "-", 1.3),
-    ("heat_lost_ends", "heat lost through the ends", "#0072B2", "-", 1.3),
-    ("heat_lost_sides", "heat lost through the sides", "#56B4E9", "-.", 1.3),
-    ("recoverable", "recoverable", "#009E73", "-", 1.3),
-)
 LIMIT: Look = {"color": "#a33", "linewidth": 0.8, "linestyle": (0, (6, 2, 1, 2))}
 UNTESTED = "#f6dede"  # beyond what a bearing was tested at
 DRAWING = threading.RLock()  # fonts of matplotlib are shared, and not for several threads
@@ -114,12 +104,6 @@ def parent_figure(ax: Axes) -> Figure:
 def degrees(value: float) -> str:
     """Return a temperature for a title, with a true minus sign."""
     return f"{round(value, 2):g} °C".replace("-", "\N{MINUS SIGN}")
-
-
-def residual(value: float) -> str:
-    """Return a residual for a title: rounding as a power of ten, a real one in per cent."""
-    text = f"{value:.1e}" if abs(value) < 1e-3 else f"{100.0 * value:.2g} %"
-    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def ambient_colours(ambient: Floats) -> list[str]:
@@ -260,11 +244,6 @@ class Figures:
         return save_figures(self.draw_all(), Path(folder), vector=self.vector)
 
 
-def scaling(factor: float) -> tuple[Callable[[Any], Any], Callable[[Any], Any]]:
-    """Multiply and divide by a factor, for a second axis."""
-    return (lambda value: value * factor, lambda value: value / factor)
-
-
 def thin(values: Floats, bins: int) -> Ints:
     """Points that draw like all of them: the first, the last, each bin's lowest and highest."""
     size = max(1, len(values) // max(bins, 1))
@@ -276,18 +255,6 @@ def thin(values: Floats, bins: int) -> Ints:
     rest = np.arange(whole, len(values))
     picked = [[0], start + shaped.argmin(axis=1), start + shaped.argmax(axis=1), rest]
     return np.unique(np.concatenate([*picked, [len(values) - 1]])).astype(np.int64)
-
-
-def thin_paths(
-    paths: list[tuple[Floats, Floats]], width: float, height: float
-) -> tuple[Floats, Floats]:
-    """Paths in a plane of that size as one line, NaN between them, fewer points on each."""
-    xs, ys = [np.empty(0)], [np.empty(0)]
-    for x, y in paths:
-        kept = thin_loops(x, y, width, height)
-        xs += [x[kept], np.array([np.nan])]
-        ys += [y[kept], np.array([np.nan])]
-    return np.concatenate(xs), np.concatenate(ys)
 
 
 def thin_loops(
@@ -303,18 +270,6 @@ def thin_loops(
     if len(turns) < most:  # else it is noise that turns
         kept = np.union1d(kept, turns)
     return np.union1d(kept, [len(x) - 1]).astype(np.int64)
-
-
-def cycle_look(line: str, marker: str, colour: str) -> dict[str, Any]:
-    """Line and marker of one cycle number; only full lines and lone points are filled."""
-    return {
-        "color": colour,
-        "linestyle": line,
-        "marker": marker,
-        "markersize": 4.5,
-        "linewidth": 1.2,
-        "markerfacecolor": colour if line in ("-", "none") else "white",
-    }
 
 
 def layer_names(count: int, half: bool) -> list[str]:
