@@ -94,7 +94,7 @@ def _digest(before: bytes, after: bytes) -> bytes:
     return hashlib.sha256(before + EMPTY + after).hexdigest().encode()
 
 
-def read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
+def _read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
     """Return the tables of some files below each other; InputError for one that is unreadable."""
     arrow, parquet = _the_parquet()
     names = None if columns is None else list(columns)
@@ -286,10 +286,10 @@ class Store:
         """Return all runs that are done (or those of some shards), in the order of the plan."""
         files = [self._file(shard) for shard in (self.done() if done is None else done)]
         if not files:
-            empty = read_parquet([self.directory / PLAN]).head(0)
+            empty = _read_parquet([self.directory / PLAN]).head(0)
             empty = empty.assign(**{name: [] for name in RESULT_COLUMNS})
             return empty if columns is None else empty[list(columns)]
-        return read_parquet(files, columns)
+        return _read_parquet(files, columns)
 
     @contextmanager
     def writing(self) -> Iterator[None]:
