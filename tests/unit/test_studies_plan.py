@@ -122,12 +122,6 @@ def test_numbers_of_heat_keep_runs_apart() -> None:
     assert Preparer(other).lockstep
 
 
-def test_numbers_of_heat_in_weather_need_a_history() -> None:
-    """Each run would live through all of it."""
-    with pytest.raises(InputError, match=r"conductivity: .* write history = .* in factors.ambient"):
-        study(ambient={"climate": "cold-town", "years": 1}, **HEAT)
-
-
 def test_hours_have_their_history_before_them(tmp_path: Path) -> None:
     rows = [f"2024-01-{1 + hour // 24:02d} {hour % 24:02d}:00,{-hour % 7}" for hour in range(60)]
     file = tmp_path / "town.csv"

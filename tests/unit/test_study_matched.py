@@ -14,14 +14,12 @@ from typer.testing import CliRunner
 
 import thermobearing.studies.definition.motions as made
 import thermobearing.studies.run.engine as engine
-from tests import tolerances as tol
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.cli import app
 from thermobearing.commands.check import check_file
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import LARGEST_MISFIT, misfit
-from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.motions.targets import list_spectra, load_spectrum, standard_spectrum
 from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.definition.designs import plan
@@ -79,18 +77,6 @@ def test_motions_fit_and_are_the_levels(fits: "Counter[str]") -> None:
     assert fits == dict.fromkeys(NAMES, 1)
     assert plan(matched()).equals(runs)  # from the cache
     assert fits == dict.fromkeys(NAMES, 1)
-
-
-def test_stripes_of_matched_motions() -> None:
-    """Each is brought to the same spectral acceleration; what counts is the content of a motion."""
-    stripes = {"of": "intensity", "measure": "Sa", "period": "1 s", "levels": ["4 m/s2", "8 m/s2"]}
-    runs = plan(matched(scale=stripes))
-    assert runs["Sa_m_s2"].tolist() == [4.0, 8.0] * 2
-    for motion, scale in zip(
-        factor_motions(matched().factors.motion), runs["scale"][1::2], strict=True
-    ):
-        reached = scale * response_spectrum(motion, np.array([1.0])).acceleration[0]
-        assert_allclose(reached, 8e3, rtol=tol.BOUND_ROUNDING)
 
 
 def test_random_phases_have_a_name_and_a_key_of_their_own(tmp_path: Path) -> None:
@@ -259,50 +245,48 @@ def test_command(tmp_path: Path, fits: "Counter[str]") -> None:
     assert fits == dict.fromkeys(NAMES, 1)
 
 
-BAD: list[tuple[str, dict[str, Any], list[str]]] = [
-    ("a name", {"matched": "jra-ii-iv", "count": 2}, ['"jra-ii-iv"', 'did you mean "jra-ii-i"']),
-    ("no file", {"matched": "site.csv", "count": 2}, ["site.csv: no such file"]),
-    ("how many", {"matched": "jra-ii-i"}, ["how many? Give count, or levels"]),
-    ("none", {"matched": "jra-ii-i", "count": 0}, ["count = 0", "at least 1"]),
-    ("count alone", {"count": 3}, ["count: only of motions that are matched"]),
-    ("nothing", {}, ['missing key "levels"', "matched"]),
-    ("both", FITS | {"count": 2, "seed": 1}, ["count: of random phases", "seed: of random phases"]),
-    ("unknown record", FITS | {"levels": ["jra-ii-i-9"]}, ["levels[0]", 'called "jra-ii-i-9"']),
-    ("phases", MADE_UP | {"phases": "jra-iii-i"}, ['"jra-iii-i"', 'did you mean "jra-ii-i"']),
-    ("step", MADE_UP | {"dt": "0.1 s"}, ["dt = '0.1 s'", "at most 0.02 s"]),
-    ("zone", MADE_UP | {"zone_factor": 3.0}, ["zone_factor = 3.0", "at most 2"]),
-    ("key", MADE_UP | {"sed": 3}, ['unknown key "sed"', 'did you mean "seed"']),
-    ("weights", MADE_UP | {"weights": [1, 2], "random": True}, ["2 of them for 3 motions"]),
+BAD: list[tuple[dict[str, Any], str]] = [
+    ({"matched": "jra-ii-iv", "count": 2}, 'did you mean "jra-ii-i"'),
+    ({"matched": "site.csv", "count": 2}, "site.csv: no such file"),
+    ({"matched": "jra-ii-i"}, "how many? Give count, or levels"),
+    ({"matched": "jra-ii-i", "count": 0}, "count = 0"),
+    ({"count": 3}, "count: only of motions that are matched"),
+    ({"random": False}, 'missing key "levels"'),
+    (FITS | {"count": 2, "seed": 1}, "seed: of random phases"),
+    (FITS | {"levels": ["jra-ii-i-9"]}, "levels[0]"),
+    (MADE_UP | {"phases": "jra-iii-i"}, '"jra-iii-i"'),
+    (MADE_UP | {"dt": "0.1 s"}, "at most 0.02 s"),
+    (MADE_UP | {"zone_factor": 3.0}, "at most 2"),
+    (MADE_UP | {"sed": 3}, 'did you mean "seed"'),
+    (MADE_UP | {"weights": [1, 2], "random": True}, "2 of them for 3 motions"),
 ]
 
 
-@pytest.mark.parametrize(("motion", "words"), [row[1:] for row in BAD], ids=[row[0] for row in BAD])
-def test_bad_input(motion: dict[str, Any], words: list[str]) -> None:
+@pytest.mark.parametrize(("motion", "word"), BAD)
+def test_bad_input(motion: dict[str, Any], word: str) -> None:
     with pytest.raises(InputError) as caught:
-        matched(motion or {"random": False})
-    for word in ["factors.motion", *words]:
-        assert word in str(caught.value)
+        matched(motion)
+    assert "factors.motion" in str(caught.value)
+    assert word in str(caught.value)
 
 
 SPECTRA = {
-    "no unit": ("period,acceleration\n0.1,1\n3,1\n", 'column "acceleration" has no unit'),
-    "no column": ("a,b\n0.1,1\n3,1\n", 'no column "period"'),
-    "unit": ("period,Sa [kN]\n0.1,1\n3,1\n", 'unknown unit of acceleration "kN"'),
-    "order": ("period,Sa [g]\n0.1,1\n3,1\n2,1\n", "do not increase from 3 to 2 s"),
-    "zero": ("period,Sa [g]\n0,1\n3,1\n", "must be greater than 0"),
-    "short": ("period,Sa [g]\n0.2,1\n2,1\n", "reaches from 0.2 to 2 s"),
-    "period": ("period [ms],Sa [g]\n0.1,1\n3,1\n", "periods are in s"),
+    "period,acceleration\n0.1,1\n3,1\n": 'column "acceleration" has no unit',
+    "a,b\n0.1,1\n3,1\n": 'no column "period"',
+    "period,Sa [kN]\n0.1,1\n3,1\n": 'unknown unit of acceleration "kN"',
+    "period,Sa [g]\n0.1,1\n3,1\n2,1\n": "do not increase from 3 to 2 s",
+    "period,Sa [g]\n0,1\n3,1\n": "must be greater than 0",
+    "period,Sa [g]\n0.2,1\n2,1\n": "reaches from 0.2 to 2 s",
+    "period [ms],Sa [g]\n0.1,1\n3,1\n": "periods are in s",
 }
 
 
-@pytest.mark.parametrize(("text", "words"), SPECTRA.values(), ids=SPECTRA)
-def test_bad_spectrum(text: str, words: str, tmp_path: Path) -> None:
-    file = tmp_path / "site.csv"
-    file.write_text(text)
-    with pytest.raises(InputError) as caught:
-        matched({"matched": str(file), "count": 2})
-    assert words in str(caught.value)
-    assert "site.csv" in str(caught.value)
+@pytest.mark.parametrize(("text", "word"), SPECTRA.items())
+def test_bad_spectrum(text: str, word: str, tmp_path: Path) -> None:
+    (tmp_path / "site.csv").write_text(text)
+    with pytest.raises(InputError, match=r"site\.csv") as caught:
+        matched({"matched": str(tmp_path / "site.csv"), "count": 2})
+    assert word in str(caught.value)
 
 
 def test_short_records_are_told(tmp_path: Path) -> None:
