@@ -177,6 +177,7 @@ def peaks_table(result: "EarthquakeResult", names: tuple[str, ...] = PEAKS) -> T
         heads={"outcome": "Ended"},
         marked=marked,
         note=note,
+        governing="bearing_strain_max",
     )
 
 
@@ -291,7 +292,8 @@ def parts_table(result: "EarthquakeResult", part: str, most: int | None = None) 
     frame = equal[part].agg(", ".join).reset_index().sort_values(part, kind="stable")
     if "count" in frame:
         frame["count"] = frame["count"].astype(int)
-    return make_table(frame, [part, *shown], caption, keys=1 + len(keys))
+    governing = "strain_max" if part == "line" else "displacement_max_mm"
+    return make_table(frame, [part, *shown], caption, keys=1 + len(keys), governing=governing)
 
 
 def modes_frame(result: "EarthquakeResult") -> pd.DataFrame:

@@ -37,7 +37,7 @@ class Table:
     failed : frozenset of int
         Rows of runs that did not complete.
     governing : str
-        Head of the column whose largest values govern: an HTML page opens a long table with
+        Name of the column whose largest values govern: an HTML page opens a long table with
         their rows.
     """
 
@@ -86,6 +86,7 @@ def make_table(
     marked: Mapping[str, Sequence[bool]] | None = None,
     note: str = "",
     drop_empty: bool = True,
+    governing: str = "",
 ) -> Table:
     """Return a table of some columns of a DataFrame, in the words and units of the register.
 
@@ -108,6 +109,8 @@ def make_table(
         Below the table.
     drop_empty : bool
         Leave out columns without any value.
+    governing : str
+        Column whose largest values govern; see `Table`.
 
     Raises
     ------
@@ -145,7 +148,7 @@ def make_table(
         ended = frame["outcome"].tolist()
         failed = frozenset(k for k, outcome in enumerate(ended) if outcome != "completed")
     rows = [list(row) for row in zip(*shown, strict=True)]
-    return Table(caption, columns, rows, keys, frozenset(marks), note, failed)
+    return Table(caption, columns, rows, keys, frozenset(marks), note, failed, governing)
 
 
 def _is_empty(column: "pd.Series[Any]") -> bool:

@@ -256,8 +256,8 @@ def _governing_rows(table: Table) -> tuple[list[int], list[int], str]:
     if total <= MOST_ROWS + SHORT:
         return list(range(total)), [], ""
     marked = {row for row, _ in table.marked}
-    heads = [column.head for column in table.columns]
-    place = heads.index(table.governing) if table.governing else None
+    names = [column.name or column.head for column in table.columns]
+    place = names.index(table.governing) if table.governing in names else None
 
     def rank(row: int) -> tuple[bool, float]:
         value = 0.0 if place is None else table.rows[row][place]
@@ -269,7 +269,7 @@ def _governing_rows(table: Table) -> tuple[list[int], list[int], str]:
     if marked:
         why += ", those with marked cells first"
     if place is not None:
-        why += f", ordered by the largest {table.governing}"
+        why += f", ordered by {table.columns[place].head}, largest first"
     return order[:MOST_ROWS], sorted(order[MOST_ROWS:]), f"{why}."
 
 
