@@ -80,13 +80,13 @@ def run_sequence(case: SequenceCase, *, progress: Progress | None = None) -> Seq
             if result.outcome != "completed":
                 break
             if case.between == "unloaded" and number + 1 < len(case.parts):
-                state = unloaded(case, number, state)
+                state = _unloaded(case, number, state)
     except KeyboardInterrupt:
         interrupted = True
     return SequenceResult(case, found, interrupted=interrupted)
 
 
-def unloaded(case: SequenceCase, number: int, state: SpecimenState) -> SpecimenState:
+def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> SpecimenState:
     """Return the specimen unloaded to zero force after a part, with its instruments zeroed there.
 
     The actuator moves it at UNLOADING; nothing of that is in the results of the parts.
