@@ -30,11 +30,29 @@ TESTS = Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOM
 
 @command(
     fields(
-        "identify.case:IdentifyCase",
-        "one_temperature temperatures",
+        "identify.case:bearing_of",
+        "start",
         INPUT,
+        start="--bearing --start|Geometry, fixed values.|NAME/FILE",
+    ),
+    fields(
+        "identify.case:IdentifyCase",
+        "free assumed one_temperature temperatures",
+        INPUT,
+        free="|Free parameters, such as K_r,d_y or n_T=2.4*m_T.|KEY,KEY",
+        assumed="|Relative standard uncertainty of what is not free, such as "
+        "materials.side_film=0.1 or sigma_Y=0; may be repeated.|KEY=NUMBER",
         one_temperature="|Free m_T and n_T of --free though all tests are at one temperature.",
         temperatures="|Calibrate to the thermocouples too.",
+    ),
+    fields(
+        "identify.records.treatment:to_be_treated",
+        "ambient_uncertainty despike detrend",
+        INPUT,
+        ambient_uncertainty="|Standard uncertainty of the ambient temperature of every test [K]; "
+        "0.5 by default.|KELVIN",
+        despike="|Take spikes out of all tests before the fit.",
+        detrend="|Take the drift of zero out of all tests: of force, displacement or both.|SIGNAL",
     ),
     fields(
         "identify.case:IdentifyCase",
@@ -48,6 +66,18 @@ TESTS = Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOM
         loss="|linear (default), soft_l1, huber or cauchy.",
     ),
     fields(
+        "identify.uncertainty.posterior:forecast",
+        "posterior ambients",
+        posterior="|Sample the posterior (needs emcee).",
+        ambients="--predict|Ambient temperature [degC] to predict a band at; may be repeated.",
+    ),
+    fields(
+        "validate.hold_out:cross_validate",
+        "hold_out folds",
+        hold_out="|Test to validate the fit with, not fitted; may be repeated.|FILE",
+        folds="|Hold every test out once, in so many groups; then fit to all of them.",
+    ),
+    fields(
         "identify.case:IdentifyCase",
         "accept_poor",
         accept_poor="|Write the bearing of a poor calibration (status 4) unmarked.",
@@ -55,67 +85,13 @@ TESTS = Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOM
 )
 def identify(
     tests: TESTS,
-    start: Annotated[
-        str | None,
-        option(
-            "--bearing",
-            "--start",
-            help="Geometry, fixed values.",
-            metavar="NAME/FILE",
-            panel=INPUT,
-        ),
-    ],
-    free: Annotated[
-        str | None, option(help="Free parameters, such as K_r,d_y or n_T=2.4*m_T.", panel=INPUT)
-    ],
-    assumed: Annotated[
-        list[str] | None,
-        option(
-            help="Relative standard uncertainty of what is not free, such as "
-            "materials.side_film=0.1 or sigma_Y=0; may be repeated.",
-            metavar="KEY=NUMBER",
-            panel=INPUT,
-        ),
-    ],
-    ambient_uncertainty: Annotated[
-        float | None,
-        option(
-            help="Standard uncertainty of the ambient temperature of every test [K]; 0.5 by "
-            "default.",
-            metavar="KELVIN",
-            panel=INPUT,
-        ),
-    ],
     from_start: Annotated[
         bool, option("--from-start", help="Begin at the bearing's own values.", panel=INPUT)
     ],
     given: dict[str, Any],
     check: Annotated[bool, option("--check", help="Only look the tests over; written with -o.")],
-    posterior: Annotated[bool, option("--posterior", help="Sample the posterior (needs emcee).")],
-    predict: Annotated[
-        list[float] | None,
-        option(help="Ambient temperature [degC] to predict a band at; may be repeated."),
-    ],
-    hold_out: Annotated[
-        list[Path] | None,
-        option(help="Test to validate the fit with, not fitted; may be repeated.", metavar="FILE"),
-    ],
-    folds: Annotated[
-        int | None,
-        option(help="Hold every test out once, in so many groups; then fit to all of them."),
-    ],
     limit: LIMITS,
-    despike: Annotated[
-        bool, option("--despike", help="Take spikes out of all tests before the fit.")
-    ],
     end: Ending,
-    detrend: Annotated[
-        str,
-        option(
-            help="Take the drift of zero out of all tests: of force, displacement or both.",
-            metavar="SIGNAL",
-        ),
-    ] = "",
 ) -> int:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
     from thermobearing.identify.case import bearing_of
@@ -123,34 +99,38 @@ def identify(
     from thermobearing.identify.records.treatment import to_be_treated
     from thermobearing.identify.uncertainty.posterior import need_emcee
 
-    records = [load_test(path) for path in [*tests, *(hold_out or [])]]
-    bearing = bearing_of(records, start)
+    records = [load_test(path) for path in [*tests, *given.pop("hold_out", [])]]
+    bearing = bearing_of(records, given.pop("start", None))
+    names = ("despike", "detrend", "ambient_uncertainty")
+    treatment: dict[str, Any] = {name: given.pop(name) for name in names if name in given}
     if check:  # writes nothing unless it is told where
         if end.output is not None:
             end.target()
-        records = to_be_treated(records, despike, detrend, ambient_uncertainty)
-        return _look_over(records, bearing, end)
+        return _look_over(to_be_treated(records, **treatment), bearing, end)
     if bearing is None:
         raise InputError(
             "which bearing? give --bearing NAME/FILE, or bearing = ... in the sidecar: a fit needs "
             "its geometry and materials (thermobearing list names the built-in ones)"
         )
     target = end.target(f"identify-{records[0].name}")
-    records = to_be_treated(records, despike, detrend, ambient_uncertainty)
+    records = to_be_treated(records, **treatment)
+    posterior, predict = given.pop("posterior", False), given.pop("ambients", [])
     if posterior:
         need_emcee()
     announce_compiling(end.quiet)
+    assumed = given.pop("assumed", [])
     given |= {
-        "free": [name.strip() for name in free.split(",")] if free is not None else None,
         "blind": not from_start,
-        "assumed": numbers_by_name(assumed or [], "--assumed", "KEY=NUMBER, such as sigma_Y=0.1"),
+        "assumed": numbers_by_name(assumed, "--assumed", "KEY=NUMBER, such as sigma_Y=0.1"),
     }
-    if hold_out or folds is not None or limit:
-        given |= {"hold_out": records[len(tests) :], "folds": folds, "limits": _limits(limit)}
+    if "free" in given:
+        given["free"] = [name.strip() for name in ",".join(given["free"]).split(",")]
+    if len(records) > len(tests) or "folds" in given or limit:
+        given |= {"hold_out": records[len(tests) :], "limits": _limits(limit)}
     found = _fit(records[: len(tests)], bearing, given, end)
     drawn = None
     if posterior or predict:
-        drawn = _forecast(found, posterior, predict or [], given.get("seed", 0), end.quiet)
+        drawn = _forecast(found, posterior, predict, given.get("seed", 0), end.quiet)
     found.save(target, overwrite=end.overwrite, figures=not end.no_figures, forecast=drawn)
     show = lambda: _show(found, drawn)  # noqa: E731
     return end.written(found.outcome, found.sentence, target, show)

@@ -9,7 +9,7 @@ import functools
 import inspect
 import re
 import types
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -110,8 +110,8 @@ def fields(place: str, names: str, panel: str | None = None, **flags: str) -> Fi
     place : module and name in the package.
     names : of fields or arguments, with spaces.
     panel : heading in the help.
-    flags : words and help of an option where they are others, `kind="--type|I or II."`; either
-        may be left out.
+    flags : words, help and metavar of an option where they are others, with lines between:
+        `kind="--type|I or II."`; each may be left out.
     """
     return Fields(place, names.split(), panel, flags)
 
@@ -240,7 +240,7 @@ def _made(each: Fields) -> Iterator[tuple[str, Any]]:
     for key in each.names:
         kind, several, choices, named = _type_of(hints[key])
         flag = "--" + key.replace("_", "-")
-        words, _, said = each.flags.get(key, "").partition("|")
+        words, said, called, *_ = (*each.flags.get(key, "").split("|"), "", "")
         flags = words.split() or [flag]
         default = _default(item, key)
         value: Any = kind if default is inspect.Parameter.empty else kind | None
@@ -252,7 +252,7 @@ def _made(each: Fields) -> Iterator[tuple[str, Any]]:
         if several:
             value = list[kind] | None  # type: ignore[valid-type]
             text = text if said else f"{text} May be repeated."
-        metavar = "NAME/FILE" if named and not choices else None
+        metavar = called or ("NAME/FILE" if named and not choices else None)
         yield key, Annotated[value, option(*flags, help=text, panel=each.panel, metavar=metavar)]
 
 
@@ -273,7 +273,9 @@ def _type_of(hint: Any) -> tuple[Any, bool, list[str], bool]:
         elif origin is Annotated:
             walk(get_args(part)[0])
         elif origin is not None:
-            several = several or (isinstance(origin, type) and issubclass(origin, Sequence))
+            several = several or (
+                isinstance(origin, type) and issubclass(origin, Sequence | Mapping)
+            )
             for inner in get_args(part):
                 walk(inner)
         elif isinstance(part, type):

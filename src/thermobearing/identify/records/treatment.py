@@ -210,7 +210,10 @@ def _detrended(record: TestRecord) -> list[str]:
 
 
 def to_be_treated(
-    records: list[TestRecord], despike: bool, detrend: str, ambient_uncertainty: float | None = None
+    records: list[TestRecord],
+    despike: bool = False,
+    detrend: str = "",
+    ambient_uncertainty: float | None = None,
 ) -> list[TestRecord]:
     """Return the records with treatments besides those that their sidecars ask for.
 
