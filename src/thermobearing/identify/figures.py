@@ -307,7 +307,6 @@ def check_figure(report: CheckReport) -> Figure:
 
 
 def _draw_histories(report: CheckReport, top: Axes, middle: Axes) -> None:
-    """Draw displacement and force over samples, cycles, rests, spikes, clipped samples."""
     record = report.record
     number, found = np.arange(len(record.time)), report.treatment
     starts = [cycle.first for cycle in report.cycles]
@@ -330,7 +329,6 @@ def _draw_histories(report: CheckReport, top: Axes, middle: Axes) -> None:
 
 
 def _draw_middles(report: CheckReport, ax: Axes) -> None:
-    """Draw the middle of each loop, for drift and offset."""
     full = [cycle for cycle in report.cycles if not cycle.closing]
     record = report.steady
     for name, colour in (("displacement", "#0077BB"), ("force", "#EE7733")):

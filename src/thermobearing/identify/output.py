@@ -125,7 +125,6 @@ def _range_of_law(found: "Identification") -> TemperatureLaw | None:
 
 
 def _sources(found: "Identification", tests: str) -> dict[str, str]:
-    """Return the source of each number of the fitted bearing, by dotted key."""
     estimates, sources = found.uncertainty.estimates, found.bearing.sources
     for key, item in estimates.items():
         said = f"standard error {item.stderr:.2g} {item.parameter.kind.unit}".rstrip()

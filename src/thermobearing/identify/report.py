@@ -81,7 +81,6 @@ def build_pieces(saved: SavedResult) -> Pieces:
 
 
 def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
-    """Return the pictures of the directory, and a plot of the loops, one test at a time."""
     found = content.saved_figures(saved, CAPTIONS)
     if "fit" in saved.tables:
         choices = {
@@ -103,7 +102,6 @@ def loop_trace(name: str, rows: pd.DataFrame, column: str, colour: str) -> Trace
 
 
 def _answer(summary: Summary, bearing: Summary, checks: list[Check]) -> list[str]:
-    """Return sentences on parameters, agreement with the tests, and what is not determined."""
     found = []
     if summary["outcome"] != "completed":
         outcome, sentence = summary["outcome"].replace("_", " "), tidy(summary["sentence"])
@@ -145,7 +143,6 @@ def _answer(summary: Summary, bearing: Summary, checks: list[Check]) -> list[str
 
 
 def _report_tables(saved: SavedResult) -> dict[str, Table]:
-    """Return the tables of parameters, of the agreement with the tests, of each cycle."""
     summary = saved.summary
     held = summary.get("held_out") or {"tests": []}
     cycles = saved.tables.get("cycles")
@@ -162,7 +159,6 @@ def _report_tables(saved: SavedResult) -> dict[str, Table]:
 
 
 def _report_checks(summary: Summary) -> list[Check]:
-    """Return R2 of each test, and the limits of tests that were held out."""
     found = [
         Check(
             f"R² of {record['name']}",
@@ -200,7 +196,6 @@ def error_check(name: str, whose: str, error: float | None, limit: float, verdic
 
 
 def _assumptions(summary: Summary, bearing: Mapping[str, Any]) -> list[str]:
-    """Return sentences on the search, on what was held, and on what was assumed."""
     found = [
         f"Search: {summary['method']}, {counted(int(summary['evaluations']), 'evaluation')}. "
         "Standard errors include the scatter along each test and the uncertainty of the values "

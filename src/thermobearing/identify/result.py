@@ -169,10 +169,6 @@ class Identification(Result):
                 said.append(f"{value} {item.parameter.kind.unit}".strip() + f" {item.where}")
         return said
 
-    def judged(self, *, accept_poor: bool = False) -> "Identification":
-        """Return the result with the outcome "poor_fit" if it is one, unless that is accepted."""
-        return replace(self, outcome="poor_fit") if self.poor and not accept_poor else self
-
     @property
     def sentence(self) -> str:
         """What the outcome means and what to try; empty when it completed."""

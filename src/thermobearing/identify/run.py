@@ -151,7 +151,7 @@ def run_identify(case: IdentifyCase) -> Identification:
     inputs["free"] = None if case.free is None else list(case.free)
     inputs["bounds"] = {key: list(ends) for key, ends in (case.bounds or {}).items()}
     inputs["assumed"] = dict(case.assumed or {})
-    return Identification(
+    found = Identification(
         bearing=problem.pset.checked(cube).model_copy(update={"tested_range": covered}),
         pset=problem.pset,
         cube=cube,
@@ -168,11 +168,11 @@ def run_identify(case: IdentifyCase) -> Identification:
         problem=problem,
         sensitivity=sensitivity,
         inputs=inputs,
-    ).judged(accept_poor=case.accept_poor)
+    )
+    return replace(found, outcome="poor_fit") if found.poor and not case.accept_poor else found
 
 
 def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str]]:
-    """Return a case whose tests can determine what is free, and a warning of what is held."""
     ambients = [record.ambient for record in case.records]
     if case.free is None or case.one_temperature or not at_one_temperature(ambients):
         return case, []

@@ -118,7 +118,6 @@ def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where
 
 
 def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
-    """Return the dotted keys of the columns."""
     known = {kind.symbol: kind.key for kind in kinds.KINDS}
     faults, keys = [], []
     data = bearing.model_dump()
@@ -138,7 +137,6 @@ def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
 
 
 def _sample(bearing: Bearing, keys: list[str], cells: list[str], number: int, path: str) -> Bearing:
-    """Return the bearing with the numbers of one row."""
     where = f"{path}, row {number}"
     if len(cells) != len(keys):
         raise InputError(f"{len(cells)} numbers instead of {len(keys)}", where)
