@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from thermobearing.border.library import data_path
+from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import RIGS, Analysis, Rig
 from thermobearing.cyclic.dataset import written_part
@@ -52,22 +54,6 @@ Step = Mapping[str, Any]
 MOST_STEPS = 40  # rows of the table of a test
 MOMENTS = 24  # places of the slider
 KJ = 1e-3
-CAPTIONS = {
-    "loops": "Shear stress (force over the gross plan area) against shear strain (displacement "
-    "over the total rubber thickness) at each ambient temperature. Shaded: beyond the tested "
-    "strain.",
-    "measures": "Equivalent shear modulus G_e (Eq. 3.1) and damping ratio h_eq (Eq. 3.2) of single "
-    "cycles against their strain.",
-    "displacement": "Imposed displacement; long rests are cut out.",
-    "layer_temperatures": "Temperature of the rubber layers during the test; rests are shortened "
-    "or cut out.",
-    "lead_temperature": "Temperature of the lead compared with that of the innermost rubber layer.",
-    "profiles": "Temperature through the height of the bearing at the end of each loading.",
-    "force_shares": "Shares of rubber, lead and rate-dependent branch in the force of single "
-    "cycles.",
-    "layer_shear": "Displacement of each layer at the last peak of each amplitude.",
-    "energy": "Where the work goes: heat released, stored and lost, and recoverable energy.",
-}
 
 
 def build_pieces(result: Result) -> Pieces:
@@ -334,7 +320,7 @@ def _residuals(result: Result, case: Case) -> list[tuple[str, float, float, str]
 
 def _figures(result: Result) -> dict[str, ReportFigure]:
     """Return the figures that the result holds data for; loops and temperatures can be zoomed."""
-    absent = result.plot.absent()
+    absent, captions = result.plot.absent(), read_toml(data_path("reports", "cyclic_figures.toml"))
     plots = {"loops": _loops_plot, "layer_temperatures": _temperature_plot}
     plots["profiles"] = _profile_plot
     peaks = "; ".join(
@@ -349,7 +335,7 @@ def _figures(result: Result) -> dict[str, ReportFigure]:
             alt=spoken.get(name, caption),
             plot=plots[name](result) if name in plots else None,
         )
-        for name, caption in CAPTIONS.items()
+        for name, caption in captions.items()
         if name not in absent
     }
 
