@@ -8,7 +8,7 @@ import pandas as pd
 
 from thermobearing.border.toml import to_table
 from thermobearing.cyclic.reported import heat_flow
-from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import pieces_of_saved
 from thermobearing.report.pieces import Pieces, ReportFigure
@@ -111,8 +111,8 @@ def answer(result: StudyResult, asked: Question) -> list[str]:
             curves, rates = asked.chosen_rates(part)
             row = part.rates_table(curves, rates).iloc[-1]
             text = f"{of}{_temperature(row['name'])}: {_period(rates[row['name']])}"
-            if 0.0 < row["over_reference"] < np.inf:
-                warm = _temperature(list(curves)[-1])
+            warm = _temperature(list(curves)[-1])
+            if 0.0 < row["over_reference"] < np.inf and _temperature(row["name"]) != warm:
                 text += (
                     f", {row['over_reference']:.2f} times as often as at {warm} "
                     f"({row['over_low']:.2f} to {row['over_high']:.2f})"
@@ -210,7 +210,7 @@ def _curves(part: StudyResult, asked: Question, name: str) -> dict[str, Table]:
     said: dict[str, list[str]] = {}
     for air, sentence in zip(curves, table["sentence"], strict=True):
         said.setdefault(sentence, []).append(_temperature(air))
-    air = quantity(AMBIENT).head
+    air = _head(column_words(AMBIENT))
     im, unit = column_words(part.intensity), find_unit(part.intensity)
     medians = [end for end in map(str, table) if end.startswith("median")]
     heads = {end: _head(end.replace("median", f"median {im}")) for end in medians}
@@ -263,7 +263,7 @@ def _table(
         )
         for name in map(str, frame)
     ]
-    return make_table(frame, columns, caption, note=note)
+    return make_table(frame, columns, f"{caption[:1].upper()}{caption[1:]}", note=note)
 
 
 def _figures(result: StudyResult, asked: Question) -> dict[str, ReportFigure]:
