@@ -115,7 +115,7 @@ def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
     ratios = modes_frame(result)
     found = {
         "governing": _governing_table(result),
-        "peaks": peaks_table(result),
+        "peaks": _peaks_table(result),
         "cold": _cold_table(result),
         "lines": parts_table(result, "line"),
         "piers": parts_table(result, "pier"),
@@ -134,14 +134,14 @@ def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
 
 def console_tables(result: "EarthquakeResult") -> list[Table]:
     """Return the tables that the console prints; of many lines or piers the largest of all runs."""
-    found = make_tables(result) | {"peaks": peaks_table(result, CONSOLE)}
+    found = make_tables(result) | {"peaks": _peaks_table(result, CONSOLE)}
     for part in PARTS:
         if f"{part}s" in found:
             found[f"{part}s"] = parts_table(result, part, most=MOST_ROWS)
     return [found[n] for n in ("peaks", "modes", "lines", "piers", "governing") if n in found]
 
 
-def peaks_table(result: "EarthquakeResult", names: tuple[str, ...] = PEAKS) -> Table:
+def _peaks_table(result: "EarthquakeResult", names: tuple[str, ...] = PEAKS) -> Table:
     """Return the peaks of every run, marked where they leave the calibration range."""
     hottest = [result.hottest(run) for run in range(result.runs)]
     frame = result.table.assign(

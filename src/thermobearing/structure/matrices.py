@@ -72,14 +72,14 @@ def unit(structure: Structure, name: str) -> Floats:
     return row
 
 
-def rotation_row(structure: Structure, name: str) -> Floats:
+def _rotation_row(structure: Structure, name: str) -> Floats:
     """Return the absolute rotation of a body, or of its carrier, per coordinate."""
     if name == GROUND:
         return np.zeros(len(coordinates(structure)))
     body = structure.body(name)
     if body.rotates:
         return unit(structure, f"{name} rotation")
-    return rotation_row(structure, body.on or GROUND)
+    return _rotation_row(structure, body.on or GROUND)
 
 
 def displacement_row(structure: Structure, name: str, height: float) -> Floats:
@@ -91,7 +91,7 @@ def displacement_row(structure: Structure, name: str, height: float) -> Floats:
         base = unit(structure, f"{name} x")
     else:
         base = displacement_row(structure, body.on, body.base_height)
-    return base + (height - body.base_height) * rotation_row(structure, name)
+    return base + (height - body.base_height) * _rotation_row(structure, name)
 
 
 def mean_height(structure: Structure, name: str) -> float:
@@ -116,7 +116,7 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
     mass, load, springs = np.zeros((n, n)), np.zeros(n), np.zeros((n, n))
     for item in structure.masses:
         body = structure.body(item.body)
-        turning = rotation_row(structure, item.body)
+        turning = _rotation_row(structure, item.body)
         if mass_model == "consistent":
             moving = displacement_row(structure, item.body, item.height)
             load -= item.mass * moving
@@ -127,9 +127,10 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
         mass += item.rotary_inertia * np.outer(turning, turning)
     _check_mass(mass, names, structure.name)
     for spring in structure.springs:
-        springs += spring_matrix(structure, spring)
+        springs += _spring_matrix(structure, spring)
     hinges = [
-        rotation_row(structure, h.body) - rotation_row(structure, h.base) for h in structure.hinges
+        _rotation_row(structure, h.body) - _rotation_row(structure, h.base)
+        for h in structure.hinges
     ]
     lines = [_difference(structure, b.body, b.base, b.height) for b in structure.bearings]
     return Matrices(
@@ -137,12 +138,12 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
     )
 
 
-def spring_matrix(structure: Structure, spring: Spring) -> Floats:
+def _spring_matrix(structure: Structure, spring: Spring) -> Floats:
     """Return the stiffness [n, n] of one spring."""
     if spring.stiffness is not None:
         row = _difference(structure, spring.body, spring.base, spring.height)
         return np.asarray(spring.stiffness * np.outer(row, row))
-    row = rotation_row(structure, spring.body) - rotation_row(structure, spring.base)
+    row = _rotation_row(structure, spring.body) - _rotation_row(structure, spring.base)
     return np.asarray((spring.rotational_stiffness or 0.0) * np.outer(row, row))
 
 
@@ -155,7 +156,7 @@ def _own_motion(structure: Structure, body: Body, height: float) -> Floats:
     """Return the motion of a mass as the published mass matrix has it."""
     if body.moves:
         return unit(structure, f"{body.name} x")
-    return (height - body.base_height) * rotation_row(structure, body.name)
+    return (height - body.base_height) * _rotation_row(structure, body.name)
 
 
 def _check_mass(mass: Floats, names: list[str], where: str) -> None:
@@ -201,7 +202,7 @@ def find_modes(mass: Floats, stiffness: Floats, where: str = "structure") -> Mod
 
 def own_parts(structure: Structure, matrices: Matrices) -> list[Part]:
     """Return damping ratio and stiffness of springs and hinges."""
-    parts = [(one.damping_ratio, spring_matrix(structure, one)) for one in structure.springs]
+    parts = [(one.damping_ratio, _spring_matrix(structure, one)) for one in structure.springs]
     for hinge, row in zip(structure.hinges, matrices.hinge_rows, strict=True):
         parts.append((hinge.damping_ratio, hinge.stiffness * np.outer(row, row)))
     return parts
