@@ -3,7 +3,7 @@
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,6 @@ from thermobearing.studies.definition.columns import AMBIENT, HOUR, THINGS, list
 from thermobearing.studies.definition.record import COLUMNS, Study
 from thermobearing.studies.options import CLIMATE, Question, kept_asked
 from thermobearing.studies.run.demand_parameters import COMPLETED
-from thermobearing.studies.statistics.bootstrap import LEVEL, SAMPLES
 from thermobearing.studies.statistics.demand import (
     OUTCOME,
     WORST,
@@ -31,7 +30,7 @@ from thermobearing.studies.statistics.demand import (
 from thermobearing.studies.statistics.fragility import (
     Fragility,
     Ida,
-    Method,
+    Options,
     fragility_curve,
     fragility_curves,
     ida_curves,
@@ -236,11 +235,8 @@ class StudyResult(Result):
         capacity: float,
         demand: str | None = None,
         *,
-        method: Method = "stripes",
-        failed: Failed = "left-out",
-        level: float = LEVEL,
-        samples: int = SAMPLES,
         name: str = "",
+        **options: Unpack[Options],
     ) -> Fragility:
         """Return a lognormal fragility curve of all runs.
 
@@ -250,42 +246,34 @@ class StudyResult(Result):
         ----------
         capacity : of the demand, in its unit.
         demand : column, as of `demand`.
-        method : "stripes", "ida" or "cloud".
-        failed : "left-out" or "collapse".
-        level : confidence of its bands.
-        samples : of the bootstrap, over motions.
         name : of the curve.
+        options : `method` ("stripes", "ida" or "cloud"), `failed` ("left-out" or "collapse"),
+            `level` (confidence of the bands), `samples` and `seed` (of the bootstrap over motions).
         """
         self._refuse_mixed()
-        how: dict[str, Any] = {"method": method, "failed": failed, "level": level}
-        how |= {"samples": samples, "curves": self._curves(), "name": name}
+        options.setdefault("curves", self._curves())
         demand = demand or self.demand_name
-        return fragility_curve(self.table, demand, capacity, self.intensity, **how)
+        return fragility_curve(self.table, demand, capacity, self.intensity, name=name, **options)
 
     def fragilities(
         self,
         capacity: float,
         demand: str | None = None,
         by: str = AMBIENT,
-        *,
-        method: Method = "stripes",
-        failed: Failed = "left-out",
-        level: float = LEVEL,
-        samples: int = SAMPLES,
+        **options: Unpack[Options],
     ) -> dict[Any, Fragility]:
         """Return a fragility curve for each temperature, or class of temperatures.
 
         Parameters
         ----------
-        capacity, demand, method, failed, level, samples : as of `fragility`.
+        capacity, demand, options : as of `fragility`.
         by : column whose values have a curve each, such as "bearing".
         """
         self._refuse_mixed(by)
         table, by = in_classes(self.table, by)
-        how: dict[str, Any] = {"method": method, "failed": failed, "level": level}
-        how |= {"samples": samples, "curves": self._curves()}
+        options.setdefault("curves", self._curves())
         demand = demand or self.demand_name
-        return fragility_curves(table, demand, capacity, self.intensity, by, **how)
+        return fragility_curves(table, demand, capacity, self.intensity, by, **options)
 
     def over_climate(self, curves: Mapping[Any, Fragility], temperatures: Any) -> ClimateFragility:
         """Return curves of levels of the temperature, by the share of the time that each has.

@@ -23,7 +23,7 @@ a spline; it begins at zero.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple, TypeAlias, get_args
+from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, get_args
 
 import numpy as np
 import pandas as pd
@@ -285,34 +285,40 @@ class Fragility:
         }
 
 
+class Options(TypedDict, total=False):
+    """Keyword arguments of fragility curves."""
+
+    method: Method  # "stripes" by default
+    failed: Failed  # runs that failed are "left-out" (default), or count as "collapse"
+    groups: str | None  # column that the bootstrap draws again with all its runs; None: single runs
+    curves: Sequence[str]  # columns that identify curves of the method "ida"
+    level: float  # confidence of the bands, 0.95 by default
+    samples: int  # of the bootstrap
+    seed: int  # of the bootstrap
+
+
+DEFAULTS: dict[str, Any] = {"method": "stripes", "failed": "left-out", "groups": MOTION}
+DEFAULTS |= {"curves": (MOTION,), "level": LEVEL, "samples": SAMPLES, "seed": 0}
+
+
 def fragility_curve(
     table: pd.DataFrame,
     demand: str,
     capacity: float,
     intensity: str,
     *,
-    method: Method = "stripes",
-    failed: Failed = "left-out",
-    groups: str | None = MOTION,
-    curves: Sequence[str] = (MOTION,),
     band: Band = "bootstrap",
-    level: float = LEVEL,
-    samples: int = SAMPLES,
-    seed: int = 0,
     name: str = "",
+    **options: Unpack[Options],
 ) -> Fragility:
     """Return a fragility curve from a table of runs; the column `outcome` marks failed ones.
 
-    The `demand` is compared with the `capacity` in its unit, against the `intensity` > 0. Runs
-    that failed are "left-out", or count as "collapse". The bootstrap draws the values of `groups`
-    again with all their runs (None: single runs); `curves` are the columns that identify curves of
-    the method "ida". `band` is "bootstrap" (studentised, right with a dozen motions too),
-    "percentile" (of the same bootstrap: too narrow with fewer than 40 motions), or "profile"
-    (stripes of independent runs only), at the confidence `level`.
+    The `demand` is compared with the `capacity` in its unit, against the `intensity` > 0. `band` is
+    "bootstrap" (studentised, right with a dozen motions too), "percentile" (of the same bootstrap:
+    too narrow with fewer than 40 motions), or "profile" (stripes of independent runs only).
     """
-    draw = _resample(table, groups, samples, seed)
-    how = demand, capacity, intensity, method, failed, curves, band, level
-    return _fragility(table, draw, name, *how)
+    draw, how = _resample(table, {**DEFAULTS, **options})
+    return _fragility(table, draw, name, demand, capacity, intensity, band, **how)
 
 
 def fragility_curves(
@@ -321,40 +327,36 @@ def fragility_curves(
     capacity: float,
     intensity: str,
     by: str,
-    *,
-    method: Method = "stripes",
-    failed: Failed = "left-out",
-    groups: str | None = MOTION,
-    curves: Sequence[str] = (MOTION,),
-    level: float = LEVEL,
-    samples: int = SAMPLES,
-    seed: int = 0,
+    **options: Unpack[Options],
 ) -> dict[Any, Fragility]:
     """Return a fragility curve for each value of a column, such as each ambient temperature.
 
     The bootstrap draws the same motions for all of them, so that differences and ratios of what
     they lead to have bands too.
     """
-    draw = _resample(table, groups, samples, seed)
+    draw, how = _resample(table, {**DEFAULTS, **options})
     labels = np.asarray(column(table, by), dtype=object)
     values = list(dict.fromkeys(labels.tolist()))
     if all(isinstance(value, int | float) for value in values):
         values.sort()
-    how = demand, capacity, intensity, method, failed, curves, "bootstrap", level
     found = {}
     for value in values:
         mine = np.array([label == value for label in labels])
         name = f"{value:g}" if isinstance(value, float) else str(value)
+        what = name, demand, capacity, intensity
         try:
-            found[value] = _fragility(table[mine], draw.of(mine), name, *how)  # type: ignore[arg-type]
+            found[value] = _fragility(table[mine], draw.of(mine), *what, "bootstrap", **how)
         except InputError as error:
             raise InputError(error.problems, f"{by} = {name}") from None
     return found
 
 
-def _resample(table: pd.DataFrame, groups: str | None, samples: int, seed: int) -> Draw:
+def _resample(table: pd.DataFrame, options: dict[str, Any]) -> tuple[Draw, dict[str, Any]]:
+    """Return the bootstrap of options, and the other options."""
+    groups = options.pop("groups")
     labels = table[groups].tolist() if groups is not None and groups in table else None
-    return Draw.of_labels(labels, len(table), samples, seed)
+    draw = Draw.of_labels(labels, len(table), options.pop("samples"), options.pop("seed"))
+    return draw, options
 
 
 def _fragility(
@@ -364,10 +366,11 @@ def _fragility(
     demand: str,
     capacity: float,
     intensity: str,
+    band: Band,
+    *,
     method: Method,
     failed: Failed,
     curves: Sequence[str],
-    band: Band,
     level: float,
 ) -> Fragility:
     check_level(level)
