@@ -180,30 +180,26 @@ def check_seal(file: Path) -> None:
 OVERWRITE = "--overwrite (in Python overwrite=True)"
 SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
-TABLE, MODES, RIG, PARTS = "table.csv", "modes.csv", "rig.csv", "parts"
-LINES, PIERS = "lines.csv", "piers.csv"
+TABLE, MODES, RIG, TESTED_RANGE = "table.csv", "modes.csv", "rig.csv", "tested_range.csv"
+PARTS, LINES, PIERS = "parts", "lines.csv", "piers.csv"
 STRUCTURE_PARTS, PERIODS = "parts.csv", "periods.csv"
-TESTED_RANGE = "tested_range.csv"
-IDENTIFIED, FIT_TABLE, SAMPLES = "bearing.toml", "fit.csv", "posterior.csv"
-COMPOUND = "compound.toml"
-# Everything that any command writes into a result directory; nothing else is ever deleted.
-RESULT_NAMES = {SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, ".DS_Store"}
-RESULT_NAMES |= {RIG, TESTED_RANGE, PARTS, LINES, PIERS, STRUCTURE_PARTS, PERIODS}
-MOTION, SPECTRUM = "motion.csv", "spectrum.csv"
-RESULT_NAMES |= {MOTION, SPECTRUM, MODES}
-FACTORS, SCALE, BOUNDS = "factors.csv", "scale.csv", "bounds.csv"
-BOUNDS_TCL, BOUNDS_PYTHON = "bounds.tcl", "bounds.py"
-RESULT_NAMES |= {FACTORS, SCALE, BOUNDS, BOUNDS_TCL, BOUNDS_PYTHON}
+IDENTIFIED, COMPOUND = "bearing.toml", "compound.toml"
+FIT_TABLE, SAMPLES, SIDECARS = "fit.csv", "posterior.csv", "sidecars"
+MOTION, SPECTRUM, FACTORS, SCALE = "motion.csv", "spectrum.csv", "factors.csv", "scale.csv"
+BOUNDS, BOUNDS_TCL, BOUNDS_PYTHON = "bounds.csv", "bounds.tcl", "bounds.py"
 ROUNDS, CHECKS, BEARINGS = "rounds.csv", "checks.csv", "bearings"
-TEMPERATURES = "temperatures.csv"
-RESULT_NAMES |= {ROUNDS, CHECKS, BEARINGS, TEMPERATURES}
-VALIDATED_CYCLES, FOLDS, THERMOCOUPLES = "cycles.csv", "folds.csv", "thermocouples.csv"
-SIDECARS = "sidecars"
-RESULT_NAMES |= {VALIDATED_CYCLES, FOLDS, THERMOCOUPLES, SIDECARS}
-RESULT_NAMES |= {IDENTIFIED, COMPOUND, FIT_TABLE, SAMPLES}
+TEMPERATURES, VALIDATED_CYCLES = "temperatures.csv", "cycles.csv"
+FOLDS, THERMOCOUPLES = "folds.csv", "thermocouples.csv"
 REPORT_HTML, REPORT_PDF, WORKBOOK = "report.html", "report.pdf", "report.xlsx"
 TITLE, LOGO = "report.toml", "report-logo"
-RESULT_NAMES |= {REPORT_HTML, REPORT_PDF, WORKBOOK, TITLE, LOGO}
+# Everything that any command writes into a result directory; nothing else is ever deleted.
+RESULT_NAMES = {
+    *(SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, MODES, RIG, TESTED_RANGE),
+    *(PARTS, LINES, PIERS, STRUCTURE_PARTS, PERIODS, IDENTIFIED, COMPOUND, FIT_TABLE, SAMPLES),
+    *(SIDECARS, MOTION, SPECTRUM, FACTORS, SCALE, BOUNDS, BOUNDS_TCL, BOUNDS_PYTHON, ROUNDS),
+    *(CHECKS, BEARINGS, TEMPERATURES, VALIDATED_CYCLES, FOLDS, THERMOCOUPLES, ".DS_Store"),
+    *(REPORT_HTML, REPORT_PDF, WORKBOOK, TITLE, LOGO),
+}
 
 
 def check_target(directory: Path, *, overwrite: bool) -> None:
