@@ -75,7 +75,7 @@ def test_one_turn_of_the_loop(
     assumed: float, rules: dict[str, Any], factor: float, effective: float, analysed: list[Any]
 ) -> None:
     """Stiffness, damping and the bilinear model are those of the effective displacement."""
-    turn = run.one_turn(case_of(effective_displacement_factor=factor, sizing=rules), 3, [assumed])
+    turn = run._one_turn(case_of(effective_displacement_factor=factor, sizing=rules), 3, [assumed])
     (found,), size = turn.rounds, turn.rounds[0].size
     thickness = size.total_rubber_thickness
     wanted = equivalent_stiffness(G8, size.area, thickness, effective)
@@ -100,7 +100,7 @@ def test_strain_beyond_the_curves_is_held_at_their_end(
     """Sizes keep the design strain, so only other curves can be left at their upper end."""
     curves = run.load_curves().model_copy(update={"largest_strain": 1.0})
     monkeypatch.setattr(run, "load_curves", lambda: curves)
-    found = run.one_turn(case_of(), 1, [178.0]).rounds[0]
+    found = run._one_turn(case_of(), 1, [178.0]).rounds[0]
     wanted = equivalent_stiffness(G8, found.size.area, 112.0, 112.0)
     assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
 
@@ -114,7 +114,7 @@ def turns(monkeypatch: pytest.MonkeyPatch, answer: Any) -> None:
         study = SimpleNamespace(outcome="completed")
         return SimpleNamespace(rounds=[one], checks=[], bearings=[], study=study)
 
-    monkeypatch.setattr(run, "one_turn", turn)
+    monkeypatch.setattr(run, "_one_turn", turn)
 
 
 def test_loop_takes_what_it_found(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -157,7 +157,7 @@ def test_two_sizes_that_alternate_end_the_loop(monkeypatch: pytest.MonkeyPatch) 
         study = SimpleNamespace(outcome="completed")
         return SimpleNamespace(rounds=[one], checks=[checks[-1]], bearings=[], study=study)
 
-    monkeypatch.setattr(run, "one_turn", turn)
+    monkeypatch.setattr(run, "_one_turn", turn)
     design = run.run_design(case_of(start="200 mm"))
     assert design.outcome == "two_sizes"
     assert design.usable
@@ -180,7 +180,7 @@ def coupled(monkeypatch: pytest.MonkeyPatch, answer: Any) -> Any:
         study = SimpleNamespace(outcome="completed")
         return SimpleNamespace(rounds=rounds, checks=[], bearings=[], study=study)
 
-    monkeypatch.setattr(run, "one_turn", turn)
+    monkeypatch.setattr(run, "_one_turn", turn)
     line = case_of().structure.bearings[0]
     lines = [line.model_copy(update={"name": name}) for name in "ab"]
     structure = case_of().structure.model_copy(update={"bearings": lines})
@@ -296,7 +296,7 @@ def test_stiffness_of_a_layer_follows_the_rubber_area() -> None:
     """Four cores are not rubber, before nor after; lead and rate branch shear over all layers."""
     assert LHDR.lead is not None
     assert LHDR.rate is not None
-    bearing = equal.with_side(LHDR, 600.0, 7)
+    bearing = equal._with_side(LHDR, 600.0, 7)
     lead = 4 * np.pi * (0.5 * LHDR.lead.diameter) ** 2
     side = LHDR.area**0.5
     wanted = (600.0**2 - lead) / (side**2 - lead) * LHDR.hysteresis.layer_stiffness

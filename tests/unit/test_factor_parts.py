@@ -32,7 +32,7 @@ def measured_of(
 def test_band_of_several_bearings_is_from_5_to_95_percent(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(factors, "_measured", measured_of)
     sides = np.linspace(400.0, 600.0, 21)
-    bearings = [equal.with_side(tb.load_bearing("shen-hdr-bridge"), side, 6) for side in sides]
+    bearings = [equal._with_side(tb.load_bearing("shen-hdr-bridge"), side, 6) for side in sides]
     options = {"reference_temperature": 23.0, "temperatures": [-20.0], "strains": [1.0]}
     table = factors.temperature_factors(bearings, **options)  # type: ignore[arg-type]
     cold = table[table["ambient_degC"] == -20.0].iloc[0]
@@ -79,10 +79,10 @@ def test_first_heated_and_mean_cycles(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_presets_of_cycles() -> None:
-    assert factors.chosen_cycles("2-11") == (2, 3, 4, 5, 6, 7, 8, 9, 10, 11)
-    assert factors.chosen_cycles("all-but-first") == (2, 3, 4, 5)
-    assert factors.chosen_cycles("3") == (3,)
-    assert factors.chosen_cycles([4, 2, 4]) == (2, 4)
+    assert factors._chosen_cycles("2-11") == (2, 3, 4, 5, 6, 7, 8, 9, 10, 11)
+    assert factors._chosen_cycles("all-but-first") == (2, 3, 4, 5)
+    assert factors._chosen_cycles("3") == (3,)
+    assert factors._chosen_cycles([4, 2, 4]) == (2, 4)
 
 
 def test_period_from_a_speed_is_that_of_each_strain(monkeypatch: pytest.MonkeyPatch) -> None:

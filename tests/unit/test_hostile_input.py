@@ -23,7 +23,7 @@ from thermobearing.border.toml import DEEPEST
 from thermobearing.border.units import parse_quantity
 from thermobearing.commands.check import check_file
 from thermobearing.design.case import load_design_case
-from thermobearing.design.factors import chosen_cycles, scaled_bearing, temperature_factors
+from thermobearing.design.factors import _chosen_cycles, scaled_bearing, temperature_factors
 from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
 from thermobearing.identify.case import make_identify_case
 from thermobearing.identify.fit.parameters import parameter_set
@@ -204,7 +204,7 @@ SPECIMEN_TEST = record_from_arrays(*np.array([[0, 1, 2], [0, 1, 0], [0, 2, 0]]),
          ["displacement reaches 1e+300"]),
         (lambda: temperature_factors("shen-hdr-specimen", reference_temperature=0, strains=9.0),
          ["strains = 9.0"]),
-        (lambda: chosen_cycles(2.5), ["cycles = [2.5]"]),
+        (lambda: _chosen_cycles(2.5), ["cycles = [2.5]"]),
         (lambda: make_identify_case(SPECIMEN_TEST, "shen-hdr-specimen", loss=3), ["loss"]),
         (lambda: make_identify_case(SPECIMEN_TEST, "shen-hdr-specimen", seed=-1), ["seed = -1"]),
         (lambda: make_identify_case(SPECIMEN_TEST, "shen-hdr-specimen", starts=10**6),

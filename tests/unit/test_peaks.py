@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from thermobearing.design.case import make_design_case
 from thermobearing.design.peaks import coldest_sentences, combined, envelope, few_motions, judged
-from thermobearing.design.run import at_every_air, one_turn, run_bounds
+from thermobearing.design.run import _at_every_air, _one_turn, run_bounds
 from thermobearing.design.sizing import Check
 from thermobearing.earthquake.inputs import Motion
 
@@ -37,8 +37,8 @@ def test_the_mean_is_over_a_group_and_the_largest_of_the_groups() -> None:
 def test_a_round_finds_the_mean_where_the_case_says_so() -> None:
     case = make_design_case({}, "test", motions=THREE)
     assert case.peaks == "mean"
-    mean = one_turn(case, 1, [178.0])
-    largest = one_turn(make_design_case({}, "test", motions=THREE, peaks="largest"), 1, [178.0])
+    mean = _one_turn(case, 1, [178.0])
+    largest = _one_turn(make_design_case({}, "test", motions=THREE, peaks="largest"), 1, [178.0])
     peaks = largest.study["bearing_displacement_max"].values
     assert_allclose([largest.rounds[0].found, mean.rounds[0].found], [peaks.max(), peaks.mean()])
     assert mean.rounds[0].largest == largest.rounds[0].found
@@ -66,8 +66,8 @@ def test_bearings_are_judged_at_every_temperature() -> None:
 
 def test_nothing_to_judge_without_bearings_or_temperatures() -> None:
     case = make_design_case({}, "test", ambient=[])
-    turn = one_turn(make_design_case({}, "test", motions=["jra-ii-i-1"]), 1, [178.0])
-    assert len(at_every_air(case, turn.rounds, [[object()]], [])) == 0  # type: ignore[list-item]
+    turn = _one_turn(make_design_case({}, "test", motions=["jra-ii-i-1"]), 1, [178.0])
+    assert len(_at_every_air(case, turn.rounds, [[object()]], [])) == 0  # type: ignore[list-item]
     with pytest.raises(tb.InputError, match="more than once"):
         make_design_case({}, "test", ambient=[0, 0])
 

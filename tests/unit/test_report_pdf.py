@@ -14,12 +14,12 @@ from tests.unit.report_pieces import EVIL, LOGO, PIECES, line, many_columns, wid
 from thermobearing.border.errors import InputError
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
-from thermobearing.report.figures import missing_words, picture_size, svg_bytes
+from thermobearing.report.figures import _svg_bytes, missing_words, picture_size
 from thermobearing.report.pdf import (
     SEAM,
     TURNED,
     UPRIGHT,
-    document_date,
+    _document_date,
     fitted,
     laid_out,
     pdf_bytes,
@@ -188,7 +188,7 @@ def test_letters_without_a_font_are_told() -> None:
 def test_letters_that_no_figure_can_show_are_told() -> None:
     figure, missing = line(), set[str]()
     figure.suptitle("\ue123")
-    svg = svg_bytes(figure, missing)
+    svg = _svg_bytes(figure, missing)
     assert missing == {"\ue123"}
     assert "(U+E123)" in missing_words(sorted(missing), "the figures")
     assert picture_size(svg) == pytest.approx((127.0, 76.2))
@@ -196,10 +196,10 @@ def test_letters_that_no_figure_can_show_are_told() -> None:
 
 def test_the_date_is_that_of_the_document_or_of_the_run() -> None:
     of_run = dataclasses.replace(PIECES, identity={"Date of the run": "2026-03-09"})
-    assert str(document_date(document(of_run, {}))) == "2026-03-09"
-    assert str(document_date(document(of_run, {"Date": "2026-04-01"}))) == "2026-04-01"
-    assert str(document_date(document(of_run, {"Date": "in spring"}))) == "2026-03-09"
-    assert str(document_date(document(of_run, {"Date": "2026-13-45"}))) == "2026-03-09"
+    assert str(_document_date(document(of_run, {}))) == "2026-03-09"
+    assert str(_document_date(document(of_run, {"Date": "2026-04-01"}))) == "2026-04-01"
+    assert str(_document_date(document(of_run, {"Date": "in spring"}))) == "2026-03-09"
+    assert str(_document_date(document(of_run, {"Date": "2026-13-45"}))) == "2026-03-09"
 
 
 def test_without_the_compiler_a_sentence_says_what_to_install(monkeypatch: Any) -> None:

@@ -15,7 +15,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.report import workbook
-from thermobearing.report.workbook import History, history_tables, sheet_name, workbook_bytes
+from thermobearing.report.workbook import History, _history_tables, sheet_name, workbook_bytes
 
 COLUMNS = [Quantity("time", "s"), Quantity("force", "kN")]
 HISTORIES = {
@@ -80,19 +80,19 @@ def test_the_same_result_has_the_same_bytes() -> None:
 
 
 def test_runs_stand_below_each_other_and_long_ones_are_thinned(monkeypatch: Any) -> None:
-    (table,) = history_tables(HISTORIES).values()
+    (table,) = _history_tables(HISTORIES).values()
     assert [column.title for column in table.columns] == ["Motion", "time [s]", "force [kN]"]
     assert len(table.rows) == 8
     assert table.note == ""
     monkeypatch.setattr(workbook, "MOST_HISTORY_ROWS", 4)
-    (thinned,) = history_tables(HISTORIES).values()
+    (thinned,) = _history_tables(HISTORIES).values()
     assert [row[1] for row in thinned.rows] == [0.0, 4.0, 0.0, 4.0]
     assert thinned.note == "Every 2. of the samples that the result keeps."
 
 
 def test_histories_with_other_columns_have_a_sheet_of_their_own() -> None:
     other = History({"Motion": "c"}, COLUMNS[:1], np.arange(3.0).reshape(3, 1))
-    assert list(history_tables(HISTORIES | {"c": other})) == ["Histories 1", "Histories 2"]
+    assert list(_history_tables(HISTORIES | {"c": other})) == ["Histories 1", "Histories 2"]
 
 
 def test_tables_longer_than_a_sheet_go_on_in_another(monkeypatch: Any) -> None:

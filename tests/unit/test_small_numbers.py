@@ -12,7 +12,7 @@ from tests.unit import motion_files as files
 from thermobearing.cyclic.equivalent import isothermal_cycle
 from thermobearing.design.case import make_design_case
 from thermobearing.design.factors import scaled_bearing
-from thermobearing.design.run import one_turn
+from thermobearing.design.run import _one_turn
 from thermobearing.design.sizing import design_values, load_curves, load_rubber
 from thermobearing.motions.measures import significant_interval
 from thermobearing.motions.readers import read_motion
@@ -66,7 +66,9 @@ def test_knet_maximum_that_is_off_by_a_few_per_cent(
 
 def test_a_first_guess_outside_the_curves_takes_their_nearest_strain() -> None:
     case = make_design_case({}, "test", motions=["jra-ii-i-1"], dt=0.01)
-    (turn,) = one_turn(case, 1, [1.0]).rounds  # 1 mm over 14 mm of rubber; the curves begin at 20 %
+    (turn,) = _one_turn(
+        case, 1, [1.0]
+    ).rounds  # 1 mm over 14 mm of rubber; the curves begin at 20 %
     nearest = load_curves().smallest_strain * turn.size.total_rubber_thickness
     expected = design_values(load_rubber("G8", "HDR"), turn.size, nearest)
     assert (turn.stiffness, turn.damping) == expected

@@ -15,7 +15,7 @@ from tests.opensees import needs_opensees, ops
 from tests.unit.inputs import assert_told, command
 from thermobearing.design.bounds import bound_models, opensees_text
 from thermobearing.design.factors import (
-    chosen_cycles,
+    _chosen_cycles,
     published_tables,
     scale_study,
     scaled_bearing,
@@ -244,8 +244,8 @@ def test_bad_words(tmp_path: Path, words: list[Any], pieces: list[str]) -> None:
             lambda: temperature_factors(HDR, reference_temperature=23.0, strains=[]),
             ["strains: give at least one"],
         ),
-        (lambda: chosen_cycles([]), ["cycles = []"]),
-        (lambda: chosen_cycles([1.5]), ["whole numbers"]),  # type: ignore[list-item]
+        (lambda: _chosen_cycles([]), ["cycles = []"]),
+        (lambda: _chosen_cycles([1.5]), ["whole numbers"]),  # type: ignore[list-item]
         (lambda: scaled_bearing(HDR, 0.0), ["factor = 0.0"]),
         (lambda: scaled_bearing(HDR, float("nan")), ["factor"]),
         (lambda: scaled_bearing(HDR, "half"), ["factor = 'half'"]),  # type: ignore[arg-type]

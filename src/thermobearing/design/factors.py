@@ -45,7 +45,7 @@ COLDEST, HOTTEST = -60.0, 60.0
 MOST_CYCLES = 100
 
 
-def chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
+def _chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
     """Return numbers of the cycles of a preset or a list, from 1."""
     if isinstance(cycles, str):
         if cycles not in PRESETS:
@@ -109,7 +109,7 @@ def temperature_factors(
     """
     several = bearing if isinstance(bearing, list | tuple) else [bearing]
     bearings = [as_bearing(item) for item in several]
-    numbers = chosen_cycles(cycles)
+    numbers = _chosen_cycles(cycles)
     temperatures, strains = one_or_several(temperatures), one_or_several(strains)
     _check(bearings, reference_temperature, temperatures, strains, period)
     air = list(dict.fromkeys([float(reference_temperature), *(float(t) for t in temperatures)]))

@@ -2,8 +2,8 @@
 
     assume a displacement of each group -> size -> analyse the whole bridge -> compare -> again
 
-One turn of the loop of `run_design` is `one_turn`, and `_ended` says when to stop. `run_bounds` and
-`run_factors` gather what their parts (bounds.py, factors.py, scale.py) find into one report.
+One turn of the loop of `run_design` is `_one_turn`, and `_ended` says when to stop. `run_bounds`
+and `run_factors` gather what bounds.py and factors.py find into one result.
 """
 
 import math
@@ -143,7 +143,7 @@ def sized(
     return turn, bearing
 
 
-def one_turn(case: DesignCase, number: int, assumed: Sequence[float]) -> Turn:
+def _one_turn(case: DesignCase, number: int, assumed: Sequence[float]) -> Turn:
     """Size every group for its displacement and analyse the whole bridge."""
     groups = case.groups
     rounds, bearings = zip(
@@ -222,7 +222,7 @@ def _of(turn: Round) -> str:
     return f"{turn.group}: " if turn.group else ""
 
 
-def at_every_air(
+def _at_every_air(
     case: DesignCase,
     rounds: Sequence[Round],
     equal: Sequence[Sequence[EqualBearing]],
@@ -286,7 +286,7 @@ def run_design(
     searches = [Search(case.start) for _ in case.groups]
     outcome = ""
     while not outcome:
-        turns.append(one_turn(case, len(turns) + 1, [search.assumed for search in searches]))
+        turns.append(_one_turn(case, len(turns) + 1, [search.assumed for search in searches]))
         for search, one in zip(searches, turns[-1].rounds, strict=True):
             search.advance(one, case.tolerance)
             if tell:
@@ -311,7 +311,7 @@ def run_design(
         study=turn.study,
         equal=[item for items in equal for item in items],
         chosen=turn.rounds[0].number,
-        temperatures=at_every_air(case, turn.rounds, equal, turn.checks),
+        temperatures=_at_every_air(case, turn.rounds, equal, turn.checks),
     )
 
 

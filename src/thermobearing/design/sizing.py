@@ -65,7 +65,7 @@ def load_rubber(name: str, kind: Kind = "HDR") -> DesignRubber:
     raise InputError(f'no {kind} rubber is called "{wrong}"{nearest(wrong, names)}')
 
 
-def checked_strain(strain: float) -> float:
+def _checked_strain(strain: float) -> float:
     """Return the strain, if the curves may be used for it."""
     curves = load_curves()
     if not curves.smallest_strain <= strain <= curves.largest_strain:
@@ -79,13 +79,13 @@ def checked_strain(strain: float) -> float:
 def shear_modulus(compound: DesignRubber, strain: float) -> float:
     """Return design equivalent shear modulus G_e [MPa] at a design shear strain (Eq. 6.2)."""
     powers = np.arange(len(compound.shear_modulus))
-    return float(np.array(compound.shear_modulus) @ checked_strain(strain) ** powers)
+    return float(np.array(compound.shear_modulus) @ _checked_strain(strain) ** powers)
 
 
 def damping_ratio(compound: DesignRubber, strain: float) -> float:
     """Return design equivalent damping ratio h_B at a design shear strain (Eq. 6.3)."""
     powers = np.arange(len(compound.damping_ratio))
-    return float(np.array(compound.damping_ratio) @ checked_strain(strain) ** powers)
+    return float(np.array(compound.damping_ratio) @ _checked_strain(strain) ** powers)
 
 
 def equivalent_stiffness(
@@ -288,7 +288,7 @@ class EqualBearing:
     group: str = ""
 
 
-def with_side(template: Bearing, side: float, layers: int) -> Bearing:
+def _with_side(template: Bearing, side: float, layers: int) -> Bearing:
     """Return the template with another square plan and number of layers; its compound stays."""
     plan = template.geometry.plan.model_copy(update={"side": side})
     geometry = template.geometry.model_copy(update={"plan": plan, "rubber_layers": layers})
@@ -366,13 +366,13 @@ def equal_bearing(
         if high - low < 0.1:
             break
     side = ROUNDING * round(0.5 * (low + high) / ROUNDING)
-    bearing = with_side(template, side, layers)
+    bearing = _with_side(template, side, layers)
     measured = isothermal_cycle(bearing, strain)
     return EqualBearing(bearing, measured.stiffness_kN_mm, measured.h_eq, displacement)
 
 
 def _stiffness(template: Bearing, side: float, layers: int, strain: float) -> float:
-    return isothermal_cycle(with_side(template, side, layers), strain).stiffness_kN_mm
+    return isothermal_cycle(_with_side(template, side, layers), strain).stiffness_kN_mm
 
 
 def third_cycle(bearing: Bearing, displacement: float) -> tuple[Floats, Floats]:

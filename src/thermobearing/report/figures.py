@@ -119,10 +119,10 @@ def _pictured(figure: ReportFigure, missing: set[str]) -> ReportFigure:
     if figure.image is not None or draw is None:
         return figure
     once = cache(_in_fonts()(draw))
-    return replace(figure, draw=once, image=svg_bytes(once(), missing))
+    return replace(figure, draw=once, image=_svg_bytes(once(), missing))
 
 
-def svg_bytes(figure: Figure, missing: set[str]) -> bytes:
+def _svg_bytes(figure: Figure, missing: set[str]) -> bytes:
     """Return a figure as SVG, its letters as outlines; letters without a font go to `missing`.
 
     The figure keeps its layout: half of the time of a drawing goes into it.

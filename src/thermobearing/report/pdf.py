@@ -60,7 +60,7 @@ def pdf_bytes(document: Document) -> bytes:
     if missing:
         note = Paragraph(missing_words(sorted(missing), "its text"), "warning")
         spoken = replace(document, blocks=[note, *document.blocks])
-    day = document_date(document)
+    day = _document_date(document)
     with tempfile.TemporaryDirectory(prefix="thermobearing-") as name:
         folder = Path(name)
         content = laid_out(spoken, folder) | {"date": [day.year, day.month, day.day]}
@@ -103,7 +103,7 @@ def _compiled(source: Path, day: date, *, system_fonts: bool) -> bytes:
     return bytes(pdf)
 
 
-def document_date(document: Document) -> date:
+def _document_date(document: Document) -> date:
     """Return the day of the title block, else of the run; never that of the making."""
     said = [text for key, text in document.block.items() if key == "Date"]
     said += [text for key, text in document.identity.items() if "date" in key.lower()]

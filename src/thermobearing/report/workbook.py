@@ -59,7 +59,7 @@ def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
         for first in range(0, max(len(table.rows), 1), ROWS - 4):
             part = _part(table, first) if len(table.rows) > ROWS - 4 else table
             _add_sheet(book, f"{name} {first // (ROWS - 4) + 1}" if first else name, part, names)
-    for name, table in history_tables(histories).items():
+    for name, table in _history_tables(histories).items():
         _add_sheet(book, name, table, names)
     written = io.BytesIO()
     book.save(written)
@@ -102,7 +102,7 @@ def _part(table: Table, first: int) -> Table:
     return replace(table, rows=table.rows[first:end], marked=marked)
 
 
-def history_tables(histories: Mapping[str, History]) -> dict[str, Table]:
+def _history_tables(histories: Mapping[str, History]) -> dict[str, Table]:
     """Return histories of runs that have the same columns below each other, as a table each."""
     total = sum(len(history.values) for history in histories.values())
     every = max(1, -(-total // MOST_HISTORY_ROWS))
