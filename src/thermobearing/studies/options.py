@@ -40,27 +40,19 @@ FACES = ("upper_face", "lower_face", "side")
 
 @dataclass(frozen=True)
 class Question:
-    """Post-processing options of a study, ready for use.
+    """Post-processing options of a study, ready for use; `Asked` describes those of a file.
 
-    Attributes
-    ----------
-    demand : column; ductility of the pier by default, or what there is instead.
-    capacity : of the demand, in its unit; None: no fragility, and no rates.
-    method : of fragility.
-    failed : runs that failed are "left-out", or count as "collapse".
-    hazard : of the site; None: no rates.
-    temperatures : hourly weather of the site, which the rubber of each bearing follows; or
-        temperatures of the rubber at equally probable times [degC]. None: no climate but that of
-        the study.
-    _followed : temperatures of the rubber that were found already, by bearing.
+    `temperatures` are hourly weather of the site, which the rubber of each bearing follows, or
+    those of the rubber at equally probable times [degC]; None: no climate but that of the study.
     """
 
     demand: str | None = None
-    capacity: float | None = None
+    capacity: float | None = None  # None: no fragility, and no rates
     method: Method = "stripes"
     failed: Failed = "left-out"
-    hazard: Hazard | None = None
+    hazard: Hazard | None = None  # None: no rates
     temperatures: Any = None
+    # Temperatures of the rubber that were found already, by bearing.
     _followed: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False, compare=False)
 
     def chosen_demand(self, result: "StudyResult") -> str:

@@ -24,27 +24,16 @@ from thermobearing.studies.store import Store
 
 @dataclass(frozen=True)
 class Status:
-    """How far a study is.
-
-    Attributes
-    ----------
-    directory : of the study.
-    name : of the study.
-    runs, done : runs in all, and those whose results are kept.
-    shards, shards_done : likewise.
-    failures : why runs failed: a row for each outcome but "completed", with `outcome`, `runs`,
-        `share` (of those done), `first` (number of the first such run) and its `sentence`.
-    interrupted : whether it was stopped by Ctrl-C now.
-    """
+    """How far a study is; `failures` are those of `count_failures`."""
 
     directory: Path
     name: str
     runs: int
-    done: int
+    done: int  # runs whose results are kept
     shards: int
     shards_done: int
     failures: pd.DataFrame
-    interrupted: bool = False
+    interrupted: bool = False  # by Ctrl-C, now
 
     @property
     def failed(self) -> int:
@@ -110,7 +99,11 @@ def study_status(directory: str | Path, *, interrupted: bool = False) -> Status:
 
 
 def count_failures(table: pd.DataFrame) -> pd.DataFrame:
-    """Return why runs failed, the most frequent outcome first; no rows if none did."""
+    """Return why runs failed, the most frequent outcome first; no rows if none did.
+
+    The columns are `outcome`, `runs`, `share` (of those in the table), `first` (number of the first
+    such run) and its `sentence`.
+    """
     failed = table[table["outcome"] != COMPLETED]
     groups = failed.groupby("outcome", sort=True, observed=True)
     found = groups.agg(runs=("run", "size"), first=("run", "min"), sentence=("sentence", "first"))
