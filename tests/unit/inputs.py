@@ -7,6 +7,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import tomli_w
 from typer.testing import CliRunner, Result
@@ -53,6 +54,16 @@ def changed_table(table: dict[str, Any], changes: dict[str, Any]) -> dict[str, A
         else:
             holder[name] = value
     return table
+
+
+def write_test(folder: Path, record: tb.TestRecord, name: str = "", sidecar: str = "") -> Path:
+    """Write a record as a CSV file with its sidecar; return the CSV file."""
+    path = folder / f"{name or record.name}.csv"
+    rows = np.column_stack([record.time, record.displacement, record.force])
+    np.savetxt(path, rows, delimiter=",", header="time_s,displacement_mm,force_kN", comments="")
+    settings = f'ambient = "{record.ambient} degC"\nbearing = "{SPECIMEN}"\n{sidecar}'
+    path.with_suffix(".toml").write_text(settings)
+    return path
 
 
 def write_toml(path: Path, table: dict[str, Any]) -> Path:

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 import thermobearing as tb
-from tests.unit.inputs import command
+from tests.unit.inputs import command, write_test
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.validate.hold_out import cross_validate, split_tests
 from thermobearing.validate.result import BEYOND, WITHIN, CrossValidation
@@ -116,7 +116,7 @@ def test_groups_have_every_temperature() -> None:
 
 
 def test_one_test_given_twice_is_one(tmp_path: Path, good: list[TestRecord]) -> None:
-    files = [write(tmp_path, record) for record in good[:2]]
+    files = [write_test(tmp_path, record) for record in good[:2]]
     held = files[1].with_suffix(".toml")  # the same test by its sidecar
     kept, out = split_tests([*files, good[2]], [held, files[1]])
     assert [record.name for record in kept] == ["at-20", "at10"]
@@ -193,16 +193,8 @@ def test_figures(folded: CrossValidation, tmp_path: Path, monkeypatch: pytest.Mo
     assert drawn == [*of_fit, "folds", *of_tests]
 
 
-def write(folder: Path, record: TestRecord) -> Path:
-    path = folder / f"{record.name}.csv"
-    columns = {"time_s": record.time, "displacement_mm": record.displacement}
-    pd.DataFrame(columns | {"force_kN": record.force}).to_csv(path, index=False)
-    path.with_suffix(".toml").write_text(f'ambient = "{record.ambient} degC"\nbearing = "{HDR}"\n')
-    return path
-
-
 def test_command(tmp_path: Path, good: list[TestRecord], faulty: TestRecord) -> None:
-    files = [write(tmp_path, record) for record in (*good[:2], faulty)]
+    files = [write_test(tmp_path, record) for record in (*good[:2], faulty)]
     fit = ["--free", "K_r,d_y", "--starts", "1"]
     out = tmp_path / "held"
     done = command("identify", *files[:2], "--hold-out", files[2], *fit, "-o", out, "--no-figures")
@@ -219,7 +211,7 @@ def test_command(tmp_path: Path, good: list[TestRecord], faulty: TestRecord) -> 
 
 
 def test_command_with_folds(tmp_path: Path, good: list[TestRecord]) -> None:
-    files = [write(tmp_path, record) for record in good[:2]]
+    files = [write_test(tmp_path, record) for record in good[:2]]
     out = tmp_path / "folds"
     words = ["identify", *files, "--folds", "2", "--free", "K_r", "--starts", "1", "-o", out]
     done = command(*words, "--no-figures", "--limit", "NRMSE=0.000001")

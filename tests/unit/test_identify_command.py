@@ -11,11 +11,11 @@ from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.unit.inputs import write_test
 from thermobearing.border.errors import InputError
 from thermobearing.cli import app
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.synthetic import synthetic_record
-from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.uncertainty.posterior import (
@@ -31,21 +31,11 @@ SHORT = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=600.0)
 AMBIENTS = (0.0, 23.0)
 
 
-def write(folder: Path, record: TestRecord, name: str, extra: str = "") -> Path:
-    path = folder / f"{name}.csv"
-    rows = np.column_stack([record.time, record.displacement, record.force])
-    np.savetxt(path, rows, delimiter=",", header="time_s,displacement_mm,force_kN", comments="")
-    path.with_suffix(".toml").write_text(
-        f'ambient = "{record.ambient} degC"\nbearing = "shen-hdr-specimen"\n{extra}'
-    )
-    return path
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("tests")
     for at in AMBIENTS:
-        write(path, synthetic_record(HDR, at, SHORT, sampling=25.0), f"at{at:g}")
+        write_test(path, synthetic_record(HDR, at, SHORT, sampling=25.0), f"at{at:g}")
     return path
 
 
@@ -115,7 +105,7 @@ def test_check_alone(folder: Path, tmp_path: Path) -> None:
 
 def test_bad_tests_write_nothing_and_say_why(folder: Path, tmp_path: Path) -> None:
     record = synthetic_record(HDR, 0.0, SHORT, sampling=25.0)
-    bad = write(tmp_path, record, "bad", "flip_force = true\n")
+    bad = write_test(tmp_path, record, "bad", "flip_force = true\n")
     out = tmp_path / "out"
     status, text = invoke(bad, "-o", out)
     assert status == 2
@@ -229,7 +219,7 @@ def test_what_a_posterior_takes_is_told_before(
         "thermobearing.identify.uncertainty.posterior._posterior_samples",
         lambda given, seed: _laplace_samples(given, 50, seed=seed),
     )
-    write(tmp_path, found.records[0], "cold")
+    write_test(tmp_path, found.records[0], "cold")
     words = (tmp_path / "cold.csv", "--posterior", "--no-figures", "-o", tmp_path / "out")
     status, text = invoke(*words)
     assert status == 0, text

@@ -4,11 +4,11 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import thermobearing as tb
+from tests.unit.inputs import write_test
 from thermobearing.cli import app
 from thermobearing.commands.common import POOR_FIT
 from thermobearing.identify.fit.parameters import M_T, parameter_set, with_values
@@ -108,12 +108,17 @@ def test_an_end_of_the_law_is_no_failure(key: str, value: float, record: TestRec
 
 
 def test_the_command_ends_with_its_status(record: TestRecord, tmp_path: Path) -> None:
-    rows = np.column_stack([record.time, record.displacement, record.force])
-    text = "time_s,displacement_mm,force_kN\n"
-    text += "".join("{:.9g},{:.9g},{:.9g}\n".format(*row) for row in rows.tolist())
-    (tmp_path / "test.csv").write_text(text)
-    (tmp_path / "test.toml").write_text('ambient = "23 degC"\nbearing = "shen-lhdr-specimen"\n')
-    words = ["identify", str(tmp_path / "test.csv"), "--free", "s", "--from-start", "--no-figures"]
+    file = write_test(tmp_path, record, "test")
+    words = [
+        "identify",
+        str(file),
+        "--bearing",
+        "shen-lhdr-specimen",
+        "--free",
+        "s",
+        "--from-start",
+        "--no-figures",
+    ]
     words += ["-o", str(tmp_path / "out"), "--json", "-q"]
     ended = CliRunner().invoke(app, words)
     assert ended.exit_code == POOR_FIT == 4
