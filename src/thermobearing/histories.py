@@ -73,12 +73,12 @@ def _of_tables(saved: SavedResult) -> dict[str, History]:
     for name, table in saved.tables.items():
         if len(table) <= MOST_ROWS:
             continue
-        told = [column for column in table.columns if not _is_number(table[column])]
-        groups: Any = table.groupby(told, sort=False, dropna=False) if told else [((), table)]
+        keyed = [column for column in table.columns if not _is_number(table[column])]
+        groups: Any = table.groupby(keyed, sort=False, dropna=False) if keyed else [((), table)]
         for values, part in groups:
-            keys = dict(zip(map(_head, told), map(str, values), strict=True))
+            keys = dict(zip(map(_head, keyed), map(str, values), strict=True))
             label = " ".join([name, *keys.values()])
-            found[label] = _history(keys, part.drop(columns=told))
+            found[label] = _history(keys, part.drop(columns=keyed))
     return found
 
 

@@ -37,8 +37,8 @@ class Exposure(Strict):
 
     Examples
     --------
-    >>> Exposure(stiffness=1.3, strength=1.4, source="tests of our compound after 14 days").told()
-    'exposure: stiffness x 1.3, strength x 1.4 (tests of our compound after 14 days)'
+    >>> Exposure(stiffness=1.3, strength=1.4, source="14 days of our compound").described()
+    'exposure: stiffness x 1.3, strength x 1.4 (14 days of our compound)'
     """
 
     stiffness: Factor = 1.0
@@ -57,7 +57,7 @@ class Exposure(Strict):
         """Whether it changes nothing."""
         return self.stiffness == 1.0 and self.strength == 1.0
 
-    def told(self) -> str:
+    def described(self) -> str:
         """One line for screens and summaries."""
         return (
             f"exposure: stiffness x {self.stiffness:g}, strength x {self.strength:g} "
@@ -85,7 +85,7 @@ def exposures(
 
 def describe_all(factors: Mapping[str, Exposure]) -> list[str]:
     """A sentence a bearing, for those who read results."""
-    return [f"{name}: {item.told()}" for name, item in factors.items()]
+    return [f"{name}: {item.described()}" for name, item in factors.items()]
 
 
 def exposure_attribute(factors: Mapping[str, Exposure]) -> dict[str, Any]:

@@ -98,7 +98,7 @@ def changed_bearing(bearing: Bearing | str | Path, **changes: Any) -> Bearing:
 
     Returns
     -------
-    Bearing : what was changed has a source that says so; the tested range stays, unless told.
+    Bearing : what was changed has a source that says so; the tested range stays, unless given.
 
     Raises
     ------
@@ -116,10 +116,10 @@ def changed_bearing(bearing: Bearing | str | Path, **changes: Any) -> Bearing:
     """
     before = as_bearing(bearing)
     data = before.model_dump()
-    told = _put_in(data, changes, "")
+    noted = _put_in(data, changes, "")
     made = validated(Bearing, data, "changed_bearing()", from_file=False)
-    kept = {key: text for key, text in before.sources.items() if not _within(key, told)}
-    return made.with_sources(kept | {key: text for key, text in told.items() if text})
+    kept = {key: text for key, text in before.sources.items() if not _within(key, noted)}
+    return made.with_sources(kept | {key: text for key, text in noted.items() if text})
 
 
 @renamed(force="overwrite")
@@ -155,18 +155,18 @@ def save_bearing(bearing: Bearing, path: str | Path, *, overwrite: bool = False)
 
 def _put_in(table: dict[str, Any], changes: Mapping[str, Any], above: str) -> dict[str, str]:
     """Changes put into a table, and by dotted key of each changed thing its new source."""
-    told: dict[str, str] = {}
+    noted: dict[str, str] = {}
     for name, value in changes.items():
         key = f"{above}{name}"
         new = value.model_dump() if isinstance(value, Strict) else value
         old = table.get(name)
         if isinstance(new, Mapping) and isinstance(old, dict) and WHOLE not in new:
-            told |= _put_in(old, new, f"{key}.")
+            noted |= _put_in(old, new, f"{key}.")
             continue
         table[name] = dict(new) if isinstance(new, Mapping) else new
         plain = above and isinstance(old, int | float) and not isinstance(old, bool)
-        told[key] = f"changed, was {old:g}" if plain and new != old else ""
-    return told
+        noted[key] = f"changed, was {old:g}" if plain and new != old else ""
+    return noted
 
 
 def _within(key: str, changed: Mapping[str, str]) -> bool:

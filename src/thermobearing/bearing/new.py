@@ -178,7 +178,7 @@ def _with_unit(key: str, text: str, length: str) -> str:
 
 def _sources(made: Bearing, of: Compound, *, assumed_plate: bool) -> dict[str, str]:
     """Rule and source of each number of the new bearing, by dotted key."""
-    told = of.sources
+    sources = of.sources
     found = {}
     for key in _number_keys(made):
         table, _, _ = key.partition(".")
@@ -193,7 +193,7 @@ def _sources(made: Bearing, of: Compound, *, assumed_plate: bool) -> dict[str, s
             rule, before = RULES.get(key, ("", before))
             if key == "lead.stiffness" and of.lead and of.lead.stiffness_ratio is not None:
                 rule, before = "K_1/K_2 of the bearing", "lead.stiffness_ratio"
-            parts = [rule, f"compound {of.name}", told.get(before, "")]
+            parts = [rule, f"compound {of.name}", sources.get(before, "")]
             found[key] = "; ".join(part for part in parts if part)
     if assumed_plate:
         found["geometry.end_plate_thickness"] = "assumed; not given"

@@ -1,7 +1,7 @@
 """Whether a bearing's numbers are those of usual ones: slips of units and signs that pass checks.
 
 The limits of the fields refuse what the model cannot bear; what lies between them and usual
-values (data/plausible/bearing.toml) may be meant, and is told with the source of the usual range.
+values (data/plausible/bearing.toml) may be meant: a warning names the source of the usual range.
 """
 
 from collections.abc import Mapping

@@ -68,8 +68,8 @@ def compound_of(bearing: Bearing, name: str = "") -> Compound:
     lead, rate = bearing.lead, bearing.rate
     if lead is not None:
         modulus = NEWTON_PER_KILONEWTON * lead.stiffness * height / lead.core_area
-        told = {key: getattr(lead, key) for key in OF_LEAD}
-        given: CompoundLead | None = CompoundLead(shear_modulus=modulus, **told)
+        same = {key: getattr(lead, key) for key in OF_LEAD}
+        given: CompoundLead | None = CompoundLead(shear_modulus=modulus, **same)
     else:
         given = None
     branch = None

@@ -20,8 +20,8 @@ UNTIL = "0.3"  # the version that no longer accepts them
 
 def _warn_renamed(old: str, new: str, stacklevel: int = 3) -> None:
     """Warn that a name of an earlier version is used, and give the present one."""
-    told = f"{old} is deprecated and goes with version {UNTIL}; use {new}"
-    warnings.warn(told, DeprecationWarning, stacklevel=stacklevel)
+    message = f"{old} is deprecated and goes with version {UNTIL}; use {new}"
+    warnings.warn(message, DeprecationWarning, stacklevel=stacklevel)
 
 
 def renamed(
@@ -60,8 +60,8 @@ def renamed(
                 keywords[new] = value
             unknown = [name for name in keywords if known and name not in known]
             if unknown:
-                told = [f'unknown key "{name}"{nearest(name, known)}' for name in unknown]
-                raise InputError(told, where)
+                message = [f'unknown key "{name}"{nearest(name, known)}' for name in unknown]
+                raise InputError(message, where)
             return function(*args, **keywords)
 
         return call

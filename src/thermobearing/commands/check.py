@@ -213,15 +213,15 @@ def _study_facts(study: Study) -> dict[str, str]:
     """What a study would run."""
     facts = {"design": study.design.kind, "runs": str(len(plan(with_stand_ins(study))))}
     for column in list_columns(study):
-        told = f"{len(column.levels)} levels"
+        said = f"{len(column.levels)} levels"
         if len(column.levels) == 1:
-            told = str(column.levels[0])
+            said = str(column.levels[0])
         elif column.distribution is not None:
             low, high = column.distribution.reach
-            told = f"{column.distribution.kind}, one in a million beyond {low:.4g} to {high:.4g}"
+            said = f"{column.distribution.kind}, one in a million beyond {low:.4g} to {high:.4g}"
         elif column.share:
-            told = "one for each sample"
-        facts[column.name] = told + (", by lot" if column.chances is not None else "")
+            said = "one for each sample"
+        facts[column.name] = said + (", by lot" if column.chances is not None else "")
     return facts
 
 

@@ -145,8 +145,8 @@ class Documents:
             kinds = Kinds(html=self.report, pdf=self.report, workbook=self.workbook)
             return make_documents(target, kinds, title=title, template=self.template)
         except (InputError, OutputError) as error:
-            told = f"the result is in {target}, but its report is not: {error}"
-            raise type(error)(told) from None
+            message = f"the result is in {target}, but its report is not: {error}"
+            raise type(error)(message) from None
 
 
 NO_DOCUMENTS = Documents()
@@ -384,8 +384,8 @@ class Command(typer.core.TyperCommand):
         for k, word in enumerate(args):
             if word in EARLIER_OPTIONS:
                 args[k] = EARLIER_OPTIONS[word]
-                told = f"thermobearing: warning: {word} is deprecated; use {args[k]}"
-                typer.echo(told, err=True)
+                message = f"thermobearing: warning: {word} is deprecated; use {args[k]}"
+                typer.echo(message, err=True)
         parsed: list[str] = super().parse_args(ctx, args)
         return parsed
 
@@ -485,8 +485,8 @@ class Rate(ProgressColumn):
         speed = task.speed
         if not speed:
             return Text("")
-        told = f"{speed:.3g} a second" if speed >= 1.0 else f"{60.0 * speed:.3g} a minute"
-        return Text(told, style="progress.data.speed")
+        message = f"{speed:.3g} a second" if speed >= 1.0 else f"{60.0 * speed:.3g} a minute"
+        return Text(message, style="progress.data.speed")
 
 
 def _progress_bar(console: Console) -> Progress:

@@ -103,7 +103,7 @@ def identify(
     bearing = bearing_of(records, given.pop("start", None))
     names = ("despike", "detrend", "ambient_uncertainty")
     treatment: dict[str, Any] = {name: given.pop(name) for name in names if name in given}
-    if check:  # writes nothing unless it is told where
+    if check:  # writes nothing without an output directory
         if end.output is not None:
             end.target()
         return _look_over(to_be_treated(records, **treatment), bearing, end)
@@ -167,8 +167,8 @@ def _forecast(
     if posterior and not quiet:
         runs, seconds = posterior_effort(final)
         tests = "1 test" if len(final.records) == 1 else f"{len(final.records)} tests"
-        told = f"up to {runs} runs of the model through {tests}, about {duration(seconds)}"
-        typer.echo(f"posterior: {told}", err=True)
+        effort = f"up to {runs} runs of the model through {tests}, about {duration(seconds)}"
+        typer.echo(f"posterior: {effort}", err=True)
     return forecast(final, predict, posterior=posterior, seed=seed)
 
 
@@ -206,8 +206,8 @@ def _look_over(records: "list[TestRecord]", bearing: "Bearing | None", end: Endi
     status = BAD_INPUT if any(report.outcome == "refused" for report in reports) else 0
     if end.as_json:
         outcomes = {report.record.name: report.outcome for report in reports}
-        told: dict[str, Any] = {"outcome": outcomes, "exit_status": status}
-        echo_json(told if target is None else told | {"output": str(target)})
+        last: dict[str, Any] = {"outcome": outcomes, "exit_status": status}
+        echo_json(last if target is None else last | {"output": str(target)})
     return status
 
 

@@ -90,6 +90,6 @@ def measure(
             dataclasses.asdict(cycle) | {"ends": ends}
             for cycle, ends in zip(found.measures, found.ends, strict=True)
         ]
-        told = {"cycles": cycles, "notes": found.notes}
-        echo_json(told if end.output is None else told | {"output": str(end.output)})
+        last = {"cycles": cycles, "notes": found.notes}
+        echo_json(last if end.output is None else last | {"output": str(end.output)})
     return 0

@@ -49,13 +49,13 @@ def new(
         facts = bearing_facts(made)
         if "end_plate" not in given:
             facts["end plates"] += ", assumed: give --end-plate"
-        facts |= _told(_not_measured(made))
+        facts |= _shown(_not_measured(made))
         print_facts(f"{target}: a new bearing", facts)
         print_warnings(implausible(made))
         typer.echo(f"written: {printable(str(target))}")
     if as_json:
-        told = {"outcome": "completed", "exit_status": 0, "output": str(target)}
-        echo_json(told | {"not_measured": _not_measured(made)})
+        last = {"outcome": "completed", "exit_status": 0, "output": str(target)}
+        echo_json(last | {"not_measured": _not_measured(made)})
     return 0
 
 
@@ -73,7 +73,7 @@ def _not_measured(made: "Bearing") -> dict[str, str]:
     return found
 
 
-def _told(unmeasured: dict[str, str]) -> dict[str, str]:
+def _shown(unmeasured: dict[str, str]) -> dict[str, str]:
     """The same for the screen: a row for each place that numbers come from."""
     by_source: dict[str, list[str]] = {}
     for key, text in unmeasured.items():

@@ -38,6 +38,6 @@ def report(
         for file in files:
             typer.echo(f"written: {printable(str(file))} ({megabytes(file.stat().st_size)})")
     if as_json:
-        told = {"outcome": "completed", "exit_status": 0, "files": [str(file) for file in files]}
-        echo_json(told)
+        last = {"outcome": "completed", "exit_status": 0, "files": [str(file) for file in files]}
+        echo_json(last)
     return 0

@@ -94,7 +94,7 @@ def run(
     made = load_study(study)
     jobs = given.get("jobs")
     if dry_run:
-        return _told(made, jobs, as_json, quiet)
+        return _show_forecast(made, jobs, as_json, quiet)
     target = output or Path(f"study-{made.name}")
     if is_matched(made):
         check_start(target, **given)
@@ -219,16 +219,16 @@ def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> An
 
     missing = len(missing_motions(study, target))
     if missing and not quiet:
-        told = (
+        message = (
             f"{counted(missing, 'motion')} to be made to fit {study.factors.motion.matched}, once"
         )
-        typer.echo(told, err=True)
+        typer.echo(message, err=True)
     return with_progress(
         lambda show: with_matched(study, target, jobs, show), "motions made", quiet
     )
 
 
-def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
+def _show_forecast(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
     """What a study will cost."""
     from thermobearing.results.screen import print_facts
     from thermobearing.studies.run.status import forecast, say_duration
@@ -236,7 +236,7 @@ def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
     announce_compiling(quiet, STRUCTURES)
     found: Forecast = forecast(study, jobs)
     if not quiet:
-        told = f"{found.size / 1e3:.0f} kB" if found.size < 1e6 else megabytes(found.size)
+        size = f"{found.size / 1e3:.0f} kB" if found.size < 1e6 else megabytes(found.size)
         failed = f", {found.failed} of which failed" if found.failed else ""
         facts = {
             "runs": str(found.runs),
@@ -244,7 +244,7 @@ def _told(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
             "motions": f"{found.motions} to be made first, "
             f"{say_duration(found.motion_seconds)} each",
             "all": f"{say_duration(max(found.whole_seconds, 1.0))} with --jobs {found.jobs}",
-            "size": f"at most {told}",
+            "size": f"at most {size}",
         }
         if not found.motions:
             del facts["motions"]

@@ -271,7 +271,7 @@ def initial_temperatures(case: "Case", cells: int, ambient: float) -> Floats:
     return np.full(cells, ambient if case.initial is None else case.initial)
 
 
-LIMITS = {  # of a rig: unit, and how a run that passes it is told
+LIMITS = {  # of a rig: unit, and what is said of a run that exceeds it
     "force": ("kN", "asks for {0:.4g} kN, more than the {1:g} kN"),
     "stroke": ("mm", "moves to {0:.4g} mm, farther than the {1:g} mm"),
     "speed": ("mm/s", "moves at {0:.4g} mm/s, faster than the {1:g} mm/s"),
@@ -502,9 +502,9 @@ def make_case(table: dict[str, Any], where: str, folder: Path = Path(), **overri
         table.pop("ambient_series", None)
     more, earlier = settle_start(table, WAYS)
     faults += more
-    told: dict[str, str] = {}
+    own: dict[str, str] = {}
     if isinstance(table["bearing"], dict):
-        table["bearing"], told = split_sources(table["bearing"])
+        table["bearing"], own = split_sources(table["bearing"])
     if "ambient" in table and table.get("ambient_series") is not None:
         faults.append("give ambient or ambient_series, not both")
     _fill_defaults(table)
@@ -515,7 +515,7 @@ def make_case(table: dict[str, Any], where: str, folder: Path = Path(), **overri
         case = case.model_copy(update={"initial_state": state})
     if faults := case.faults():
         raise InputError(faults, where)
-    bearing = case.bearing.with_sources(told | case.bearing.sources)
+    bearing = case.bearing.with_sources(own | case.bearing.sources)
     rig = [(RIGS, case.rig)] if case.rig else []
     sources = sources_to_keep([(BEARINGS, bearing), *rig], case.sources)
     return case.model_copy(

@@ -1,4 +1,4 @@
-"""How much an analysis is, known before it starts: what is too much is told, not waited for."""
+"""How much an analysis is, known before it starts: what is too much is refused."""
 
 import math
 from collections.abc import Mapping, Sequence

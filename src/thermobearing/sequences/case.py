@@ -206,7 +206,7 @@ def end_state_at(test: CyclicTest, rubber: float, at: float) -> float:
         elif isinstance(step, Cycles):
             at = 0.0
         elif isinstance(step, Recorded):
-            with contextlib.suppress(InputError):  # told by the survey
+            with contextlib.suppress(InputError):  # a fault that the survey reports
                 at = float(step.points(None)[1][-1])
     return at
 
