@@ -372,7 +372,7 @@ class RateDependence(Strict):
 class Cells(Strict):
     """Heat cells through the thickness of one part each.
 
-    The source has two in a rubber layer and one in a shim; with so few the middle of a layer is
+    Shen (2023) has two in a rubber layer and one in a shim; with so few the middle of a layer is
     too cold (docs/theory.md). The defaults are for every other bearing; even numbers, so that a
     half stack ends between two cells.
     """

@@ -314,7 +314,7 @@ RIGS = Library("rig", "rigs")
 def load_rig(name_or_path: str | Path) -> Rig:
     """A rig of the library by name, or one of your own from a TOML file.
 
-    `name_or_path`: "shen-rig", that of the source (Table 3.2), or a path.
+    `name_or_path`: "shen-rig", that of Shen (2023), Table 3.2, or a path.
     """
     return RIGS.load(Rig, name_or_path)
 

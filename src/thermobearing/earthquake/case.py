@@ -72,7 +72,7 @@ THINGS = {  # that a case names
     "bearings": load_device,
     "rig": load_rig,
 }
-PSEUDO_DYNAMIC_SPEED = 10.0  # of the source's test [mm/s]
+PSEUDO_DYNAMIC_SPEED = 10.0  # of the test of Shen (2023) [mm/s]
 Mode = Literal["rt", "pd"]
 ONE_OR_SEVERAL = BeforeValidator(lambda mode: (mode,) if isinstance(mode, str) else mode)
 

@@ -242,7 +242,7 @@ def _lead(
 
 
 def _viscous(bearing: Bearing, *, heats: bool) -> Viscous:
-    """The rate-dependent branch; the source leaves its work out of the heat."""
+    """The rate-dependent branch; Shen (2023) leaves its work out of the heat."""
     if bearing.rate is None:
         return Viscous(0.0, 1.0, heats)
     return Viscous(bearing.rate.stiffness, bearing.rate.damping / bearing.rate.stiffness, heats)

@@ -62,7 +62,7 @@ class BilinearParameters:
 def adiabatic(constants: Constants) -> Constants:
     """Adiabatic rise of the rubber, T = (1/(rho c V)) int F du.
 
-    Constantinou et al. (2007), Eq. 2.4-2.6 of the source: no conduction to steel, ends or air.
+    Constantinou et al. (2007), Eq. 2.4-2.6 of Shen (2023): no conduction to steel, ends or air.
     """
     lead = constants.lead._replace(end_conductance=0.0, side_conductance=0.0)
     return constants._replace(
@@ -74,7 +74,7 @@ def _lumped(constants: Constants, stack: Stack) -> Constants:
     """One cell for all rubber layers, shims and lead, losing no heat.
 
     Okui et al. (2019), Eq. 2.11: dT = delta V_r / (m_r c_r + m_s c_s); the rise per cycle of
-    the source is what this one shows at the end of each cycle. `stack` must be a full one.
+    Shen (2023) is what this one shows at the end of each cycle. `stack` must be a full one.
     """
     inside = np.array([name in ("rubber", "shim") for name in stack.part])
     capacity = float(stack.heat_capacity[inside].sum())

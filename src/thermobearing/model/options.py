@@ -36,7 +36,7 @@ from thermobearing.model.stack import Face, Scheme, Stack, build_stack, through_
 Stacked = Literal["auto", "half", "full"]
 WITH_LEAD_ENDS = ("multi-layer", "temperature-blind")  # the others have the formula of Eq. 5.5
 WITH_CLOCK = (*WITH_LEAD_ENDS, "lead-alone")  # in the others lead passes no heat, or at once
-DEFAULT_ETA = 2.0  # the source uses a "middle" value between 1 and 3 (Eq. 4.15)
+DEFAULT_ETA = 2.0  # Shen (2023) uses a "middle" value between 1 and 3 (Eq. 4.15)
 
 
 class EndFace(Strict):

@@ -266,7 +266,7 @@ def conservative_rates(stack: Stack, upper: Face, lower: Face | None) -> Rates:
 def published_rates(stack: Stack, upper: Face, lower: Face | None) -> Rates:
     """The printed coefficients, Eq. 4.23-4.31, with their departures P1 and P2.
 
-    2 beta/dt of the source is `diffusion` here. A shim of one cell receives twice the flux
+    2 beta/dt of Shen (2023) is `diffusion` here. A shim of one cell receives twice the flux
     its neighbours lose (Eq. 4.28, 4.31), and theta uses the rubber's c rho everywhere.
     """
     dx, k = stack.thickness, stack.conductivity
