@@ -27,7 +27,6 @@ FORCES = (200.0, -30.0, 1000.0, np.nan)
 
 
 def drawn() -> Figure:
-    """A figure as the analyses draw them."""
     figure = Figure(figsize=(8.0, 6.0))
     axes = figure.subplots()
     axes.plot(TIME, np.sin(TIME))
@@ -44,14 +43,12 @@ def peaks() -> Table:
 
 
 def long_table() -> Table:
-    """More rows than a page holds, more columns than it has room for."""
     columns = [Quantity(f"Quantity {place}", "kN/mm", ".3f") for place in range(18)]
     rows = [[1234.5678 * k] * 18 for k in range(60)]
     return Table("Long and broad", columns, rows, marked=frozenset({(3, 17)}))
 
 
 def loops() -> Plot:
-    """Two choices of two lines each, partly beyond what was tested."""
     lines = {
         words: [
             Trace("23 °C", size * np.cos(TIME), np.sin(TIME), "#CC3311"),
@@ -64,7 +61,6 @@ def loops() -> Plot:
 
 
 def profile() -> Plot:
-    """A line that a slider moves."""
     warmth = np.stack([20.0 + k * np.sin(np.pi * DEPTH / 80.0) for k in range(PLACES)])
     depths = np.stack([DEPTH] * PLACES)
     line = Trace("profile", warmth[0], DEPTH, "#0077BB", frames=depths, frames_x=warmth)
@@ -73,12 +69,8 @@ def profile() -> Plot:
 
 
 def orbit() -> Plot:
-    """A path with the same scale on both axes."""
     return Plot(
-        "x [mm]",
-        "y [mm]",
-        {"": [Trace("orbit", np.cos(TIME), np.sin(2.0 * TIME))]},
-        equal=True,
+        "x [mm]", "y [mm]", {"": [Trace("orbit", np.cos(TIME), np.sin(2.0 * TIME))]}, equal=True
     )
 
 

@@ -32,13 +32,11 @@ PARTS = [
 
 @cache
 def record() -> tb.TestRecord:
-    """A test that the model made itself."""
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None, dt=0.02)
     return replace(tb.synthetic_record(SPECIMEN, -20.0, test), name="cold")
 
 
 def cyclic(folder: Path) -> Path:
-    """With the earlier models beside it."""
     test = tb.cyclic_test(strain=[0.5, 1.0], cycles=2, dt=0.02)
     case = make_case({"bearing": "shen-lhdr-specimen"}, "case", test=test, ambient=[-20.0, 23.0])
     result = run_case(case)
@@ -54,20 +52,17 @@ def bridge(folder: Path) -> Path:
 
 
 def hybrid(folder: Path) -> Path:
-    """A specimen in the loop."""
     found = tb.hybrid("shen-lhdr-specimen", ambient=-20.0, duration=2.0)
     return found.save(folder, figures=False)
 
 
 def sequence(folder: Path) -> Path:
-    """Tests and a rest, beyond what was tested."""
     table = {"name": "short", "bearing": "shen-lhdr-specimen", "ambient": "-20 degC"}
     case = make_sequence_case(table | {"parts": PARTS}, "case.toml", rig="shen-rig")
     return run_sequence(case).save(folder, figures=False)
 
 
 def identify(folder: Path) -> Path:
-    """The cheapest fit there is."""
     found = tb.identify_bearing(record(), SPECIMEN, free=["K_r", "d_y"], starts=1)
     saved = found.save(folder, figures=False)
     save_figures({"loops": found.plot.loops}, saved / "figures", vector=True)
@@ -75,12 +70,10 @@ def identify(folder: Path) -> Path:
 
 
 def checked(folder: Path) -> Path:
-    """Tests looked at, and not fitted."""
     return save_checks([tb.check_test(record())], folder, figures=False)
 
 
 def validate(folder: Path) -> Path:
-    """Of a bearing that is too soft, and was not tested at that temperature."""
     bearing = tb.load_bearing(SPECIMEN)
     soft = bearing.hysteresis.model_copy(update={"layer_stiffness": 20.0})
     tested = Validity(ambient=[0.0, 30.0])
@@ -92,25 +85,21 @@ def validate(folder: Path) -> Path:
 
 
 def design(folder: Path) -> Path:
-    """A bearing for one motion."""
     case = make_design_case({"tolerance": 0.1}, "example", motions=["jra-ii-i-1"])
     return run_design(case).save(folder, figures=False)
 
 
 def factors(folder: Path) -> Path:
-    """Temperature factors; the warm one beyond what was tested."""
     found = run_factors(["shen-hdr-bridge"], temperatures=[-20.0, 40.0], strains=[1.0])
     return found.save(folder, figures=False)
 
 
 def bounds(folder: Path) -> Path:
-    """A bounding analysis of one motion."""
     found = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0], duration=8)
     return found.save(folder, figures=False)
 
 
 def motion(folder: Path) -> Path:
-    """A built-in motion."""
     return examine_motion(load_motion("jra-ii-i-1")).save(folder, figures=False)
 
 

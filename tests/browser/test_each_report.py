@@ -18,8 +18,6 @@ WITHOUT_FIGURES = {"identify --check", "design", "lambda", "bounds"}
 
 
 class Report(NamedTuple):
-    """A report of a kind, open in a page that tells what goes wrong in it."""
-
     kind: str
     page: Any
     told: list[str]
@@ -29,7 +27,6 @@ class Report(NamedTuple):
 def report(
     request: pytest.FixtureRequest, chromium: Any, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Report]:
-    """Made and opened once: every test says itself how large the window is."""
     kind = request.param
     folder = KINDS[kind](tmp_path_factory.mktemp("kind") / "out")
     file = make_report(folder, title={"project": "Bridge 12"}, pdf=False)[0]

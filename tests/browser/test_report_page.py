@@ -53,7 +53,6 @@ def until(holds: Callable[[], bool]) -> None:
 
 
 def line(page: Any, figure: int, axis: str = "y", trace: int = 0) -> list[float]:
-    """Numbers of a line as it is drawn."""
     page.locator(f"#plot-{figure}").scroll_into_view_if_needed()
     page.locator(f"#plot-{figure} .drawing").wait_for()
     found = page.evaluate(
@@ -63,12 +62,10 @@ def line(page: Any, figure: int, axis: str = "y", trace: int = 0) -> list[float]
 
 
 def path(page: Any, figure: int) -> str:
-    """The first line of a plot as it stands on the page."""
     return str(page.locator(f"#plot-{figure} .drawing .line").first.get_attribute("d"))
 
 
 def column(page: Any, place: int) -> list[str]:
-    """Cells of the table of peaks."""
     cells = page.locator(f"#table-2 tbody tr > :nth-child({place})")
     return [text.split(":")[-1].strip() for text in cells.all_inner_texts()]
 

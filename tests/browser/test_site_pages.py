@@ -17,7 +17,6 @@ PAGE = (
 
 @pytest.fixture
 def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Of one page."""
     monkeypatch.setattr(pages, "PAGES", ("index.html",))
     (tmp_path / "index.html").write_text(PAGE.format("<p>All is well.</p>"), encoding="utf-8")
     return tmp_path
@@ -50,7 +49,6 @@ def test_a_page_that_is_not_there_is_a_fault(site: Path) -> None:
 def test_without_a_browser(
     ci: str, status: int, site: Path, monkeypatch: pytest.MonkeyPatch, capsys
 ) -> None:
-    """Said in a sentence; where all is to be checked it is a fault."""
     monkeypatch.setattr(pages, "is_there", lambda: False)
     monkeypatch.setenv("CI", ci)
     assert pages.main(site) == status

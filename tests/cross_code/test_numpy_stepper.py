@@ -23,8 +23,6 @@ from thermobearing.cyclic.history import build_segments
 
 @dataclass(frozen=True)
 class Situation:
-    """A bearing and what happens to it."""
-
     bearing: str
     ambient: float  # [degC]
     strain: tuple[float, ...]

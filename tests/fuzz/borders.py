@@ -57,13 +57,10 @@ class Border:
 
 
 def beside(raw: bytes) -> Files:
-    """The valid files that some bytes name."""
     return {name: text for name, text in grammar.companions().items() if name.encode() in raw}
 
 
 def done(call: Callable[[Path], Any]) -> Callable[[Path], str]:
-    """A call that says nothing of its end has come to it."""
-
     def finished(folder: Path) -> str:
         call(folder)
         return COMPLETED
@@ -74,8 +71,6 @@ def done(call: Callable[[Path], Any]) -> Callable[[Path], str]:
 def toml_border(
     name: str, tables: st.SearchStrategy[dict[str, Any]], load: Callable[[Path], Any], weight: int
 ) -> Border:
-    """A loader of TOML files, fed with valid ones and mutations of them."""
-
     def example(raw: bytes) -> Example:
         about = f"{name}: {raw.decode('utf-8', 'replace')}"
         call = done(lambda folder: load(folder / "a.toml"))
@@ -92,8 +87,6 @@ def _check_and_describe(path: Path) -> None:
 
 
 def _whole(load: Callable[[Path], Any]) -> Callable[[Path], None]:
-    """A case that loads is written out in full and reads back the same."""
-
     def again(path: Path) -> None:
         text = load(path).to_toml()
         other = path.parent / "again.toml"
@@ -104,7 +97,6 @@ def _whole(load: Callable[[Path], Any]) -> Callable[[Path], None]:
 
 
 def _checked_record(path: Path) -> None:
-    """A record that loads is looked over, whatever is in it."""
     record = load_test(path)
     report = check_test(record, tb.load_bearing("shen-hdr-specimen"))
     assert report.outcome in ("good", "warning", "refused")
@@ -136,7 +128,6 @@ def _sidecar_file(raw: bytes) -> Example:
 
 @st.composite
 def _tables(draw: st.DrawFn) -> Example:
-    """CSV files of every use."""
     use = draw(st.sampled_from(["recording", "weather", "measured", "columns"]))
     if use == "recording":
         raw = draw(rows_of_numbers(sheets.MOVED))
@@ -171,7 +162,6 @@ def _tables(draw: st.DrawFn) -> Example:
 
 @st.composite
 def _motion_files(draw: st.DrawFn) -> Example:
-    """Accelerograms of each format, with the options a user may add."""
     name = draw(st.sampled_from(sorted(grammar.MOTIONS)))
     raw = draw(rows_of_numbers(grammar.MOTIONS[name]))
     options: dict[str, Any] = {}
@@ -194,7 +184,6 @@ def _motion_files(draw: st.DrawFn) -> Example:
 
 @st.composite
 def _motion_arithmetic(draw: st.DrawFn) -> Example:
-    """Preparing a motion with any numbers."""
     count, dt = draw(st.sampled_from([2, 17, 300])), draw(st.sampled_from([0.001, 0.01, 0.1]))
     size = draw(st.sampled_from([1e-5, 1.0, 3e3, 1e9]))
     values = size * np.sin(0.3 * np.arange(count) + draw(st.sampled_from([0.0, 1.0])))
@@ -226,7 +215,6 @@ def _motion_arithmetic(draw: st.DrawFn) -> Example:
 
 @st.composite
 def _results(draw: st.DrawFn) -> Example:
-    """Saved results, whole and damaged, read and used as a start."""
     raw = draw(damaged(grammar.earlier_result())) if draw(st.booleans()) else b""
     if not raw:
         raw = draw(st.one_of(st.binary(max_size=50), st.just(grammar.earlier_result())))
@@ -245,7 +233,6 @@ def _results(draw: st.DrawFn) -> Example:
 
 @st.composite
 def _quantities(draw: st.DrawFn) -> Example:
-    """Text that should be a number with a unit."""
     number = draw(st.one_of(plain_numbers().map(repr), st.text("0123456789.eE+- ,", max_size=8)))
     odd = st.one_of(st.text("mkNs/^*()2 -°CPa", max_size=12), st.text(max_size=6))
     unit = draw(st.one_of(st.sampled_from(UNITS), st.sampled_from(UNITS), odd))
@@ -261,7 +248,6 @@ def _quantities(draw: st.DrawFn) -> Example:
 
 
 def _values() -> st.SearchStrategy[Any]:
-    """What a Python argument may be by mistake."""
     return st.one_of(
         plain_numbers(),
         st.sampled_from([None, True, "x", "", "23 degC", [], [1.0], {}, 3, -1, 0, 10**400, b"x"]),
@@ -284,14 +270,12 @@ STUDY_OPTIONS = ("bearings", "motions", "ambient", "weather", "duration", "dt", 
 
 @cache
 def _record() -> TestRecord:
-    """A test of two cycles."""
     t = np.linspace(0.0, 2.0, 81)
     return record_from_arrays(t, 30.0 * np.sin(np.pi * t), 60.0 * np.sin(np.pi * t + 0.2), 23.0)
 
 
 @st.composite
 def _arguments(draw: st.DrawFn) -> Example:
-    """Arguments of Python functions."""
     name = draw(
         st.sampled_from(
             ["case", "cyclic_test", "study", "design", "fit", "motion", "factors", "series",
@@ -341,7 +325,6 @@ def _arguments(draw: st.DrawFn) -> Example:
 
 @st.composite
 def _runs(draw: st.DrawFn) -> Example:
-    """Whole runs in Python: what is accepted ends well or says why."""
     raw = draw(grammar.cyclic_cases().flatmap(lambda table: toml_files(table, calm=True)))
 
     def run(folder: Path) -> str:
@@ -355,7 +338,6 @@ def _runs(draw: st.DrawFn) -> Example:
 
 
 def library_borders() -> list[Border]:
-    """Borders of the Python package."""
     return [
         toml_border("bearing", grammar.bearings(), tb.load_bearing, 160),
         toml_border("bilinear bearing", grammar.bilinear_bearings(), load_bilinear, 60),
@@ -369,9 +351,7 @@ def library_borders() -> list[Border]:
         toml_border("check", _any_table(), _check_and_describe, 120),
         Border("test sidecar", grammar.sidecars().flatmap(toml_files).map(_sidecar_file), 140),
         Border(
-            "test record",
-            sheets.laboratory_files().flatmap(rows_of_numbers).map(_record_file),
-            100,
+            "test record", sheets.laboratory_files().flatmap(rows_of_numbers).map(_record_file), 100
         ),
         Border("table", _tables(), 180),
         Border("motions file", _motion_files(), 240),

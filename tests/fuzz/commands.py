@@ -24,7 +24,6 @@ Values = st.SearchStrategy[str]
 
 @st.composite
 def some(draw: st.DrawFn, *right: str) -> str:
-    """Mostly a right value, else a wrong one or any number."""
     kind = draw(st.integers(0, 15))
     if kind == 15:
         return draw(st.sampled_from(WORDS))
@@ -97,7 +96,6 @@ MEASURE: dict[str, Values] = {"--bearing": some(*NAMES)}
 
 @st.composite
 def _words(draw: st.DrawFn, options: dict[str, Values], most: int = 3) -> list[str]:
-    """Options with values; now and then one that is not there."""
     words: list[str] = []
     for _ in range(draw(st.integers(0, most)) if options else 0):
         name = draw(st.sampled_from(sorted(options)))
@@ -192,7 +190,6 @@ def _no_file() -> st.SearchStrategy[Any]:
 
 
 def _toml(tables: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
-    """A case file as the argument."""
     return tables.flatmap(lambda table: toml_files(table, calm=True)).map(
         lambda raw: (["a.toml"], {"a.toml": raw})
     )
@@ -218,7 +215,6 @@ TWO_RUNS = ("--ambient", "0", "--ambient", "23", "--motion", "motion.csv", "--be
 
 
 def command_borders() -> list[Border]:
-    """Borders of the command."""
     record = st.just((["test.csv"], {"test.csv": sheets.TEST.encode()}))
     judged = st.one_of(record, _table(sheets.TEST, "t.csv"))
     sequences = _toml(grammar.sequence_cases())

@@ -11,7 +11,6 @@ ROWS: list[tuple[str, dict[str, int]]] = []
 
 
 def pytest_configure() -> None:
-    """Before the workers of pytest-xdist start, which inherit it."""
     os.environ.setdefault(SEED, str(random.randrange(2**32)))
 
 

@@ -32,13 +32,11 @@ def between(low: float, high: float) -> st.SearchStrategy[float]:
 
 @st.composite
 def quantities(draw: st.DrawFn, low: float, high: float, unit: str) -> str:
-    """A number with a unit, as text."""
     return f"{draw(between(low, high))} {unit}"
 
 
 @st.composite
 def bearings(draw: st.DrawFn) -> Table:
-    """A bearing of the library, with or without its options."""
     table = copy.deepcopy(_stored(f"bearings/{draw(st.sampled_from(BEARINGS))}.toml"))
     if draw(st.booleans()):
         amplitude = draw(between(0.0, 2.0))
@@ -72,7 +70,6 @@ def damping(draw: st.DrawFn) -> Table:
 
 @st.composite
 def structures(draw: st.DrawFn) -> Table:
-    """One of the library, or a chain of one to four bodies on springs."""
     if draw(st.booleans()):
         return _stored(f"structures/{draw(st.sampled_from(['pier-p1', 'hybrid-pier']))}.toml")
     count = draw(st.integers(1, 4))
@@ -112,7 +109,6 @@ def structures(draw: st.DrawFn) -> Table:
 
 @st.composite
 def steps(draw: st.DrawFn) -> Table:
-    """One step of a cyclic test that begins at zero and ends there."""
     kind = draw(st.sampled_from(["cycles", "cycles", "rest", "ramp", "recorded"]))
     if kind == "cycles":
         timing = draw(
@@ -183,7 +179,6 @@ def motion_tables(draw: st.DrawFn) -> Any:
 
 @st.composite
 def earthquake_cases(draw: st.DrawFn) -> Table:
-    """A study of one or two short runs."""
     command = draw(st.sampled_from(["bridge", "hybrid"]))
     table: Table = {
         "command": command,
@@ -221,7 +216,6 @@ def earthquake_cases(draw: st.DrawFn) -> Table:
 
 @st.composite
 def parts(draw: st.DrawFn) -> Table:
-    """One part of a sequence; it begins where any other ends."""
     kind = draw(st.sampled_from(["cyclic", "hybrid", "rest"]))
     table: Table = {"part": kind}
     if draw(st.booleans()):
@@ -246,7 +240,6 @@ def parts(draw: st.DrawFn) -> Table:
 
 @st.composite
 def sequence_cases(draw: st.DrawFn) -> Table:
-    """A few short parts one after the other."""
     table: Table = {
         "bearing": draw(st.one_of(st.sampled_from([*BEARINGS, "bearing.toml"]), bearings())),
         "ambient": draw(quantities(-30, 40, "degC")),
@@ -280,7 +273,6 @@ def design_cases(draw: st.DrawFn) -> Table:
 
 @st.composite
 def sidecars(draw: st.DrawFn) -> Table:
-    """What the file beside a laboratory's test says."""
     table: Table = {
         "name": "cold",
         "bearing": draw(st.sampled_from(["shen-hdr-specimen", "bearing.toml"])),
@@ -321,7 +313,6 @@ TABLES = {
 
 @cache
 def earlier_result() -> bytes:
-    """The file of a small result."""
     from pathlib import Path
     from tempfile import TemporaryDirectory
 
@@ -333,7 +324,6 @@ def earlier_result() -> bytes:
 
 @cache
 def companions() -> dict[str, bytes]:
-    """Valid files beside a case, by the names that the grammar uses."""
     import tomli_w
 
     texts = {

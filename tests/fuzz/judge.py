@@ -55,14 +55,11 @@ class Example:
 
 @dataclass
 class Tally:
-    """How the examples of one border ended."""
-
     border: str
     ends: Counter[str] = field(default_factory=Counter)
     faults: dict[str, list[str]] = field(default_factory=dict)  # what was told, by signature
 
     def try_example(self, example: Example, folder: Path) -> None:
-        """Try one example in a folder that is made and removed."""
         folder.mkdir()
         here = Path.cwd()
         try:
@@ -91,7 +88,6 @@ class Tally:
         told.append(f"{example.about[:300]}: {str(error)[:200]}{where}")
 
     def told(self) -> str:
-        """All faults, each with an example or a few."""
         lines = [f"{self.border}: {len(self.faults)} faults"]
         for name, examples in self.faults.items():
             lines += [f"* {name}", *(f"    {text}" for text in examples)]
@@ -107,7 +103,6 @@ def _signature(error: BaseException) -> str:
 
 
 def _end_of(example: Example, folder: Path) -> str:
-    """How it ended; raises what must not be."""
     try:
         with watched():
             end = example.call(folder)
@@ -121,7 +116,6 @@ def _end_of(example: Example, folder: Path) -> str:
 
 
 def _check_message(message: str) -> None:
-    """A message is a sentence, not the leavings of a library."""
     assert message.strip(), "an error without a message"
     for piece in ("Traceback", "pydantic", "\x1b"):
         assert piece not in message, f"{piece!r} in the message: {message[:200]}"

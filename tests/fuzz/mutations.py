@@ -39,14 +39,12 @@ NUMBER = re.compile(r"^\s*([-+]?[\d.]+(?:e[-+]?\d+)?)\s*(.*)$", re.IGNORECASE)
 
 
 def plain_numbers() -> st.SearchStrategy[float]:
-    """Any double, and those around which code tends to break."""
     edges = [0.0, -0.0, 1e-323, 1e-12, 1e-9, 0.5, 1.0, -1.0, 1e6, 1e9, 1e12, 1e16, 1e300]
     return st.one_of(st.sampled_from(edges), st.floats())
 
 
 @st.composite
 def pieces(draw: st.DrawFn) -> str:
-    """A piece of TOML in place of a value."""
     kind = draw(st.integers(0, 9))
     if kind <= 4:
         return draw(st.sampled_from(PIECES))
@@ -61,7 +59,6 @@ def pieces(draw: st.DrawFn) -> str:
 
 
 def _places(table: Any) -> list[tuple[Any, Any]]:
-    """(holder, key) of every value in a table, at any depth."""
     items = table.items() if isinstance(table, dict) else enumerate(table)
     found: list[tuple[Any, Any]] = []
     for key, value in items:
@@ -72,7 +69,6 @@ def _places(table: Any) -> list[tuple[Any, Any]]:
 
 
 def _scaled(value: Any, power: int) -> Any:
-    """A number, or text with a number and a unit, times a power of ten."""
     if isinstance(value, bool):
         return value
     if isinstance(value, int | float):
@@ -138,7 +134,6 @@ def toml_files(draw: st.DrawFn, table: dict[str, Any], *, calm: bool = False) ->
 
 @st.composite
 def rows_of_numbers(draw: st.DrawFn, text: str) -> bytes:
-    """Lines of cells, right or with a few wrong cells, columns or lines."""
     lines = text.splitlines()
     for _ in range(draw(st.sampled_from([0, 1, 1, 1, 2, 3]))):
         at = min(draw(st.one_of(st.integers(0, 3), st.integers(0, len(lines)))), len(lines) - 1)

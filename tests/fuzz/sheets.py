@@ -25,12 +25,10 @@ NIGHT = rows("time_h,temperature_degC", lambda k: (k, 5.0 - k), 13)
 
 
 def _commas(text: str) -> str:
-    """The same with semicolons and decimal commas."""
     return text.replace(",", ";").replace(".", ",")
 
 
 def _stamped(text: str) -> str:
-    """The same with a clock that passes midnight."""
     head, *lines = text.splitlines()
     told = [head.replace("time_s", "Uhrzeit")]
     for k, line in enumerate(lines):

@@ -48,8 +48,6 @@ NEAR = 1e-9  # mm, of nodes that are one
 
 @dataclass(frozen=True)
 class Block:
-    """A ring of one material; where blocks overlap the later one counts."""
-
     name: str
     r: tuple[float, float]
     z: tuple[float, float]
@@ -78,7 +76,6 @@ def graded(start: float, end: float, count: int, ratio: float = 1.0) -> Floats:
 
 
 def mesh_of(problem: Problem) -> MeshQuad:
-    """Quadrilaterals between the mesh lines; nodes on the slit exist twice."""
     rows, columns = len(problem.z), len(problem.r)
     z, r = (part.ravel() for part in np.meshgrid(problem.z, problem.r, indexing="ij"))
     corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
@@ -327,7 +324,6 @@ def weather_problem(
 
 
 def mean_rubber(problem: Problem, history: History) -> Floats:
-    """Mean temperature of the rubber layers at every step."""
     layers = [block for block in problem.blocks if block.name.startswith("rubber")]
     volume = [(b.r[1] ** 2 - b.r[0] ** 2) * (b.z[1] - b.z[0]) for b in layers]
     return np.average([history.means[b.name] for b in layers], axis=0, weights=volume)

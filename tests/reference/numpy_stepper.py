@@ -51,8 +51,6 @@ def increment_of_z(z: Floats, dd: Floats, d_y: float, curvature: float) -> tuple
 
 @dataclass(frozen=True)
 class Cells:
-    """Heat cells of the upper half, upper face first."""
-
     thickness: Floats  # [mm]
     conductivity: Floats  # [kN/(s K)]
     volumetric_heat: Floats  # [kN/(mm2 K)] = [kN mm/(mm3 K)]
@@ -120,7 +118,6 @@ class NumpyStepper:
 
     @staticmethod
     def _middle(part: slice) -> tuple[int, int]:
-        """The two cells (or twice the one) at mid-thickness of a layer."""
         count = part.stop - part.start
         return part.start + (count - 1) // 2, part.start + count // 2
 

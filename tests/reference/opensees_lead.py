@@ -15,7 +15,6 @@ STIFF = 165.0  # kN/mm: so stiff that yielding is sharp in both (Bouc-Wen there,
 
 
 def stiff_example() -> tb.Bearing:
-    """The example lead rubber bearing with a stiff core."""
     example = tb.load_bearing("lrb-example")
     assert example.lead is not None
     return example.model_copy(update={"lead": example.lead.model_copy(update={"stiffness": STIFF})})

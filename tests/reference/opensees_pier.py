@@ -74,7 +74,6 @@ def _pier_p1(structure: Structure) -> tuple[int, int, int]:
 
 
 def _hybrid_pier(structure: Structure) -> tuple[int, int, int]:
-    """Ground, pier, deck in a row."""
     for node in (1, 2, 3):
         ops.node(node, 0.0, 0.0, 0.0)
         ops.fix(node, int(node == 1), 1, 1, 1, 1, 1)

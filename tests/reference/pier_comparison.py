@@ -2,19 +2,8 @@
 
 import numpy as np
 
-from tests.reference.opensees_pier import (
-    Bearing,
-    bilinear_bearing,
-    build,
-    shake,
-    spring_bearing,
-)
-from tests.verification.structures import (
-    ground_of,
-    linear_bearing,
-    rayleigh_factors,
-    shaken,
-)
+from tests.reference.opensees_pier import Bearing, bilinear_bearing, build, shake, spring_bearing
+from tests.verification.structures import ground_of, linear_bearing, rayleigh_factors, shaken
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.core.types import Constants, Floats
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
@@ -39,7 +28,6 @@ def elastic_pier() -> Structure:
 
 
 def parameters(name: str, kind: str) -> tuple[Constants, Bearing]:
-    """A bearing here and the same in OpenSees."""
     line = load_structure(name).bearings[0]
     if kind == "linear":
         stiffness = line.equivalent_stiffness

@@ -89,7 +89,6 @@ def _python_restart(target: Path) -> None:
 
 
 def _python_full_stack(target: Path) -> None:
-    """Both halves of the stack, and heat from dissipation."""
     test = tb.cyclic_test(strain=[1.0, 2.5], cycles=2, rest=600.0, dt=0.02)
     options = {"heat_source": "dissipation", "stack": "full", "keep_every": 1000}
     tb.run(HDR, test, -20.0, **options).save(target, figures=False)
@@ -120,12 +119,10 @@ def carry_out(name: str, folder: Path) -> tuple[str, Path | None]:
 
 
 def tolerance_of(name: str) -> float:
-    """Relative tolerance of the numbers of a case."""
     return tol.GOLDEN_FITTED if name.startswith("identify") else tol.GOLDEN
 
 
 def results_of(name: str, folder: Path) -> dict[str, str]:
-    """The comparable texts of a case, run in a folder."""
     found = texts_of(*carry_out(name, folder))
     # Parts of a sequence are results of commands that have cases of their own.
     found = {k: v for k, v in found.items() if not k.startswith("parts/")}
@@ -137,7 +134,6 @@ def results_of(name: str, folder: Path) -> dict[str, str]:
 
 
 def _invoke(words: str) -> str:
-    """Screen of a command and its exit status."""
     done = CliRunner().invoke(app, words.split(), env={"COLUMNS": "500", "NO_COLOR": "1"})
     if done.exception is not None and not isinstance(done.exception, SystemExit):
         raise done.exception

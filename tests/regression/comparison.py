@@ -28,7 +28,6 @@ TEXTS = {".json", ".csv", ".toml", ".tcl"}
 
 
 def texts_of(screen: str, directory: Path | None) -> dict[str, str]:
-    """Everything that a case left behind, by file name."""
     found = {"screen.txt": _squeezed(screen)} if screen else {}
     paths = sorted(directory.rglob("*")) if directory else []
     for path in paths:
@@ -45,7 +44,6 @@ def texts_of(screen: str, directory: Path | None) -> dict[str, str]:
 
 
 def _squeezed(screen: str) -> str:
-    """Words of a screen, free of how wide tables are drawn."""
     lines = (FRAMES.sub(" ", line).strip() for line in screen.splitlines())
     return "\n".join(line for line in lines if line) + "\n"
 
@@ -63,7 +61,6 @@ def _plain(path: Path) -> str:
 
 
 def _thinned(table: str) -> str:
-    """Head, every n-th row and the last row of a long table."""
     head, *rows = table.splitlines()
     if len(rows) <= LONG:
         return table
@@ -97,7 +94,6 @@ def _numbers(values: np.ndarray) -> str:
 
 
 def stored(case: str) -> dict[str, str]:
-    """The golden files of a case."""
     folder = GOLDEN / case
     paths = sorted(path for path in folder.rglob("*") if path.is_file())
     return {str(path.relative_to(folder)): path.read_text() for path in paths}
@@ -140,6 +136,5 @@ def _close(old: str, new: str, relative: float) -> bool:
 
 
 def _last_digit(number: str) -> float:
-    """Value of one unit in the last digit of a printed number."""
     mantissa, _, power = number.lower().partition("e")
     return float(10.0 ** (int(power or 0) - len(mantissa.partition(".")[2])))

@@ -19,13 +19,11 @@ SHOWN = 8  # differences of a case
 
 
 def compute(case: str) -> dict[str, str]:
-    """What a case gives now."""
     with tempfile.TemporaryDirectory() as folder:
         return results_of(case, Path(folder).resolve())
 
 
 def write(case: str, texts: dict[str, str]) -> None:
-    """Replace the golden files of a case."""
     for name in stored(case):
         (GOLDEN / case / name).unlink()
     for name, text in texts.items():
@@ -35,7 +33,6 @@ def write(case: str, texts: dict[str, str]) -> None:
 
 
 def words(given: list[str]) -> tuple[str, list[str]]:
-    """Reason and cases of a command line."""
     about = "Print what changed in the golden files; with a reason, rewrite them."
     parser = argparse.ArgumentParser("python -m tests.regression.regenerate", description=about)
     parser.add_argument("reason", nargs="?", default="", help="why, for reasons.md")
@@ -49,7 +46,6 @@ def words(given: list[str]) -> tuple[str, list[str]]:
 
 
 def main() -> None:
-    """Print what changed; with a reason, write it too."""
     reason, chosen = words(sys.argv[1:])
     changed = []
     for case in chosen or CASES:

@@ -75,7 +75,6 @@ def test_regenerating_needs_a_reason(
 def test_help_of_the_regeneration_writes_nothing(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Before: `--help` was the reason, and every golden file was rewritten for it."""
     monkeypatch.setattr(regenerate, "compute", lambda case: pytest.fail("computed"))
     for given, status, told in (("--help", 0, "usage: "), ("--froce", 2, "unrecognized")):
         monkeypatch.setattr("sys.argv", ["regenerate", given])

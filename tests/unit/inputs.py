@@ -19,13 +19,7 @@ Row = tuple[str, dict[str, Any], list[str]]
 
 SPECIMEN = "shen-hdr-specimen"
 # Files of a result without figures.
-FILES = [
-    "case.resolved.toml",
-    "history.csv",
-    "result.nc",
-    "summary.json",
-    "tested_range.csv",
-]
+FILES = ["case.resolved.toml", "history.csv", "result.nc", "summary.json", "tested_range.csv"]
 REMOVED = object()  # in place of a value: take the key away
 CYCLES = {"step": "cycles", "strain": 1.0, "speed": "60 mm/s", "count": 1}
 # One cycle of 2 s in 200 steps: small enough to be run hundreds of times.
@@ -37,13 +31,11 @@ QUICK_CASE = {
 
 
 def specimen_table() -> dict[str, Any]:
-    """The TOML table of the built-in specimen, with its sources."""
     text = resources.files("thermobearing") / "data" / "bearings" / f"{SPECIMEN}.toml"
     return tomllib.loads(text.read_text(encoding="utf-8"))
 
 
 def changed_table(table: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
-    """The table with values replaced, added or REMOVED by dotted key."""
     for key, value in changes.items():
         *parents, name = key.split(".")
         holder = table
@@ -72,12 +64,10 @@ def write_toml(path: Path, table: dict[str, Any]) -> Path:
 
 
 def quick_case(path: Path, **changes: Any) -> Path:
-    """A small valid case file, with changes by top-level key."""
     return write_toml(path, {**QUICK_CASE, **changes})
 
 
 def steps_case(path: Path, *steps: dict[str, Any], **test: Any) -> Path:
-    """A case file whose test has these steps."""
     return quick_case(path, test={"dt": "10 ms", **test, "steps": list(steps)})
 
 
@@ -104,7 +94,6 @@ def assert_told(message: str, pieces: list[str]) -> None:
 
 
 def told(call: Callable[[], Any], *pieces: str) -> None:
-    """The call is refused with one message that holds these pieces."""
     with pytest.raises(tb.InputError) as caught:
         call()
     assert_told(str(caught.value), list(pieces))
@@ -119,12 +108,10 @@ def command(*words: Any) -> Result:
 
 
 def cyclic(*words: Any) -> Result:
-    """A run without figures, which would take most of the time."""
     return command("cyclic", "--no-figures", *words)
 
 
 def last_line(done: Result) -> dict[str, Any]:
-    """The JSON at the end of stdout; NaN would not be JSON."""
     line = done.stdout.splitlines()[-1]
     return dict(json.loads(line, parse_constant=lambda word: pytest.fail(f"{word} in JSON")))
 
@@ -134,7 +121,6 @@ def summary(directory: Path) -> dict[str, Any]:
 
 
 def content(directory: Path) -> dict[str, bytes]:
-    """Everything below a directory, hidden files too."""
     files = sorted(path for path in directory.rglob("*") if path.is_file())
     return {str(path.relative_to(directory)): path.read_bytes() for path in files}
 

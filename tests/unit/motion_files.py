@@ -10,7 +10,6 @@ DT, COUNT = 0.01, 400
 def shaking(
     pga: float = 300.0, count: int = COUNT
 ) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
-    """A smooth motion with that largest acceleration, zero at both ends."""
     place = np.arange(count) / (count - 1)
     values = np.sin(np.pi * place) * np.sin(40.0 * np.pi * place)
     return np.asarray(pga * values / np.abs(values).max())

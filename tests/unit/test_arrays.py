@@ -57,7 +57,6 @@ def test_a_fault_of_a_motion_is_told_once() -> None:
 
 
 def test_a_ground_motion_is_run_as_its_file_is(tmp_path: Path) -> None:
-    """And runs again from the resolved case, to the bit."""
     file = tmp_path / "a.csv"
     file.write_text(files.csv_text())
     read = tb.load_motion(file)

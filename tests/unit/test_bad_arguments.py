@@ -69,10 +69,7 @@ def test_bad_argument_of_cyclic_test(options: dict[str, Any], pieces: list[str])
     [
         (lambda: tb.EndFace(eta=5), ["EndFace()", "eta = 5", "at most 3"]),
         (lambda: tb.EndFace(eta=2.0, film=3.0), ["EndFace()", "either eta", "or film"]),
-        (
-            lambda: tb.EndFace(film=-3.0),
-            ["film = -3.0", "at least 0 and at most 100000 W/(m^2 K)"],
-        ),
+        (lambda: tb.EndFace(film=-3.0), ["film = -3.0", "at least 0 and at most 100000 W/(m^2 K)"]),
         (lambda: tb.CyclicTest(steps=[]), ["CyclicTest()", "steps = []", "at least 1"]),
         (lambda: tb.Ambient.constant(500), ["ambient", "500 degC", "-100 to 100 degC"]),
         (lambda: tb.Ambient.constant("cold"), ["ambient", "'cold'"]),

@@ -219,7 +219,6 @@ def test_unknown_bearing_name(name: str, pieces: list[str]) -> None:
 
 
 def cycles(**changes: Any) -> dict[str, Any]:
-    """A test with one step of cycles, some keys replaced or REMOVED."""
     step = {key: value for key, value in (CYCLES | changes).items() if value is not REMOVED}
     return {"test": {"dt": "10 ms", "steps": [step]}}
 

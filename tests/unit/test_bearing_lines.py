@@ -29,7 +29,6 @@ def pier_of(counts: list[int]) -> Structure:
 
 
 def test_five_bearings_in_any_number_of_lines_are_the_same() -> None:
-    """And the machine code that moves them is the same."""
     ground = ground_of("jra-ii-i-1", DT, 8.0)
     constants = real_bearing("shen-lhdr-bridge")
     _, one = shaken(pier_of([5]), constants, ground, DT)
@@ -59,7 +58,6 @@ def test_lines_start_at_temperatures_of_their_own() -> None:
 
 
 def test_lines_of_one_kind_share_their_constants() -> None:
-    """Numbers of the lines in each kind; a kind is one bearing."""
     a, b = linear_bearing(1.0), real_bearing("shen-hdr-bridge")
     starts = [np.full(len(one.cells.capacity), 7.0) for one in (a, b, a)]
     kinds = build_bearings([a, b, a], starts, [None, None, None])
@@ -70,7 +68,6 @@ def test_lines_of_one_kind_share_their_constants() -> None:
 
 
 def shake_unlike_lines() -> tuple[StructureHistory, StructureHistory]:
-    """Two lines of other bearings, and one that is as stiff as both."""
     structure, ground = pier_of([1, 1]), ground_of("jra-ii-i-1", DT, 0.3)
     both = [linear_bearing(4.0), linear_bearing(9.0)]
     prepared = prepare_structure(structure)

@@ -60,7 +60,6 @@ def test_a_bearing_of_its_own_compound_and_size_is_itself(name: str) -> None:
 def test_the_compounds_of_the_source_are_those_of_its_specimens(
     compound: str, bearing: str
 ) -> None:
-    """Six digits are in the file."""
     shipped = tb.load_compound(compound)
     divided = compound_of(tb.load_bearing(bearing))
     for table in ("rubber", "lead", "rate"):
@@ -109,7 +108,6 @@ def test_every_rule_of_size() -> None:
 
 
 def test_stress_at_a_strain_is_that_of_the_compound() -> None:
-    """HDR: the same stress at the same strain in any size, without heating."""
     sizes = (
         {"plan": "240x240mm", "layers": "6x5mm"},
         {"plan": "1000x600mm", "layers": "11x17mm"},

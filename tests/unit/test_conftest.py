@@ -55,7 +55,6 @@ def suite(tmp_path: Path) -> Path:
 
 
 def ended(folder: Path, workers: int, expected: list[str]) -> subprocess.CompletedProcess[str]:
-    """Those tests in CI, in so many processes beside the first."""
     (folder / "expected_skips.txt").write_text("\n".join(["# node ids", *expected]))
     own = {key: value for key, value in os.environ.items() if not key.startswith("PYTEST_")}
     return subprocess.run(
@@ -87,5 +86,4 @@ def test_unexpected_skips_fail(suite: Path, expected: list[str], amiss: str) -> 
 
 
 def test_what_is_compiled_beforehand_runs() -> None:
-    """Its end is not looked at before the tests."""
     exec(conftest.COMPILE, {})

@@ -27,7 +27,6 @@ def declared(texts: list[str]) -> set[str]:
 
 
 def imported() -> set[str]:
-    """Top-level modules that a file of the package imports, anywhere in it."""
     found = set()
     for path in (ROOT / "src").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -39,7 +38,6 @@ def imported() -> set[str]:
 
 
 def test_what_is_imported_is_declared() -> None:
-    """Before: markdown_it came with rich, llvmlite with numba."""
     known = declared([*PROJECT["dependencies"], *EXTRAS])
     owners = packages_distributions()
     missing = {

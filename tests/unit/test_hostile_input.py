@@ -8,14 +8,7 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
-from tests.unit.inputs import (
-    changed_table,
-    command,
-    quick_case,
-    specimen_table,
-    told,
-    write_toml,
-)
+from tests.unit.inputs import changed_table, command, quick_case, specimen_table, told, write_toml
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border import errors
 from thermobearing.border.errors import InputError
@@ -146,7 +139,6 @@ def test_names_longer_than_the_system_allows(call: Callable[[Path], Any], tmp_pa
 
 
 def test_files_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A device that never stops, and a file too large to be meant."""
     monkeypatch.setattr(text, "LARGEST_FILE", 1000)
     endless = Path("/dev/zero")
     if endless.exists():
@@ -226,7 +218,6 @@ def test_one_number_stands_for_a_list_of_one() -> None:
 
 
 def test_messages_do_not_move_the_cursor(tmp_path: Path) -> None:
-    """Nor do they hold what cannot be printed; Japanese is no such thing."""
     path = tmp_path / "免震.toml"
     path.write_text('kind = "\\u001b[2J"\nname = "\\u202e"')
     with pytest.raises(InputError) as caught:

@@ -124,7 +124,6 @@ def test_a_sidecar_that_is_there_wins_and_stays(tmp_path: Path) -> None:
 
 
 def test_columns_without_titles_and_units(tmp_path: Path) -> None:
-    """An even clock, and the pair of columns whose loops give no work back."""
     t, x, f = history()
     path = tmp_path / "bare.txt"
     np.savetxt(path, np.column_stack([f[:1600], t[:1600], x[:1600]]), fmt="%.5f")
@@ -159,11 +158,7 @@ BAD = [
     ("words", "a,b,c\n" + "x,y,z\n" * 20, "0 rows of numbers"),
     ("short", "time_s,displacement_mm,force_kN\n0,0,0\n1,1,1\n", "2 rows of numbers"),
     ("no force", "time_s,a_mm\n" + "".join(f"{k},{k % 7}\n" for k in range(20)), "like a force"),
-    (
-        "no unit of force",
-        "time_s,a_mm,Kraft [t]\n" + "1,2,3\n2,3,4\n" * 20,
-        '"t" cannot be',
-    ),
+    ("no unit of force", "time_s,a_mm,Kraft [t]\n" + "1,2,3\n2,3,4\n" * 20, '"t" cannot be'),
     ("empty", "", "is empty"),
     ("binary", bytes(range(1, 256)) * 3, "neither UTF-8"),
 ]
@@ -191,7 +186,6 @@ def test_a_recorded_history_reads_the_sidecar(tmp_path: Path) -> None:
 
 
 def test_one_bad_file_does_not_stop_the_others(tmp_path: Path) -> None:
-    """Before: nothing of a folder was written because of one file in it."""
     good, bad = laboratory(tmp_path / "good.csv"), tmp_path / "bad.csv"
     bad.write_text("a,b\nx,y\n")
     words = ("intake", bad, good, tmp_path / "none.csv", "-o", tmp_path / "out", "--no-figures")

@@ -30,7 +30,6 @@ def is_kernel(node: ast.AST) -> bool:
 
 
 def taken_from(tree: ast.Module) -> dict[str, Path]:
-    """File of the package that each imported name comes from."""
     found = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("thermobearing."):
@@ -40,7 +39,6 @@ def taken_from(tree: ast.Module) -> dict[str, Path]:
 
 
 def test_cache_key_covers_all_that_kernels_use() -> None:
-    """Every file with a kernel, and every file a kernel takes a name from."""
     covered = set(kernel_files())
     assert all(path.is_file() for path in covered)
     kernels = 0
@@ -57,7 +55,6 @@ def test_cache_key_covers_all_that_kernels_use() -> None:
 
 
 def test_cache_key_leaves_out_what_has_no_kernels() -> None:
-    """An edit there must not compile everything again."""
     names = {path.relative_to(PACKAGE).parts[-2:] for path in kernel_files()}
     assert ("core", "step.py") in names
     assert ("structure", "newmark.py") in names
@@ -66,7 +63,6 @@ def test_cache_key_leaves_out_what_has_no_kernels() -> None:
 
 
 def record_classes() -> list[type]:
-    """Those that rows are made of: classes with annotations only."""
     found = [
         value
         for module in (types, structure_types)
@@ -78,7 +74,6 @@ def record_classes() -> list[type]:
 
 @pytest.mark.parametrize("record", record_classes(), ids=lambda record: record.__name__)
 def test_a_name_of_a_record_is_not_hidden_by_numpy(record: type) -> None:
-    """Plain Python looks names up in numpy's own record first."""
     names = row_type(record).names
     assert names
     assert [name for name in names if hasattr(np.void, name)] == []
@@ -111,7 +106,6 @@ def test_rows_are_views_and_copies_are_not() -> None:
 
 
 def found_with(monkeypatch: pytest.MonkeyPatch, **variables: str | None) -> Path | None:
-    """The folder for machine code in another environment."""
     for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
         monkeypatch.delenv(name, raising=False)
     for name, value in variables.items():

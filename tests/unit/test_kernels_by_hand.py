@@ -14,12 +14,7 @@ from thermobearing.core.hysteresis import euler_increment, exact_increment
 from thermobearing.core.lead import core_force, core_heat
 from thermobearing.core.records import rows
 from thermobearing.core.step import recoverable_energy, runs_away
-from thermobearing.core.types import (
-    HEAT_FROM_DISSIPATION,
-    HEAT_FROM_WORK,
-    Layer,
-    new_state,
-)
+from thermobearing.core.types import HEAT_FROM_DISSIPATION, HEAT_FROM_WORK, Layer, new_state
 from thermobearing.core.viscous import maxwell
 from thermobearing.model.options import ModelOptions, build_model
 
@@ -51,7 +46,6 @@ def integrated(z: float, increment: float, curvature: float) -> float:
 @pytest.mark.parametrize("z", [-0.6, 0.0, 0.5])
 @pytest.mark.parametrize("increment", [-1.5, -0.2, 0.3, 2.0])
 def test_exact_increment_solves_its_equation(shape: float, z: float, increment: float) -> None:
-    """Loading, unloading, and through zero; for every kind of curvature."""
     curvature = (1.0 - shape) / ((1.0 + shape) * D_Y**2)
     found, slope = exact_increment(z, increment, D_Y, curvature)
     assert_allclose(found, integrated(z, increment, curvature), atol=tol.RUNGE_KUTTA)
@@ -178,7 +172,6 @@ def test_side_loss_of_one_step(published: bool) -> None:
 
 
 def test_histories_are_the_same_however_many_steps_were_done() -> None:
-    """An odd number of steps leaves the last state in the other record."""
     for counts in ((1, 2), (2, 1), (1, 1, 1)):
         steps = [
             {"step": "ramp", "to": f"{3 * n} mm", "duration": f"{0.1 * (n - m)} s"}

@@ -32,8 +32,6 @@ ARGUMENTS: dict[str, tuple[Callable[[Floats], Floats], Floats]] = {
 
 
 def of_lanes(function: Any) -> Any:
-    """A kernel that applies a function to arrays of lanes."""
-
     @compiled
     def kernel(x: Floats, found: Floats) -> None:
         given, wanted = as_lanes(x, WIDTH), as_lanes(found, WIDTH)
@@ -86,7 +84,6 @@ def halved_lanes(x: Floats, limit: float, found: Floats) -> None:
 
 
 def test_a_loop_ends_when_all_have_what_they_want() -> None:
-    """Each number as often as alone; NaN ends at once."""
     x = np.array([3.0 ** (k + 1) for k in range(WIDTH)])
     x[2] = math.nan
     found = aligned((1, WIDTH), np.float64)

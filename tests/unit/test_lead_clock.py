@@ -24,7 +24,6 @@ FORMULA = {"lead_ends": "half-space"}
 
 
 def says(clock: Any) -> Bearing:
-    """The specimen with a clock of its own."""
     assert LHDR.lead is not None
     return LHDR.model_copy(update={"lead": LHDR.lead.model_copy(update={"clock": clock})})
 
@@ -113,7 +112,6 @@ def test_a_clock_that_does_nothing_is_refused(
 
 
 def test_it_passes_by_bearings_without_lead() -> None:
-    """As the other options of lead do: a study may hold both kinds."""
     both = ["shen-hdr-specimen", "shen-lhdr-specimen"]
     options: dict[str, Any] = {"ambient": 0, "duration": 3, "scheme": "published"}
     lead, steel = (tb.hybrid(both, clock=clock, **options) for clock in ("lead", "steel"))

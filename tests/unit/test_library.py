@@ -90,7 +90,6 @@ def test_own_file_by_path_and_text(tmp_path: Path) -> None:
 
 
 def test_byte_order_mark_is_no_fault(tmp_path: Path) -> None:
-    """Windows editors write one, and TOML has no use for it."""
     path = write_toml(tmp_path / "plain.toml", specimen_table())
     marked = tmp_path / "marked.toml"
     marked.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
@@ -140,7 +139,6 @@ def test_numbers_of_lead_and_steel() -> None:
 def test_what_is_taken_for_a_path(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A file of the present folder by its name, and any path with a slash."""
     (tmp_path / "sub").mkdir()
     write_toml(tmp_path / name, specimen_table())
     monkeypatch.chdir(tmp_path)
@@ -170,7 +168,6 @@ def test_bilinear_bearing_is_stiff_first() -> None:
 
 
 def test_what_is_read_once_is_nobodys_to_change() -> None:
-    """A shipped file is parsed once; every reader has a table of its own."""
     first, where = BEARINGS.table(SPECIMEN)
     first["geometry"]["rubber_layers"] = 1
     again, there = BEARINGS.table(SPECIMEN)

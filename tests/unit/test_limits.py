@@ -27,7 +27,6 @@ MEANT = {"post_yield_ratio", "surface_ratio", "end_spreading", "yield_rotation",
 
 
 def parts(item: Any) -> Iterator[Any]:
-    """Types and limits in a field or annotation, at any depth."""
     inner = [*item.metadata, item.annotation] if isinstance(item, FieldInfo) else get_args(item)
     yield item
     for part in inner:
@@ -50,7 +49,6 @@ for file in FILES:
 
 
 def limits(model: type[BaseModel], name: str) -> tuple[list[float], list[float]]:
-    """Lower and upper limits of a field."""
     found = list(parts(model.model_fields[name]))
     low = [part.ge if isinstance(part, Ge) else part.gt for part in found if type(part) in (Ge, Gt)]
     high = [part.le if isinstance(part, Le) else part.lt for part in found
@@ -73,7 +71,6 @@ def test_every_number_has_two_limits(model: type[BaseModel]) -> None:
 
 
 def numbers(model: BaseModel) -> Iterator[tuple[type[BaseModel], str, float]]:
-    """All numbers of a record, at any depth."""
     for name in type(model).model_fields:
         value = getattr(model, name)
         for item in value if isinstance(value, list | tuple) else [value]:
@@ -148,8 +145,6 @@ def test_a_field_without_limits_has_those_of_a_slip() -> None:
 
 
 class Walk(Strict):
-    """Every kind of limit."""
-
     length: Annotated[float, in_unit("mm"), Field(gt=0)] = 1.0
     share: Annotated[float, Field(ge=0, lt=1)] = 0.0
     steps: Annotated[int, Field(gt=2, le=5)] = 3

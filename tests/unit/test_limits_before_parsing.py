@@ -24,7 +24,6 @@ xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><sheetData>{ro
 
 
 def workbook(path: Path, rows: str) -> Path:
-    """A workbook whose only sheet has these rows."""
     openpyxl = pytest.importorskip("openpyxl", reason="pip install 'thermobearing[xlsx]'")
     openpyxl.Workbook().save(path.with_suffix(".plain"))
     with zipfile.ZipFile(path.with_suffix(".plain")) as old, zipfile.ZipFile(path, "w") as new:
@@ -135,7 +134,6 @@ def test_a_long_cell_is_no_number_and_no_stamp() -> None:
 
 
 def test_a_named_pipe_is_refused(tmp_path: Path) -> None:
-    """Before: the command waited for a writer."""
     os.mkfifo(tmp_path / "f.toml")
     os.mkfifo(tmp_path / "f.csv")
     for read in (read_toml, load_test):
@@ -147,7 +145,6 @@ def test_a_named_pipe_is_refused(tmp_path: Path) -> None:
 def test_a_folder_that_a_study_holds_takes_results(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Before: the writer waited, without a word, until the study ended."""
     monkeypatch.setattr(swap, "PATIENCE", 0.2)
     bearing = tb.load_bearing("shen-hdr-specimen")
     result = tb.run(bearing, tb.cyclic_test(strain=[0.5], cycles=1, rest=None), ambient=23.0)

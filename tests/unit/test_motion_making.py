@@ -157,7 +157,6 @@ def test_pulse_by_hand(cycles: float, phase: float) -> None:
 
 
 def test_noise_has_the_strength_that_the_file_says() -> None:
-    """Root mean square while strong, over many draws, without the pulse."""
     dt = 0.01
 
     def noise(draw: int) -> Floats:

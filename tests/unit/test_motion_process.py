@@ -59,7 +59,6 @@ def test_quiet_end_of_several_rows_is_that_of_each() -> None:
 
 @pytest.mark.parametrize("high_pass", [None, 0.05])
 def test_drift_is_taken_out_and_the_spectrum_stays(high_pass: float | None) -> None:
-    """A record on a tilted instrument: a constant and a ramp are added."""
     clean = load_motion("jra-ii-i-1")
     tilt = 5.0 + 0.3 * clean.time
     tilted = GroundMotion("tilted", clean.dt, clean.acceleration + tilt)
@@ -88,7 +87,6 @@ def test_finer_step_is_the_same_motion() -> None:
 
 @pytest.mark.parametrize("dt", [0.02, 0.025, 0.04])
 def test_coarser_step_does_not_fold_back(dt: float) -> None:
-    """What the new step cannot carry is gone, what it can carry stays."""
     middle = slice(round(5.0 / dt), round(35.0 / dt))
     limit = 0.5 / dt
     gone = resampled(sine(1.4 * limit), dt)
@@ -142,7 +140,6 @@ def test_scaled_trimmed_padded() -> None:
 
 
 def test_durations_by_hand() -> None:
-    """Ten seconds of even shaking between rests."""
     values = np.zeros(3001)
     values[1000:2001] = 600.0 * (-1.0) ** np.arange(1001)
     motion = GroundMotion("even", DT, values)

@@ -120,7 +120,6 @@ def test_name_can_be_given(tmp_path: Path) -> None:
 
 
 def test_unknown_rows_do_not_change_what_is_read(tmp_path: Path) -> None:
-    """A byte order mark and blank lines."""
     text = "\n\n" + files.csv_text().replace("\n", "\n\n")
     motion = read_motion(files.write(tmp_path / "a.csv", text, "utf-8-sig"))
     assert len(motion.acceleration) == files.COUNT

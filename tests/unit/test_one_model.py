@@ -100,7 +100,6 @@ def test_a_table_is_a_bearing() -> None:
 
 @pytest.mark.parametrize("name", tb.list_bearings())
 def test_one_heat_source_everywhere(name: str) -> None:
-    """Natural rubber gives its elastic work back, whoever asks."""
     bearing = tb.load_bearing(name)
     wanted = HEAT_FROM_DISSIPATION if bearing.kind == "LRB" else HEAT_FROM_WORK
     case = make_case({}, "test", bearing=bearing)
@@ -202,7 +201,6 @@ def test_resolved_study_says_every_option_and_reads_back() -> None:
 
 
 def test_earlier_models_in_an_earthquake() -> None:
-    """The same changes of the constants as in a cyclic test."""
     common = {"bearing": HDR, "motion": "jra-ii-i-1", "ambient": -20, "duration": 8}
     runs = {
         model: tb.bridge(model=model, **common)
@@ -218,7 +216,6 @@ def test_earlier_models_in_an_earthquake() -> None:
 
 
 def test_earlier_models_go_with_the_published_scheme() -> None:
-    """Before, refused; a lone cell of lead and rubber ran away with the published exchange."""
     test = tb.cyclic_test(strain=[1.75], cycles=2, wave="sine")
     for model in models_that_fit(tb.load_bearing("shen-lhdr-specimen")):
         pair = [

@@ -40,7 +40,6 @@ def command(*words: object) -> tuple[int, dict[str, Any]]:
 
 
 def test_every_command_takes_the_column_of_the_chamber(tmp_path: Path) -> None:
-    """Before: `validate` and `identify` assumed 23 degC, or did not find the columns."""
     file, out = laboratory(tmp_path / "lab.csv"), tmp_path / "out"
     (taken,) = tb.take_in(file).files
     record = load_test(file)
@@ -113,7 +112,6 @@ def test_a_recording_reads_the_same_table(tmp_path: Path) -> None:
 
 
 def test_what_a_recording_assumes_is_a_warning(tmp_path: Path) -> None:
-    """Columns without units: s and mm are assumed."""
     (tmp_path / "h.csv").write_text("Zeit;Weg\n0;0\n1;10\n2;0\n")
     case = steps_case(tmp_path / "case.toml", {"step": "recorded", "file": "h.csv"})
     result = tb.run_case(tb.load_case(case))
@@ -153,7 +151,6 @@ MOTIONS = {
 
 @pytest.mark.parametrize("form", MOTIONS)
 def test_a_motion_reads_the_same_tables(tmp_path: Path, form: str) -> None:
-    """Before: "holds 2 components (Zeit, Beschleunigung); give component"."""
     values = 300.0 * np.sin(0.3 * np.arange(40))
     pairs = [(0.01 * k, a) for k, a in enumerate(values)]
     text = MOTIONS[form].format(

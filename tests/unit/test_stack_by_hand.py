@@ -106,7 +106,6 @@ def test_numbers_of_rubber() -> None:
 
 @pytest.mark.parametrize("clock", ["steel", "lead"])
 def test_numbers_of_lead_and_rate(clock: str) -> None:
-    """The dimensionless clock is that of the medium that the bearing names."""
     assert LHDR.lead is not None
     assert LHDR.rate is not None
     assert LHDR.materials.lead is not None
@@ -154,7 +153,6 @@ def test_bilinear_bearing_by_hand() -> None:
 
 
 def test_design_assumes_that_the_first_branch_is_six_and_a_half_times_stiffer() -> None:
-    """Unless the loop is too fat for it."""
     slim = backbone(2.0, 0.1 * 2.0 * math.pi * 2.0 * 100.0**2, 100.0)
     assert_allclose(slim.initial / slim.post_yield, 6.5)
     fat = backbone(2.0, 0.4 * 2.0 * math.pi * 2.0 * 100.0**2, 100.0)

@@ -24,11 +24,7 @@ from thermobearing.tables.laboratory import read_laboratory
 from thermobearing.tables.text import read_sheets
 
 PLAIN = "time_s,displacement_mm,force_kN\n0,0,0\n0.5,1.25,3\n1,-1250,-3.5\n"
-VALUES = {
-    "time": [0.0, 0.5, 1.0],
-    "displacement": [0.0, 1.25, -1250.0],
-    "force": [0.0, 3.0, -3.5],
-}
+VALUES = {"time": [0.0, 0.5, 1.0], "displacement": [0.0, 1.25, -1250.0], "force": [0.0, 3.0, -3.5]}
 HEAD = "time_s{0}displacement_mm{0}force_kN\n"
 FORMS: dict[str, str | bytes] = {
     "plain": PLAIN,
@@ -160,7 +156,6 @@ def blocks(gap: float) -> str:
 
 
 def test_blocks_of_one_file(tmp_path: Path) -> None:
-    """A clock that goes on tells the rest; one that starts anew does not."""
     on = load_test(lies(tmp_path, blocks(60.0)))
     assert on.block.tolist() == [0] * 4 + [1] * 4
     assert on.time[4] == 60.0
@@ -252,7 +247,6 @@ def test_what_a_sidecar_tells_is_not_looked_for(tmp_path: Path) -> None:
 
 
 def test_a_head_of_words_and_numbers_is_no_table(tmp_path: Path) -> None:
-    """Before: "Datum;05.02.2026" was the first row of numbers, the specimen's name its title."""
     rows = "".join(f"{k / 10};{k % 7};{2 * (k % 7)};-10,2\n" for k in range(40)).replace(".", ",")
     head = "Prüfling A7\nDatum;05.02.2026\nAbtastrate [Hz];20\n\n"
     titles = "Zeit [s];Verschiebung [cm];Kraft [N];Raumtemperatur [°C]\n"
@@ -322,7 +316,6 @@ def test_many_rows_keep_their_bits(tmp_path: Path) -> None:
 
 
 def test_faults_are_told_with_the_line_of_the_file(tmp_path: Path) -> None:
-    """Lines before the header and between it and the numbers count too."""
     text = "laboratory\nnumber 7\ntime_s,force_kN\n[s],[kN]\n0,1\n1,lost\n2,3\n"
     path = lies(tmp_path, text)
     layout = Layout(lines_before=2, lines_after=1)

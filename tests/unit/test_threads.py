@@ -27,7 +27,6 @@ print(os.environ["OPENBLAS_NUM_THREADS"], len(os.listdir(tasks)) if os.path.exis
 
 
 def told(begin: str, **environment: str) -> list[str]:
-    """The setting and the number of threads of a process that begins so."""
     clean = {key: value for key, value in os.environ.items() if key not in VARIABLES}
     done = subprocess.run(
         [sys.executable, "-c", "import sys\n" + begin + ASK],

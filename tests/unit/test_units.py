@@ -119,8 +119,6 @@ def test_zero_has_no_sign() -> None:
 
 
 def test_a_unit_that_is_wanted_needs_no_pint(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Most files have no others, and pint takes as long as a small run."""
-
     def imported() -> None:
         raise AssertionError("pint is used")
 
@@ -182,7 +180,6 @@ def test_lists_of_numbers() -> None:
     ],
 )
 def test_masked_and_complex_numbers_are_refused(values: Any) -> None:
-    """Before, hidden values and real parts were taken without a word."""
     time = [0.0, 0.5, 1.0]
     for use in (
         lambda: tb.run("shen-hdr-specimen", test=(time, values)),

@@ -133,7 +133,6 @@ def table(folder: Path, rows: list[str], title: str = "time,temperature_degC") -
 
 
 def test_table_with_stamps(tmp_path: Path) -> None:
-    """Ten minutes and hours; day first, as its order tells."""
     rows = ["30.01.2024 23:00,-8", "30.01.2024 23:10,-9", "31.01.2024 00:00,-4"]
     rows += [f"31.01.2024 {hour:02d}:00,{hour - 4}" for hour in range(1, 4)]
     weather = tb.read_weather(table(tmp_path, rows))

@@ -40,7 +40,6 @@ def element() -> tb.BearingElement:
 
 @pytest.mark.parametrize("kind", WRONG)
 def test_a_trial_takes_numbers_only(kind: str, element: tb.BearingElement) -> None:
-    """Before: pages of a compiler's messages, or a program compiled for half a minute."""
     value = WRONG[kind]
     for words in ((value, 0.1), (1.0, value), (1.0, 0.1, value)):
         with pytest.raises(tb.InputError, match="set_trial"):
@@ -64,7 +63,6 @@ def test_impossible_steps_are_refused(element: tb.BearingElement) -> None:
 
 
 def test_a_copy_of_an_element_moves_by_itself() -> None:
-    """Before: two elements that were copies of each other changed each other."""
     one = tb.element("shen-hdr-bridge")
     twin = copy.copy(one)
     fresh = one.set_trial(5.0, 0.1).force
@@ -98,7 +96,6 @@ def test_workers_and_callbacks_are_checked_before_a_run() -> None:
 
 
 def test_a_list_as_a_limit_of_a_distribution(tmp_path: Path) -> None:
-    """Before: KeyError 'float' in `check` and `study`."""
     file = tmp_path / "s.toml"
     file.write_text(
         'kind = "study"\nname = "s"\n[case]\ncommand = "bridge"\nbearings = ["shen-hdr-bridge"]\n'
@@ -108,7 +105,6 @@ def test_a_list_as_a_limit_of_a_distribution(tmp_path: Path) -> None:
 
 
 def test_a_result_that_was_changed_and_sealed_again(tmp_path: Path) -> None:
-    """Before: KeyError and OSError tracebacks."""
     import xarray as xr
 
     from thermobearing.results.writing import write_dataset

@@ -29,7 +29,6 @@ DISPLACEMENT, ACCELERATION = "pier_top_displacement_max_mm", "pier_top_accelerat
 
 
 def in_rig(bearing: str, mode: str, name: str) -> Criterion:
-    """Whether the rig could give the forces."""
     return Criterion(
         f"{name}, {mode.upper()}: force of the specimen [kN]",
         f"rig {RIG:g} (Table 3.2)",
@@ -40,7 +39,6 @@ def in_rig(bearing: str, mode: str, name: str) -> Criterion:
 
 
 def all_periods(e: Evidence) -> np.ndarray:
-    """HDR, then LHDR."""
     return np.concatenate([e.periods[HDR], e.periods[LHDR]])
 
 
@@ -92,7 +90,6 @@ def pier_alike(e: Evidence) -> bool:
 
 
 def list_rows(column: str, form: str, factor: float = 1.0) -> "Criterion":
-    """Response of the pier in the cold."""
     name = "displacement [mm]" if column == DISPLACEMENT else "acceleration [m/s2]"
     return Criterion(
         f"pier top {name}, RT",
@@ -165,5 +162,4 @@ SOFT = [
 
 
 def score(criteria: list[Criterion], e: Evidence) -> int:
-    """How many hold."""
     return sum(criterion.holds(e) for criterion in criteria)

@@ -50,7 +50,6 @@ class Evidence:
     periods: dict[str, Floats]  # first, with it [s]
 
     def rows(self, bearing: str, mode: str, column: str) -> Floats:
-        """Of the table, warm to cold."""
         t = self.table
         rows = t[(t["bearing"] == bearing) & (t["mode"] == mode)]
         rows = rows.sort_values("ambient_degC", ascending=False)
@@ -61,16 +60,13 @@ class Evidence:
         return self.rows(bearing, mode, "bearing_force_max_kN")
 
     def ratio(self, bearing: str, column: str) -> Floats:
-        """Real time over pseudo-dynamic."""
         return self.rows(bearing, "rt", column) / self.rows(bearing, "pd", column)
 
     def energies(self, mode: str) -> Floats:
-        """LHDR over HDR."""
         column = "bearing_energy_kN_mm"
         return self.rows(LHDR, mode, column) / self.rows(HDR, mode, column)
 
     def run(self, bearing: str, mode: str, ambient: float) -> int:
-        """Number of a run."""
         t = self.table
         found = (t["bearing"] == bearing) & (t["mode"] == mode) & (t["ambient_degC"] == ambient)
         return int(t.index[found][0])
@@ -137,12 +133,10 @@ class Criterion:
 
 
 def told(values: Floats, form: str = ".2f") -> str:
-    """Numbers in a row."""
     return " ".join(format(value, form) for value in np.atleast_1d(values))
 
 
 def damping_ratios(bearing: str, strain: float = 1.75) -> Floats:
-    """h_eq of the third cycle, warm to cold."""
     table = tb.run(bearing, tb.cyclic_test(strain=[strain], cycles=3), AMBIENT).cycles
     third = table[table["cycle"] == 3].set_index("ambient_degC")["h_eq"]
     return np.array([third[ambient] for ambient in AMBIENT])
@@ -155,10 +149,8 @@ def axial_stress(e: Evidence) -> float:
 
 
 def colder(values: Floats) -> bool:
-    """Larger the colder it is."""
     return bool(np.all(np.diff(values) > 0.0))
 
 
 def pair(quantity: Callable[[str], Floats], form: str = ".2f") -> str:
-    """HDR; LHDR."""
     return f"{told(quantity(HDR), form)}; {told(quantity(LHDR), form)}"

@@ -25,7 +25,6 @@ CYCLES = 27
 
 @pytest.fixture(scope="module")
 def table() -> dict[str, np.ndarray]:
-    """The published table of the cycles."""
     path = shared_data("bearing_tests/cycle_table.csv")
     rows = np.genfromtxt(path, delimiter=",", names=True)
     return {name: rows[name] for name in rows.dtype.names or ()}

@@ -88,11 +88,7 @@ def test_kobe_records_fit_type_ii(
 
 
 @pytest.mark.parametrize(
-    "name",
-    [
-        "KNG007_NS_t_g.txt",
-        pytest.param("TKYH121103111446.NS2", marks=pytest.mark.thorough),
-    ],
+    "name", ["KNG007_NS_t_g.txt", pytest.param("TKYH121103111446.NS2", marks=pytest.mark.thorough)]
 )
 def test_long_records_fit_type_i(name: str) -> None:
     fitted = match_spectrum(record(name), "I", "I")
@@ -152,5 +148,4 @@ def test_stand_in_grows_as_the_record(measured: Recorder) -> None:
 
 
 def test_network_maximum_is_that_of_the_numbers() -> None:
-    """K-NET files tell their own largest acceleration, with three decimals."""
     assert_allclose(record("TKYH121103111446.NS2").pga, 1571.80, atol=0.01)

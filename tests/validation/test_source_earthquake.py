@@ -53,7 +53,6 @@ def shared_motion(choice: dict[str, Any]) -> dict[str, Any]:
 
 
 def by_temperature(table: pd.DataFrame, bearing: str, column: str) -> np.ndarray:
-    """Values from warm to cold."""
     rows = table[table["bearing"] == bearing].sort_values("ambient_degC", ascending=False)
     return np.asarray(rows[column], dtype=float)
 
@@ -63,7 +62,6 @@ def told(values: np.ndarray, form: str = "{:.2f}") -> str:
 
 
 def check_trends(table: pd.DataFrame, bearing: str) -> list[str]:
-    """The source's trends, warm to cold; returns those that do not hold."""
     strain = by_temperature(table, bearing, "bearing_strain_max")
     force = by_temperature(table, bearing, "bearing_force_max_kN")
     pier = by_temperature(table, bearing, "pier_displacement_max_mm")

@@ -68,7 +68,6 @@ def test_structures_of_the_library() -> None:
 def test_eight_bearings_are_supported_best(
     eight: Evidence, two: Evidence, measured: Recorder
 ) -> None:
-    """Stress, limits of the rig and printed stiffness; and no fewer trends."""
     for e in (two, eight):
         measured(
             f"hybrid test, {e.count} bearings: printed numbers and limits met; trends; axial "
@@ -173,7 +172,6 @@ def test_damping_ratio_in_the_cold(measured: Recorder) -> None:
 
 
 def numbers(text: str) -> list[float]:
-    """All numbers of a text."""
     return [float(found) for found in re.findall(r"-?\d+\.?\d*", text)]
 
 
@@ -192,7 +190,6 @@ def test_the_table_in_the_docs_has_these_numbers(eight: Evidence, two: Evidence)
 
 
 def made_up(changes: dict[tuple[str, str, float], dict[str, float]]) -> Evidence:
-    """Runs as the source has them, but for the changes."""
     rows = []
     for bearing in (HDR, LHDR):
         for mode in ("rt", "pd"):

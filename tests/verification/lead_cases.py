@@ -28,7 +28,6 @@ class Case:
 
 
 def touching(name: str, sides: bool) -> Bearing:
-    """A library bearing whose cores touch the shims, or do not."""
     return changed(tb.load_bearing(name), lead={"confined": not sides})
 
 

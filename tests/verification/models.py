@@ -75,8 +75,6 @@ def rate_matrix(constants: Constants) -> Floats:
 
 @dataclass(frozen=True)
 class HeatStep:
-    """One conduction step of the core."""
-
     change: Floats  # [K]
     stored: float  # [kN mm], whole bearing, as the losses
     ends: float
@@ -100,8 +98,6 @@ def heat_step(
 
 @dataclass(frozen=True)
 class Run:
-    """Every step of a march; rows are steps."""
-
     outcome: int
     softened: int
     books: Rows[Books]
@@ -176,5 +172,4 @@ def stored_heat(run: Run, start: float | Floats) -> float:
 
 
 def numbers(books: Rows[Books]) -> Floats:
-    """All books as one plain array, a column each."""
     return np.column_stack([books[label.name] for label in labels(Books)])

@@ -24,8 +24,6 @@ H = 1e-5  # central difference of the force [mm]
 
 
 class Trials:
-    """Forces of trial steps from one state."""
-
     def __init__(self, constants: Constants, temperature: float, dt: float) -> None:
         start = np.full(len(constants.cells.capacity), temperature)
         self.constants, self.work = constants, new_workspace(constants)
@@ -57,8 +55,6 @@ class Trials:
 
 @dataclass(frozen=True)
 class Continuity:
-    """What a history of sine cycles showed."""
-
     steps: int
     softened: int
     jumps: Floats  # discontinuities of F(x) inside one step, of the peak force
@@ -107,7 +103,6 @@ def full_cycles(
     period: float = PERIOD,
     hardening: Hardening = "printed",
 ) -> Run:
-    """Five sine cycles."""
     x = sine(bearing, strain=strain, period=period, cycles=CYCLES, dt=dt)
     return marched(assembled(bearing, hardening=hardening), x, dt, temperature, temperature)
 

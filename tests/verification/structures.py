@@ -40,7 +40,6 @@ def linear_bearing(stiffness: float) -> Constants:
 
 
 def real_bearing(name: str, **options: Any) -> Constants:
-    """Constants of a library bearing, half stack."""
     bearing = tb.load_bearing(name)
     stack = build_stack(bearing, half=True)
     return build_constants(bearing, stack, upper=Face(eta=2.0), lower=None, **options)
@@ -58,7 +57,6 @@ def shaken(
     damping: DampingKind | None = None,
     **options: Any,
 ) -> tuple[Prepared, StructureHistory]:
-    """A structure whose lines all have one bearing."""
     if isinstance(structure, str):
         structure = load_structure(structure)
     prepared = prepare_structure(structure, mass, damping)

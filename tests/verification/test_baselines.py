@@ -64,7 +64,6 @@ def test_blind_model_feels_no_weather_and_bilinear_no_heat() -> None:
 
 @pytest.mark.parametrize("name", [HDR, LHDR, "shen-hdr-bridge"])
 def test_bilinear_has_the_stiffness_and_the_loop_of_the_bearing(name: str) -> None:
-    """In its own third cycle: peak force and energy are the given ones."""
     p = bilinear_parameters(tb.load_bearing(name))
     test = tb.cyclic_test(strain=[1.75], cycles=2, closing_strain=None)
     second = tb.run(name, test, ambient=23.0, model="bilinear").cycles.iloc[1]

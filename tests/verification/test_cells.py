@@ -20,7 +20,6 @@ SPECIMENS = ("shen-hdr-specimen", "shen-lhdr-specimen")
 
 
 def error_of(bearing: Bearing) -> CellsError:
-    """Of a bearing whose reference test runs to its end."""
     found = cells_error(bearing)
     assert found is not None
     return found
@@ -85,7 +84,6 @@ def test_check_says_when_the_error_is_not_known(tmp_path: Path) -> None:
 
 
 def test_linear_rubber_and_a_thousand_cells_are_told_too(tmp_path: Path) -> None:
-    """No energy to compare with; and more cells than a run can have."""
     table = read_toml(DATA / "shen-hdr-specimen.toml")
     table["hysteresis"] |= {"post_yield_ratio": 1.0}
     facts = cells_facts(write_toml(tmp_path / "linear.toml", table))

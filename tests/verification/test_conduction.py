@@ -16,14 +16,7 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from tests.conftest import Recorder
-from tests.tolerances import (
-    ADIABATIC_RISE,
-    FIXED_POINT,
-    MODE_CAP,
-    ORDER,
-    STEADY_CAP,
-    TIME_CAP,
-)
+from tests.tolerances import ADIABATIC_RISE, FIXED_POINT, MODE_CAP, ORDER, STEADY_CAP, TIME_CAP
 from tests.verification.models import (
     assembled,
     changed,
@@ -67,8 +60,6 @@ def heights(bearing: Bearing) -> Floats:
 
 @dataclass(frozen=True)
 class Mode:
-    """An exact solution exp(-rate t) profile(y) of the continuous problem."""
-
     rubber: Material
     steel: Material
     side_film: float

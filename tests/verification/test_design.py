@@ -78,7 +78,6 @@ def test_curves_are_sensible_over_their_range(kind: Any) -> None:
 
 
 def loop_of(parameters: Any, u: float) -> tuple[float, float]:
-    """Peak force and loop area of the bilinear bearing, by the coupled step."""
     element = BearingElement.from_constants(bilinear_constants(parameters), 0.0)
     path = u * np.concatenate(
         [np.linspace(0, 1, 50), np.linspace(1, -1, 4001)[1:], np.linspace(-1, 1, 4001)[1:]]

@@ -35,7 +35,6 @@ def diffusivity(material: Material) -> float:
 
 
 def decayed(blocks: tuple[Any, ...], side: float, rate: float, mode: Mode) -> float:
-    """Largest error after one time constant, of the mode's peak."""
     from tests.reference.fe_heat import FiniteElements, Problem, graded
 
     count = 8

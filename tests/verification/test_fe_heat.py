@@ -44,7 +44,6 @@ def loading(bearing: tb.Bearing) -> tb.CyclicTest:
 
 
 def finite_elements(bearing: tb.Bearing, fineness: float = 1.0, dt: float = 0.1) -> Any:
-    """Temperatures above the ambient, from the heat of our conservative run."""
     from tests.reference.fe_heat import FiniteElements, bearing_problem, released
 
     keep = ("rubber", "layer_displacement", "cells")

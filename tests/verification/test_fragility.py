@@ -11,12 +11,7 @@ from scipy.stats import binom, chi2, linregress, norm
 from tests import tolerances
 from tests.verification.test_hazard import closed_form
 from thermobearing.studies.statistics.fragility import Method, fragility_curve, fragility_curves
-from thermobearing.studies.statistics.hazard import (
-    ClimateFragility,
-    Hazard,
-    annual_rate,
-    ratio,
-)
+from thermobearing.studies.statistics.hazard import ClimateFragility, Hazard, annual_rate, ratio
 from thermobearing.studies.statistics.likelihood import fit_curves
 
 MEDIAN, DISPERSION = 1.0, 0.4
@@ -71,7 +66,6 @@ def test_ends_by_profile_likelihood_are_where_it_has_dropped() -> None:
 
 
 def experiment(method: Method, rng: np.random.Generator) -> tuple[pd.DataFrame, float]:
-    """Independent runs of a known lognormal fragility, and its median."""
     if method == "stripes":
         beyond = rng.binomial(40, norm.cdf(np.log(LEVELS / MEDIAN) / DISPERSION))
         return of_counts(beyond, 40), MEDIAN

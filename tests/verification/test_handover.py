@@ -164,7 +164,6 @@ SHORT = made([HELD, BACK, CYCLES])
 
 @pytest.fixture(scope="module")
 def study() -> tb.EarthquakeResult:
-    """Two bearings of different stacks, at two temperatures."""
     return tb.hybrid([HDR, LHDR], ambient=[-20.0, 0.0], duration=4.0)
 
 
@@ -189,9 +188,7 @@ def test_a_test_goes_on_from_a_hybrid_one_as_in_a_sequence(tmp_path: Path) -> No
         close(third.dataset[key].values, wanted[2].dataset[key].values, key)
 
 
-def test_the_run_of_the_same_bearing_and_temperature_goes_on(
-    study: tb.EarthquakeResult,
-) -> None:
+def test_the_run_of_the_same_bearing_and_temperature_goes_on(study: tb.EarthquakeResult) -> None:
     for name in (HDR, LHDR):
         for air in (-20.0, 0.0):
             alone = tb.hybrid(name, ambient=air, duration=4.0)

@@ -47,7 +47,6 @@ def test_power_law_has_a_closed_form(exponent: float, dispersion: float) -> None
 
 
 def test_kinked_hazard_is_integrated_piece_by_piece() -> None:
-    """Over each power law the integral has a closed form too."""
     im, rate = np.array([0.1, 1.0, 3.0, 100.0]), np.array([1.0, 0.05, 2e-3, 1e-9])
     median, dispersion = 1.5, 0.4
     exact = 0.0

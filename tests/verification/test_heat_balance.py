@@ -14,7 +14,6 @@ FACES = {"eta": Face(eta=2.0), "fixed": Face(eta=3.0), "film": Face(film=25.0)}
 
 
 def stack(face: str, half: bool) -> Constants:
-    """The specimen, with faces that differ when it is modelled in full."""
     lower = None if half else Face(film=5.0)
     return assembled(specimen(), half=half, upper=FACES[face], lower=lower)
 

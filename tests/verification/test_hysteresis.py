@@ -76,7 +76,6 @@ def test_z_saturates_at_the_yield_displacement() -> None:
 
 
 def z_after(path: np.ndarray, c: float, euler: bool) -> float:
-    """Z at the end of a displacement path that starts at zero."""
     advance = euler_increment if euler else exact_increment
     z, d = 0.0, 0.0
     for target in path:

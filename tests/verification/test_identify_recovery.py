@@ -76,10 +76,7 @@ def small_problem(seed: int, memory: float) -> Identification:
 
 @pytest.mark.parametrize(
     "memory",
-    [
-        pytest.param(0.0, id="white", marks=pytest.mark.thorough),
-        pytest.param(0.8, id="correlated"),
-    ],
+    [pytest.param(0.0, id="white", marks=pytest.mark.thorough), pytest.param(0.8, id="correlated")],
 )
 def test_coverage_of_the_intervals(memory: float, measured: Recorder) -> None:
     """95 % intervals hold the truth that often, for white noise and for filtered noise."""
@@ -160,7 +157,6 @@ def test_other_methods_end_at_the_same_place(method: str) -> None:
 
 
 def test_outliers_and_a_robust_loss() -> None:
-    """One sample in a hundred is a spike of half the peak force."""
     test = tb.cyclic_test(strain=[0.5, 2.0], cycles=3, rest=None)
     record = synthetic_record(HDR, 23.0, test, noise=0.005)
     rng = np.random.default_rng(3)
@@ -257,10 +253,7 @@ def test_yield_stress_of_lead_is_identified(yield_stress: float) -> None:
 
 @pytest.mark.parametrize(
     ("bearing", "seeds"),
-    [
-        pytest.param(HDR, 6, id="HDR"),
-        pytest.param(LHDR, 3, id="LHDR", marks=pytest.mark.thorough),
-    ],
+    [pytest.param(HDR, 6, id="HDR"), pytest.param(LHDR, 3, id="LHDR", marks=pytest.mark.thorough)],
 )
 def test_coverage_with_a_file_that_is_off(bearing: tb.Bearing, seeds: int) -> None:
     """What is not identified is off by its stated uncertainty; more seeds in the bench."""

@@ -148,7 +148,6 @@ def test_no_heat_moves_between_what_is_as_warm() -> None:
 
 
 def test_a_single_layer_has_no_shims_to_touch() -> None:
-    """Then the ends are all there is, and the whole stack has two."""
     bearing = changed(touching("lrb-example", True), geometry={"rubber_layers": 1})
     constants = assembled(bearing, half=False, lead_ends="finite-plate")
     assert constants.lead_ports == 2
@@ -185,7 +184,6 @@ def test_terms_are_what_separates_core_and_plate() -> None:
 @pytest.mark.parametrize("unlike", [False, True])
 @pytest.mark.parametrize("sides", [False, True])
 def test_energy_books_close(name: str, unlike: bool, sides: bool, measured: Recorder) -> None:
-    """Motion and a long rest, half and whole stack."""
     cycles = {"step": "cycles", "strain": 1.75, "wave": "sine", "speed": 100.0, "count": 3}
     test = tb.CyclicTest(dt=0.01, steps=[cycles, {"step": "rest", "duration": 3600.0}, cycles])
     result = tb.run(

@@ -30,12 +30,7 @@ from thermobearing.core.types import (
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks, with_shared_cells
 from thermobearing.structure.model import load_structure
-from thermobearing.structure.run import (
-    Line,
-    StructureHistory,
-    prepare_structure,
-    run_structure,
-)
+from thermobearing.structure.run import Line, StructureHistory, prepare_structure, run_structure
 
 DT, STEPS = 0.02, 400
 HDR, LHDR, LRB = "shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example"
@@ -51,7 +46,6 @@ MODELS: dict[str, dict[str, Any]] = {
 
 
 def variants(bearing: Bearing, **options: Any) -> list[Constants]:
-    """A bearing of another stiffness for every lane."""
     k = bearing.hysteresis.layer_stiffness
     stiffer = [k * (0.8 + 0.4 * lane / WIDTH) for lane in range(WIDTH)]
     return [
@@ -145,7 +139,6 @@ def test_other_curvatures_in_lockstep(shape: float) -> None:
 
 
 def test_company_does_not_matter() -> None:
-    """A run has the same bits whoever is beside it, and wherever it is."""
     bearing = load_bearing(LHDR)
     constants = variants(bearing)
     first = side_by_side([begun(bearing, one, lane) for lane, one in enumerate(constants)])
@@ -181,7 +174,6 @@ def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
 
 
 def list_numbers(found: RunPeaks) -> dict[str, Any]:
-    """Every number of a run, by name."""
     groups = ("watches", "lines", "hinges", "books", "bearings")
     columns = {group: getattr(found, group) for group in groups}
     return {f"{g}.{name}": c[name] for g, c in columns.items() for name in c.dtype.names}
@@ -221,14 +213,12 @@ def test_bridges_in_lockstep_are_bridges_alone() -> None:
 
 
 def with_rows(run: Run) -> StructureHistory:
-    """The same run, every step of it."""
     air = np.full(len(run.ground) - 1, run.ambient)
     return run_structure(run.prepared, run.lines, run.ground, run.dt, air)
 
 
 @pytest.mark.thorough
 def test_peaks_are_those_of_the_rows() -> None:
-    """Without rows, bit for bit."""
     run = shakes()[7]
     found = run_peaks(run)
     history = with_rows(run)
@@ -291,7 +281,6 @@ def test_order_of_bridges_does_not_matter() -> None:
 
 @pytest.mark.thorough
 def test_bearings_of_another_heat_are_in_another_lockstep() -> None:
-    """Cells are shared by all runs of a lockstep: each gets its own."""
     runs = shakes(duration=3.0)[:2]
     line = runs[0].lines[0]
     cells = line.constants.cells._replace(side_loss=0.01 + line.constants.cells.side_loss)

@@ -81,7 +81,6 @@ def printed_system(dt: float, eta: float) -> tuple[Floats, Floats, Floats]:
 
 
 def core_system(constants: Constants, dt: float) -> tuple[Floats, Floats, Floats]:
-    """The same three, from the rates that the core steps with."""
     cells = constants.cells
     own = cells.to_previous + cells.to_next + cells.end_loss
     rates = np.diag(own) - np.diag(cells.to_previous[1:], -1) - np.diag(cells.to_next[:-1], 1)

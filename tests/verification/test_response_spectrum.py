@@ -40,7 +40,6 @@ def test_linear_acceleration_is_followed_exactly() -> None:
 
 @pytest.mark.parametrize("ratio", [0.5, 1.0, 3.0])
 def test_steady_vibration_under_a_sine(ratio: float) -> None:
-    """Absolute acceleration of a long sine: the transmissibility."""
     damping, period = 0.05, 1.0
     time = np.arange(0.0, 60.0, 0.005)
     motion = motion_of(100.0 * np.sin(2.0 * np.pi * ratio * time), 0.005)

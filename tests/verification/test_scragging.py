@@ -32,7 +32,6 @@ def run(bearing: tb.Bearing, strains: list[float], cycles: int = 3, **options: A
 
 
 def test_none_is_the_same_as_zero() -> None:
-    """To the bit: the factor is one."""
     plain, zero = (
         run(HDR, [1.0, 2.0]),
         run(virgin(amplitude=0.0, mullins_amplitude=0.0), [1.0, 2.0]),
@@ -42,7 +41,6 @@ def test_none_is_the_same_as_zero() -> None:
 
 
 def test_first_stiffness() -> None:
-    """At first both parts are stiffer by their whole excess."""
     h, count = HDR.hysteresis, HDR.geometry.rubber_layers
     small = 1e-6
     forces = [
@@ -88,7 +86,6 @@ def test_memory_follows_its_equations(measured: Recorder) -> None:
 
 
 def test_first_cycle_of_every_amplitude_is_stiffer() -> None:
-    """And the later ones approach those of worked rubber."""
     plain, fresh = run(HDR, [1.0, 2.0], 6), run(virgin(strain=0.05), [1.0, 2.0], 6)
     ratio = (fresh.cycles["stress_max_MPa"] / plain.cycles["stress_max_MPa"]).to_numpy()
     for level in (ratio[:6], ratio[6:]):
@@ -112,7 +109,6 @@ def test_energy_books_close(heat_source: str, ambient: float, measured: Recorder
 
 
 def test_lost_stiffness_is_heat() -> None:
-    """Dissipation: what wears off of the stored energy is released as heat."""
     books = marched(
         assembled(virgin(), heat_source="dissipation"),
         np.linspace(0.0, 40.0, 400),
@@ -158,7 +154,6 @@ def test_a_trial_that_is_not_committed_wears_nothing() -> None:
 
 
 def test_convergence_with_the_step(measured: Recorder) -> None:
-    """The memory is that of the start of a step: first order, small."""
     peaks = []
     for dt in (0.02, 0.01, 0.005):
         test = tb.cyclic_test(strain=[1.0, 2.0], cycles=2, rest=None, closing_strain=None, dt=dt)

@@ -37,7 +37,6 @@ def the_same_end(found: Any, wanted: Any) -> None:
 
 
 def test_cyclic_parts_are_one_test() -> None:
-    """And a rest of its own is a step of rest."""
     rest = {"step": "rest", "duration": "20 s"}
     whole = run_sequence(case_of(cyclic(SINE, LOADED, rest, BACK, SINE)))
     rest_part = {"part": "rest", "duration": "20 s"}
@@ -93,10 +92,6 @@ def test_the_force_at_rest_moves_no_structure(method: str) -> None:
 
 
 def test_unloaded_specimens_start_from_zero() -> None:
-    """Before the second test the specimen of lead held -57 kN; the elastic law stays where it is.
-
-    The test is the one of a history moved by where the specimen was unloaded to.
-    """
     case = case_of(cyclic(LOADED), cyclic(SINE), between="unloaded")
     found = run_sequence(case)
     table = found.table

@@ -52,7 +52,6 @@ def history(name: str) -> Floats:
 
 
 def healthy(run: Run) -> np.ndarray:
-    """Steps in which every layer follows its own, unmodified law."""
     return np.asarray(run.books["sharing_weight"] == 0.0)
 
 
@@ -80,7 +79,6 @@ def test_layer_forces_are_equal_and_displacements_add_up(
 @pytest.mark.parametrize("temperature", [-20.0, 0.0, 23.0])
 @pytest.mark.parametrize("name", HISTORIES)
 def test_z_of_every_layer_is_the_exact_increment(name: str, temperature: float) -> None:
-    """Equal forces alone would not notice a Z that left its own equation."""
     bearing = specimen()
     run = marched(assembled(bearing), history(name), 5e-3, temperature, temperature)
     d_y = bearing.hysteresis.yield_displacement

@@ -12,7 +12,6 @@ from thermobearing.core.types import EULER_UNSTABLE, new_state, new_workspace
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_euler_that_runs_away_is_told_in_both_directions(direction: float) -> None:
-    """One step of ten yield displacements in every layer."""
     bearing, constants = specimen(), assembled(specimen(), integrator="euler")
     start = np.zeros(len(constants.cells.capacity))
     old, new = new_state(constants, start), new_state(constants, start)

@@ -30,8 +30,6 @@ LHDR, HDR = "shen-lhdr-specimen", "shen-hdr-specimen"
 
 
 class Law:
-    """The law of one layer, moved from place to place."""
-
     def __init__(self, shape: float = -0.86, small_loops: str = "closed") -> None:
         given = {"shape": shape, "yield_displacement": D_Y, "small_loops": small_loops}
         constants = assembled(changed(specimen(), hysteresis=given), small_loops=small_loops)
@@ -44,7 +42,6 @@ class Law:
         return float(z), float(slope)
 
     def to(self, d: float) -> float:
-        """Z after the motion to d."""
         layer = self.new.layers[0]
         layer.d, layer.z = d, self.at(d)[0]
         if self.rubber.closed_loops:
@@ -53,17 +50,14 @@ class Law:
         return float(layer.z)
 
     def along(self, path: Iterable[float]) -> Floats:
-        """Z at every place of a path."""
         return np.array([self.to(d) for d in path])
 
     @property
     def turns(self) -> int:
-        """Turning points that are remembered."""
         return int(self.old.layers["turns"][0])
 
 
 def decaying(ratio: float, count: int, largest: float = 20.0) -> Floats:
-    """Turning points of a free vibration."""
     k = np.arange(count)
     return largest * (-ratio) ** k
 

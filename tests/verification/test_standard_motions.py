@@ -158,7 +158,6 @@ def test_matching_keeps_phases(measured: Recorder) -> None:
 
 
 def softest(periods: Floats) -> Floats:
-    """The standard spectrum that phases of hard ground fit worst."""
     return standard_spectrum("II", "III", periods)
 
 

@@ -8,28 +8,17 @@ from scipy.signal import lsim
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.verification.models import numbers
-from tests.verification.structures import (
-    AMBIENT,
-    ground_of,
-    linear_bearing,
-    real_bearing,
-    shaken,
-)
+from tests.verification.structures import AMBIENT, ground_of, linear_bearing, real_bearing, shaken
 from thermobearing.core.types import Floats
 from thermobearing.structure.matrices import build_matrices
 from thermobearing.structure.model import DampingKind, load_structure
 from thermobearing.structure.run import Method, StructureHistory, prepare_structure
 
 DT = 0.005
-METHODS: tuple[Method, ...] = (
-    "average-acceleration",
-    "linear-acceleration",
-    "predictor-corrector",
-)
+METHODS: tuple[Method, ...] = ("average-acceleration", "linear-acceleration", "predictor-corrector")
 
 
 def residual(history: StructureHistory) -> float:
-    """Energy books of the structure at the end, over the input."""
     books = history.rows.books[-1]
     spent = books.kinetic + books.damping + books.springs + books.hinges + books.bearings
     return abs((books.input - spent) / books.input)
@@ -53,7 +42,6 @@ def test_first_period(name: str, mass: str, period: float, measured: Recorder) -
 
 
 def test_mass_matrix_is_the_kinetic_energy() -> None:
-    """Consistent: half v M v is the sum over the masses, for any motion."""
     structure = load_structure("pier-p1")
     matrices = build_matrices(structure)
     x1, x3, t3, t2 = 0.7, -0.3, 0.02, 0.05

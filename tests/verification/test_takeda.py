@@ -17,16 +17,11 @@ EXPONENT = 0.5
 
 def hinge(hardening: float = 0.0, exponent: float = EXPONENT) -> Rows[Hinge]:
     return filled(
-        Hinge,
-        initial=STIFFNESS,
-        yield_rotation=YIELD,
-        hardening=hardening,
-        unloading=exponent,
+        Hinge, initial=STIFFNESS, yield_rotation=YIELD, hardening=hardening, unloading=exponent
     )
 
 
 def turned(constants: Rows[Hinge], state: HingeState, rotation: float) -> tuple[HingeState, float]:
-    """The hinge after an increment, and its tangent."""
     new = straight_hinges(constants)
     return new, takeda(constants, state, 0, rotation, new)
 

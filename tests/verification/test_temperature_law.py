@@ -23,7 +23,6 @@ NO_EXPONENTS = {"elastic_temperature_coefficient": 0.0, "hysteretic_temperature_
 
 
 def tabled_bearing(elastic: Any, hysteretic: Any, temperatures: Any = tuple(MEASURED)) -> Bearing:
-    """The specimen with a table that is the whole law."""
     law = TemperatureLaw(
         temperatures=[float(t) for t in temperatures],
         elastic=[float(f) for f in elastic],
@@ -166,7 +165,6 @@ def test_check_tells_the_range() -> None:
 
 
 def test_a_table_in_a_file(tmp_path: Path) -> None:
-    """Units on every temperature, kept when it is written again."""
     from thermobearing.border.toml import to_table
 
     source = Path(tb.__file__).parent / "data/bearings/shen-hdr-specimen.toml"

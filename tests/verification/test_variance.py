@@ -23,7 +23,6 @@ def ishigami(x: np.ndarray) -> np.ndarray:
 
 
 def arranged(rows: int, rng: np.random.Generator, *, sobol: bool) -> list[np.ndarray]:
-    """Values at A, B, and A with each column of B."""
     points = qmc.Sobol(6, rng=rng).random(rows) if sobol else rng.random((rows, 6))
     a, b = np.pi * (2.0 * points[:, :3] - 1.0), np.pi * (2.0 * points[:, 3:] - 1.0)
     swapped = [np.where(np.arange(3) == k, b, a) for k in range(3)]

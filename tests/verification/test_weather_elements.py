@@ -109,7 +109,6 @@ def rest(constants: Any, hours: float, pieces: int = 1) -> Any:
 
 
 def test_rest_of_lead_in_touch_is_one_whatever_its_pieces(measured: Recorder) -> None:
-    """Before: 0.148 of the difference left in one rest of 30 h, 0.108 in very short steps."""
     from tests.reference.fe_heat import (
         FiniteElements,
         bearing_problem,
