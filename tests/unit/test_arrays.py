@@ -50,12 +50,6 @@ def test_the_same_motion_twice_is_a_fault() -> None:
         make_earthquake_case({}, "test", motions=two)
 
 
-def test_a_fault_of_a_motion_is_told_once() -> None:
-    with pytest.raises(tb.InputError) as caught:
-        make_earthquake_case({}, "test", motions=[{"name": "jra-i-i-1", "factor": -1.0}])
-    assert str(caught.value).count("factor") == 1
-
-
 def test_a_ground_motion_is_run_as_its_file_is(tmp_path: Path) -> None:
     file = tmp_path / "a.csv"
     file.write_text(files.csv_text())

@@ -199,14 +199,6 @@ def test_the_jra_compounds_meet_their_curves(kind: Any, grade: str) -> None:
     assert stiffness - 0.015 < max(map(abs, off)) < stiffness
 
 
-def test_what_a_jra_compound_does_not_know_is_marked() -> None:
-    sources = tb.load_compound("jra-hdr-g8").sources
-    for key in ("elastic_temperature_coefficient", "hysteretic_temperature_coefficient", "shape"):
-        assert sources[f"rubber.{key}"].startswith("borrowed from shen-hdr")
-    assert sources["rubber.reference_temperature"].startswith("assumed")
-    assert tb.load_compound("jra-hdr-g8").temperature_law is None
-
-
 @pytest.mark.parametrize("name", list_compounds())
 def test_built_in_compounds_are_checked_and_cited(name: str) -> None:
     compound = tb.load_compound(name)

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
 from tests import tolerances as tol
-from tests.unit.inputs import SPECIMEN, changed_table, specimen_table
+from tests.unit.inputs import changed_table, specimen_table
 from tests.verification.models import assembled, marched, smooth_history, specimen
 from thermobearing.bearing.library import bearing_from_table
 from thermobearing.core.types import Floats, State
@@ -87,15 +87,6 @@ def test_save_and_restore() -> None:
     assert_array_equal(follow(element, PATH[150:]), rest)
 
 
-def test_tangent_is_the_slope_of_the_force() -> None:
-    element = fresh()
-    follow(element, 0.2 * PATH[:100])
-    x, step = 0.2 * PATH[100], tol.TANGENT_STEP_BEARING
-    ahead, behind = (element.set_trial(x + d, DT, AIR).force for d in (step, -step))
-    tangent = element.set_trial(x, DT, AIR).tangent
-    assert_allclose(tangent, (ahead - behind) / (2.0 * step), rtol=tol.TANGENT_BEARING)
-
-
 def test_failed_trial_cannot_be_committed() -> None:
     """After a trial that ran away the element is where it was, and a commit says so."""
     table = changed_table(specimen_table(), {"hysteresis.yield_displacement": "0.1 mm"})
@@ -124,36 +115,6 @@ def test_a_failed_trial_is_forgotten_with_its_state(back: str) -> None:
         element.revert_to_start()
     element.commit()
     assert_same_state(element.state, saved)
-
-
-@pytest.mark.parametrize("dt", [0.0, -1.0, float("nan")])
-def test_a_step_takes_time(dt: float) -> None:
-    with pytest.raises(tb.InputError, match="must be more than 0 s"):
-        fresh().set_trial(1.0, dt)
-
-
-def test_what_an_element_says_of_itself() -> None:
-    element = tb.element("shen-hdr-specimen", ambient=-20)
-    element.set_trial(3.0, DT)
-    element.commit()
-    assert "at 3 mm" in repr(element)
-    assert "-20.0 degC" in repr(element)
-
-
-@pytest.mark.parametrize("integrator", ["exact", "euler"])
-def test_run_of_the_package_is_the_same_march(integrator: str) -> None:
-    test = tb.cyclic_test(strain=[1.0], cycles=1, closing_strain=None)
-    result = tb.run(SPECIMEN, test, ambient=AIR, integrator=integrator)
-    x, clock = result["displacement"].values[0], result["time"].values
-    constants = assembled(specimen(), integrator=integrator)
-    element = tb.BearingElement.from_constants(constants, AIR)
-    forces = [0.0]
-    for k in range(1, len(x)):
-        forces.append(element.set_trial(x[k], clock[k] - clock[k - 1], AIR).force)
-        element.commit()
-    # The clock is a sum, so its differences are the steps but for rounding.
-    peak = np.abs(forces).max()
-    assert_allclose(result["force"].values[0], forces, rtol=0.0, atol=tol.CLOCK_FORCE * peak)
 
 
 @pytest.mark.parametrize("name", ["shen-hdr-specimen", "shen-lhdr-specimen"])

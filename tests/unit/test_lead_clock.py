@@ -60,13 +60,6 @@ def test_the_option_goes_before_the_bearing_and_that_before_the_scheme(
     assert again.lead.clock_rate == model.constants.lead.clock_rate
 
 
-def test_no_bearing_of_the_library_has_one() -> None:
-    """So that `published` is the print for all of them."""
-    for name in tb.list_bearings():
-        lead = tb.load_bearing(name).lead
-        assert lead is None or lead.clock is None
-
-
 def test_it_reaches_the_lead_and_the_resolved_case() -> None:
     """A clock of lead runs faster than that of steel: less heat leaves, the lead is warmer."""
     warm = {}

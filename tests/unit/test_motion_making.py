@@ -28,20 +28,6 @@ def test_misfit_is_a_root_mean_square() -> None:
     assert_allclose(misfit(MOTION, target), 0.2, rtol=tol.LOOP)
 
 
-@pytest.mark.parametrize("fit", [0.0123, 0.0249])
-def test_description_tells_the_misfit_in_per_cent(
-    fit: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(synthesis, "matched", lambda *_, **__: Matched(MOTION.acceleration, fit))
-    made = synthesis.make_motion("I", "II", 7, zone_factor=0.85)
-    assert made.name == "jra-i-ii-7"
-    assert f"misfit {100 * fit:.1f} % rms" in made.description
-    assert "Type I, ground II, c_z = 0.85 (seed 7" in made.description
-    like = synthesis.match_spectrum(MOTION, "I", "III", zone_factor=0.7)
-    assert f"(misfit {100 * fit:.1f} % rms" in like.description
-    assert like.name == "jra-ii-i-1-as-i-iii"
-
-
 def test_best_of_the_draws_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     """Phases are drawn again until a fit is good enough, eight times at most."""
     offered = iter([0.05, 0.04, 0.03, 0.024, 0.01])
@@ -76,17 +62,6 @@ def test_envelope_rises_stays_and_dies_away() -> None:
     time = np.array([4.0, 5.0, 7.0, 9.0, 12.0, 15.5])
     found = shape.envelope(time)
     assert_allclose(found, [0.0, 0.0, 0.25, 1.0, 1.0, np.exp(-1.0)], rtol=tol.LOOP)
-
-
-def test_pseudo_spectra_are_the_displacement_times_the_frequency() -> None:
-    periods = np.array([0.3, 1.0, 2.0])
-    found = response_spectrum(MOTION, periods, 0.02)
-    omega = 2.0 * np.pi / periods
-    assert_allclose(found.pseudo_velocity, omega * found.displacement, rtol=tol.LOOP)
-    assert_allclose(found.pseudo_acceleration, omega**2 * found.displacement, rtol=tol.LOOP)
-    # Without damping the absolute acceleration is the pseudo one.
-    bare = response_spectrum(MOTION, periods, 0.0)
-    assert_allclose(bare.acceleration, bare.pseudo_acceleration, rtol=tol.LOOP)
 
 
 def test_peaks_come_when_they_are_told_to() -> None:
@@ -133,11 +108,6 @@ def test_pulse_is_the_largest_swing() -> None:
     assert share_of_pulse(motion) > tol.SHARE_OF_PULSE
     others = [name for name in list_motions() if name.startswith("jra-ii-") and name != NAME]
     assert max(share_of_pulse(load_motion(name)) for name in others) < tol.SHARE_BY_CHANCE
-
-
-def test_every_motion_with_own_phases_is_built_in() -> None:
-    assert set(near_fault()) <= set(list_motions())
-    assert "Mavroeidis" in load_motion(NAME).citation
 
 
 @pytest.mark.parametrize("cycles", [1.3, 2.0, 3.0])

@@ -14,9 +14,9 @@ from tests import tolerances as tol
 from tests.conftest import COARSE
 from tests.unit.inputs import command, content, last_line, summary
 from thermobearing.border.errors import InputError
-from thermobearing.motions.library import list_motions, load_motion
+from thermobearing.motions.library import load_motion
 from thermobearing.motions.record import GroundMotion
-from thermobearing.motions.run import MotionResult, Reference
+from thermobearing.motions.run import Reference
 from thermobearing.motions.targets import standard_spectrum
 from thermobearing.results.writing import write_summary
 
@@ -35,15 +35,6 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert done.exit_code == 0
     assert "rms over 0.1 to 3 s compared with Level 2 Type II" in " ".join(done.stdout.split())
     return out
-
-
-def test_list_tells_that_they_are_stand_ins() -> None:
-    done = command("motions", "list", "--json")
-    assert done.exit_code == 0
-    lines = done.stdout.splitlines()
-    assert last_line(done) == {"motions": list_motions()}
-    assert len(lines) == 19
-    assert all("NOT an accelerogram" in line for line in lines[:-1])
 
 
 def test_make_writes_a_whole_directory(made: Path) -> None:
@@ -72,18 +63,6 @@ def test_spectrum_csv_holds_the_standard_one(made: Path) -> None:
     inside = (columns["period_s"] > 0.1) & (columns["period_s"] < 3.0)
     ratio = columns["acceleration_gal"] / columns["standard_gal"]
     assert np.sqrt(np.mean((ratio[inside] - 1.0) ** 2)) < tol.MISFIT
-
-
-def test_existing_result_is_not_replaced_without_force(made: Path) -> None:
-    words = ("motions", "make", "-o", made, "--no-figures")
-    done = command(*words)
-    assert done.exit_code == 2
-    assert "--overwrite" in done.stderr
-    before = content(made)
-    assert command(*words, "--overwrite", "-q").exit_code == 0
-    assert set(content(made)) == NAMES
-    assert content(made)["motion.csv"] == before["motion.csv"]
-    assert command(*words[:-1], "--overwrite", "-q").exit_code == 0
 
 
 def test_make_keeps_the_phases_of_a_record(tmp_path: Path) -> None:
@@ -144,38 +123,6 @@ def test_show_prints_and_writes_only_if_asked(
     assert abs(summary(out)["end_displacement_cm"]) < tol.QUIET_END
 
 
-def test_spectrum_prints_a_table() -> None:
-    done = command("motions", "spectrum", "jra-ii-i-1")
-    lines = done.stdout.splitlines()
-    assert "compared with Level 2 Type II, ground I" in lines[-1]
-    row = next(line.split() for line in lines if line[:3] == "0.5")
-    assert float(row[1]) == pytest.approx(2000.0, rel=0.1)
-    assert float(row[4]) == 2000.0
-    assert command("motions", "spectrum", "jra-ii-i-1", "--damping", 2).exit_code == 2
-
-
-def test_json_of_spectrum_is_its_summary() -> None:
-    done = command("motions", "spectrum", "jra-i-i-1", "--json", "-q")
-    told = json.loads(done.stdout)
-    assert set(told) > KEYS
-    assert told["standard_spectrum"]["type"] == "I"
-
-
-def test_figures_have_units_and_a_reference() -> None:
-    motion = load_motion("jra-ii-i-1")
-    plot = story.examine_motion(motion).plot
-    figure = plot.motion()
-    labels = [ax.get_ylabel() for ax in figure.axes]
-    assert labels == ["acceleration [gal]", "velocity [cm/s]", "displacement [cm]"]
-    assert figure.axes[2].get_xlabel() == "time [s]"
-    assert f"{motion.pga / 10:.0f} gal" in figure.axes[0].get_title(loc="left")
-    figure = plot.spectrum()
-    names = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert names == ["this motion", "standard, Level 2 Type II, ground I, 5 %"]
-    assert all(ax.get_xlabel() == "period [s]" for ax in figure.axes)
-    assert [ax.get_ylabel() for ax in figure.axes] == ["acceleration [gal]", "displacement [cm]"]
-
-
 TILTED = GroundMotion("tilted", 0.01, np.sin(np.arange(2000) * 0.05) + 0.01)
 
 
@@ -205,28 +152,6 @@ def test_a_case_names_its_directory() -> None:
 def test_a_case_is_checked_before_its_record_is_read() -> None:
     with pytest.raises(InputError, match='type of earthquake: "V"'):
         story.make_motion_case("V", record="not-there.csv")
-
-
-def made_of(case: story.MotionCase, monkeypatch: pytest.MonkeyPatch) -> MotionResult:
-    """The result of a case whose making is replaced by a look at the stored motion."""
-
-    def stored(kind: str, ground: str, seed: int, dt: float, **_: object) -> GroundMotion:
-        return load_motion(f"jra-{kind}-{ground}-{seed}".lower())
-
-    monkeypatch.setattr(story, "make_motion", stored)
-    return story.run_motion(case)
-
-
-def test_a_motion_that_does_not_fit_has_an_outcome_that_tells_what_to_try(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    case = story.make_motion_case("II", "I", seed=1)
-    good = made_of(case, monkeypatch)
-    assert (good.outcome, good.sentence) == ("completed", "")
-    poor = made_of(story.MotionCase("II", "I", zone_factor=0.7), monkeypatch)
-    assert poor.outcome == "poor_fit"
-    assert "try another record or seed" in poor.sentence
-    assert poor.summary()["standard_spectrum"]["zone_factor"] == 0.7
 
 
 def test_a_name_that_is_no_text_is_written_as_json(tmp_path: Path) -> None:

@@ -10,17 +10,8 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import changed_table, cyclic, last_line, quick_case, specimen_table
-from tests.verification.models import assembled, specimen
 from thermobearing.bearing.library import bearing_from_table
-from thermobearing.core.types import new_state
-from thermobearing.model.outcomes import (
-    LEAST,
-    MISSING,
-    NOT_PHYSICAL,
-    SENTENCES,
-    _temperature_limits,
-    is_physical,
-)
+from thermobearing.model.outcomes import NOT_PHYSICAL, SENTENCES, _temperature_limits
 
 LIMITS = _temperature_limits()
 FAST = tb.CyclicTest(
@@ -60,40 +51,6 @@ def make_table(dump: dict[str, Any]) -> dict[str, Any]:
     from thermobearing.border.toml import to_table
 
     return to_table(validated(Bearing, dump, "dump", from_file=False))
-
-
-@pytest.mark.parametrize(
-    ("work", "released", "recoverable", "stored", "fits"),
-    [
-        (1e3, 900.0, 100.0, 900.0, True),
-        (1e3, 900.0, 100.0 + 0.9 * MISSING * 1e3, 900.0, True),
-        (1e3, 900.0, 100.0 + 1.1 * MISSING * 1e3, 900.0, False),  # mechanical books
-        (1e3, 900.0, 100.0, 900.0 + 1.1 * MISSING * 1e3, False),  # thermal books
-        (0.0, 0.0, 0.0, 0.9 * MISSING * LEAST, True),  # next to nothing is missing
-        (np.nan, 0.0, 0.0, 0.0, False),
-    ],
-)
-def test_books_that_do_not_close(
-    work: float, released: float, recoverable: float, stored: float, fits: bool
-) -> None:
-    constants = assembled(specimen())
-    state = new_state(constants, np.full(19, 23.0))
-    assert is_physical(constants, state)
-    books = state.books[0]
-    books.work_in, books.heat_released = work, released
-    books.recoverable, books.heat_stored = recoverable, stored
-    assert is_physical(constants, state) is fits
-    # The printed bookkeeping has gaps by itself.
-    published = assembled(specimen(), scheme="published")
-    assert is_physical(published, state)
-
-
-@pytest.mark.parametrize("temperature", [-273.2, LIMITS.steel_melts + 1.0, np.nan])
-def test_plates_have_possible_temperatures(temperature: float) -> None:
-    constants = assembled(specimen())
-    state = new_state(constants, np.full(19, 23.0))
-    state.temperature[0] = temperature
-    assert not is_physical(constants, state)
 
 
 def test_a_run_that_is_not_physical_says_so(

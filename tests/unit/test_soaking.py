@@ -11,13 +11,7 @@ from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import Device, build_device, soaked
-from thermobearing.earthquake.soaking import (
-    SPIN_UP,
-    history_weights,
-    hour_map,
-    soaked_history,
-    soaked_hours,
-)
+from thermobearing.earthquake.soaking import SPIN_UP, history_weights, soaked_history, soaked_hours
 
 WEATHER = tb.generate_weather("cold-town", years=1, seed=2)
 LOOKED_AT = 800
@@ -95,13 +89,6 @@ def test_typical_year_has_had_the_days_before() -> None:
     first = soaked_hours(device, year, np.array([0, 10])).temperature
     second = soaked_hours(device, twice, np.array([2000, 2010])).temperature
     assert_allclose(first, second, atol=tol.HOURS_OF_REST)
-
-
-def test_an_hour_forgets() -> None:
-    """Every temperature ends at that of the air: what is kept and what comes make one."""
-    one = hour_map(device_of("shen-hdr-bridge").constants)
-    assert_allclose(one.kept.sum(axis=1) + one.early + one.late, 1.0, atol=tol.HOURS_OF_REST)
-    assert np.abs(np.linalg.eigvals(one.kept)).max() < 1.0
 
 
 def test_bilinear_has_no_temperature() -> None:

@@ -8,12 +8,10 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.core.types import EULER_UNSTABLE, NOT_CONVERGED, NOT_FINITE, SOFTENED
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.model.constants import build_constants
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.model.options import build_model
-from thermobearing.model.outcomes import NAMES
 from thermobearing.model.stack import Face, build_stack, conservative_rates
 
 HDR, LHDR = tb.load_bearing("shen-hdr-specimen"), tb.load_bearing("shen-lhdr-specimen")
@@ -157,13 +155,3 @@ def test_design_assumes_that_the_first_branch_is_six_and_a_half_times_stiffer() 
     assert_allclose(slim.initial / slim.post_yield, 6.5)
     fat = backbone(2.0, 0.4 * 2.0 * math.pi * 2.0 * 100.0**2, 100.0)
     assert fat.initial / fat.post_yield > 6.5
-
-
-def test_outcomes_have_their_names() -> None:
-    names = {code: NAMES[code] for code in (SOFTENED, NOT_CONVERGED, NOT_FINITE, EULER_UNSTABLE)}
-    assert names == {
-        SOFTENED: "completed",
-        NOT_CONVERGED: "layer_forces_not_converged",
-        NOT_FINITE: "not_finite",
-        EULER_UNSTABLE: "euler_unstable",
-    }

@@ -266,22 +266,6 @@ def columns_of(
     return {name: values.tolist() for name, values in tb.read_columns(path, wanted).items()}
 
 
-@pytest.mark.parametrize(
-    "header",
-    [
-        "time_s,displacement_mm",
-        "Time [s],Displacement [mm]",
-        "time (s) , displacement (mm)",
-        "t_s,disp_mm",
-        '"time_s","displacement_mm"',
-        "time_s,displacement_mm,",
-    ],
-)
-def test_header_styles(tmp_path: Path, header: str) -> None:
-    data = columns_of(tmp_path, header + "\n0,0.25\n1,-3e-1\n")
-    assert data == {"time": [0.0, 1.0], "displacement": [0.25, -0.3]}
-
-
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp932"])
 def test_encodings_and_line_ends(tmp_path: Path, encoding: str, end: str) -> None:

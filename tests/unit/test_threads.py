@@ -46,7 +46,3 @@ def test_blas_has_one_thread(begin: str) -> None:
 
 def test_the_environment_may_say_otherwise() -> None:
     assert told(COMMAND, OPENBLAS_NUM_THREADS="2")[0] == "2"
-
-
-def test_these_tests_run_so() -> None:
-    assert os.environ["OPENBLAS_NUM_THREADS"]

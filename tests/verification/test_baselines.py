@@ -128,10 +128,3 @@ def test_a_model_that_ended_early_is_compared_as_far_as_it_got() -> None:
     )
     lines = comparison_figure(results).axes[0].lines
     assert len(lines[0].get_xdata()) == done < len(lines[1].get_xdata())
-
-
-def test_an_earlier_model_refuses_what_it_cannot_do() -> None:
-    with pytest.raises(tb.InputError, match="lead"):
-        tb.run(HDR, TEST, model="lead-alone")
-    with pytest.raises(tb.InputError, match="did you mean"):
-        tb.run(HDR, TEST, model="adiabatik")

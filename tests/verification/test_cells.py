@@ -69,11 +69,6 @@ def test_a_file_without_cells_and_a_scaled_bearing_get_the_defaults(tmp_path: Pa
     assert "advice" not in facts
 
 
-def test_check_says_that_cells_are_few() -> None:
-    facts = cells_facts(DATA / "shen-lhdr-specimen.toml")
-    assert "2 cells a layer are few; cells.rubber = " in facts["advice"]
-
-
 def test_check_says_when_the_error_is_not_known(tmp_path: Path) -> None:
     """Rubber that insulates, a heat capacity far too small: the reference test runs away."""
     table = read_toml(DATA / "shen-hdr-specimen.toml")

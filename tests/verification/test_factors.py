@@ -21,7 +21,6 @@ from thermobearing.design.factors import (
     scaled_bearing,
     temperature_factors,
 )
-from thermobearing.design.run import run_factors
 from thermobearing.model.earlier import bilinear_constants
 from thermobearing.model.element import BearingElement
 
@@ -255,20 +254,3 @@ def test_bad_arguments(call: Any, pieces: list[str]) -> None:
     with pytest.raises(tb.InputError) as caught:
         call()
     assert_told(str(caught.value), pieces)
-
-
-def test_report_from_python_is_that_of_the_command(tmp_path: Path) -> None:
-    report = run_factors(["shen-hdr-specimen"], temperatures=[-20.0], strains=[1.0], cycles=[2, 3])
-    report.save(tmp_path / "python", figures=False)
-    words = ["--temperature", -20, "--strain", 1, "--cycles", "2,3", "--no-figures", "-q"]
-    done = command("lambda", "shen-hdr-specimen", *words, "-o", tmp_path / "command")
-    assert done.exit_code == 0, done.output
-    for path in (tmp_path / "command").iterdir():
-        assert (tmp_path / "python" / path.name).read_bytes() == path.read_bytes()
-    with pytest.raises(tb.InputError, match="size effect was not studied"):
-        report.plot.sizes()
-
-
-def test_the_reference_has_no_default() -> None:
-    with pytest.raises(TypeError):
-        temperature_factors(HDR)  # type: ignore[call-arg]

@@ -12,7 +12,7 @@ import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.cyclic.case import make_case
 from thermobearing.earthquake.case import load_earthquake_case
-from thermobearing.model.handover import ENDS, LAYERS, MEMORY, PREFIX
+from thermobearing.model.handover import MEMORY, PREFIX
 
 Result = tb.Result
 CYCLES = {"step": "cycles", "strain": 1.5, "wave": "sine", "period": 3.0, "count": 1}
@@ -98,28 +98,6 @@ def test_a_directory_hands_over_the_same(tmp_path: Path) -> None:
     saved = second.save(tmp_path / "second", figures=False)
     again = tb.run_case(tb.load_case(saved / "case.resolved.toml"))
     assert again.dataset.drop_attrs().identical(second.dataset.drop_attrs())
-
-
-def test_temperatures_alone_are_handed_over_and_said() -> None:
-    """As a result of version 0.1 has them."""
-    first = tb.run("shen-lhdr-specimen", made(FIRST), -20.0)
-    old = Result(first.dataset.drop_vars([n for n in first.dataset if str(n).startswith(PREFIX)]))
-    second = tb.run("shen-lhdr-specimen", made([HELD]), -20.0, initial=old)
-    assert "temperatures only" in second.warnings[0]
-    assert second["displacement"].values[0, -1] == second["force"].values[0, -1] == 0.0
-    wanted = first["final_temperature"].values
-    assert np.array_equal(second["initial_temperature"].values, wanted)
-    assert not tb.run("shen-lhdr-specimen", made([HELD]), -20.0, initial=first).warnings
-
-
-def test_every_variable_of_the_group_has_unit_and_meaning() -> None:
-    data = tb.run("shen-lhdr-specimen", made([LOADED]), -20.0).dataset
-    for key in MEMORY:
-        assert data[PREFIX + key].attrs["units"], key
-        assert len(data[PREFIX + key].attrs["long_name"]) > 10, key
-    assert data[PREFIX + "layer_displacement"].dims == ("ambient", "layer")
-    assert data[PREFIX + ENDS].dims == ("ambient", "lead_term")
-    assert len(LAYERS) == 5
 
 
 REFUSED = {

@@ -19,7 +19,6 @@ from thermobearing.core.lead import (
 )
 from thermobearing.core.march import march
 from thermobearing.core.types import (
-    HEAT_FROM_DISSIPATION,
     HEAT_FROM_WORK,
     Constants,
     Lead,
@@ -111,16 +110,6 @@ def test_adiabatic_core_with_falling_strength_is_exact(measured: Recorder) -> No
     assert_allclose(
         heated(plain, path, 100), plain.strength * path / plain.capacity, rtol=tol.HEAT_BALANCE
     )
-
-
-@pytest.mark.parametrize("source", [HEAT_FROM_WORK, HEAT_FROM_DISSIPATION])
-@pytest.mark.parametrize("dx", [0.05, 2.0, -3.0])
-def test_tangent_of_a_core(source: int, dx: float) -> None:
-    lead = constants_of(softening=0.0069).lead
-    h = 1e-5
-    ahead, behind = (core_force(lead, source, 10.0, 3.0, dx + e)[0] for e in (h, -h))
-    _, tangent = core_force(lead, source, 10.0, 3.0, dx)
-    assert_allclose(tangent, (ahead - behind) / (2.0 * h), rtol=1e-6, atol=1e-8)
 
 
 def test_exchange_is_that_of_two_bodies(measured: Recorder) -> None:

@@ -121,11 +121,3 @@ def test_a_second_hybrid_test_is_that_of_a_specimen_without_force() -> None:
         peaks = np.maximum(table["force_max_kN"], -table["force_min_kN"])
         assert peaks.iloc[-1] / peaks.iloc[0] == pytest.approx(ratio, abs=0.01)
         assert table["force_start_kN"].iloc[-1] == pytest.approx(start, abs=0.5)
-
-
-def test_history_matters() -> None:
-    """A specimen that was loaded answers a hybrid test otherwise than a virgin one."""
-    alone = run_sequence(case_of(HYBRID)).table.iloc[-1]
-    after = run_sequence(case_of(cyclic(SINE), HYBRID)).table.iloc[-1]
-    assert after["rubber3_start_degC"] > alone["rubber3_start_degC"] + 1.0
-    assert abs(after["force_max_kN"] / alone["force_max_kN"] - 1.0) > 1e-3

@@ -12,7 +12,6 @@ from tests.conftest import Recorder
 from tests.tolerances import ISOTHERMAL_FORCE, LOOP, TABLE_SLOPE
 from tests.verification.models import Run, assembled, changed, marched, sine, specimen
 from thermobearing.bearing.model import Bearing, TemperatureLaw
-from thermobearing.commands.check import bearing_facts
 from thermobearing.core.step import tabled
 from thermobearing.model.constants import _law_pieces, with_parameters
 from thermobearing.model.stack import build_stack
@@ -139,29 +138,6 @@ def test_extrapolation_is_said() -> None:
     assert of_the_law(blind.warnings) == []
     warm = tb.run("shen-hdr-specimen", test, 32.0)
     assert "in 1 run, where rubber layers are at 32.0 to " in of_the_law(warm.warnings)[0]
-
-
-def test_extrapolation_is_said_of_earthquakes(capsys: pytest.CaptureFixture[str]) -> None:
-    study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23.0, -30.0], duration=1.0)
-    (said,) = of_the_law(study.warnings)
-    assert "outside for at most 1 s (jra-ii-i-1, -30 degC)" in said
-    assert study.summary()["warnings"] == study.warnings
-    study.show()
-    assert "the temperature law was identified" in capsys.readouterr().out
-    blind = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", -30.0, duration=0.5)
-    assert of_the_law(blind.warnings) == []
-
-
-def test_check_tells_the_range() -> None:
-    def said(bearing: Bearing) -> str:
-        return bearing_facts(bearing)["temperatures"]
-
-    assert said(specimen()) == "law identified at -20 to 34 degC"
-    assert said(tb.load_bearing("lrb-example")).startswith(
-        "the range of the temperature law is not"
-    )
-    table = tabled_bearing(MEASURED.values(), MEASURED.values())
-    assert said(table) == "law identified at -20 to 40 degC, a table of 7 times m_T and n_T"
 
 
 def test_a_table_in_a_file(tmp_path: Path) -> None:
