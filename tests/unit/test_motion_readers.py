@@ -1,5 +1,6 @@
-"""Accelerograms of every format and header, written here, come back as they were."""
+"""Accelerograms of every format come back as they were; bad ones are refused."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -8,8 +9,17 @@ import pytest
 from numpy.testing import assert_allclose
 
 import tests.unit.motion_files as files
+from tests.unit.inputs import assert_told, command, told
+from thermobearing.border.errors import InputError
+from thermobearing.motions import matching, process
 from thermobearing.motions.library import load_motion
+from thermobearing.motions.measures import significant_duration
+from thermobearing.motions.process import baseline_corrected, padded, resampled
 from thermobearing.motions.readers import read_motion
+from thermobearing.motions.record import GroundMotion, acceleration_unit
+from thermobearing.motions.spectrum import response_spectrum
+from thermobearing.motions.synthesis import make_motion, match_spectrum
+from thermobearing.motions.targets import standard_spectrum
 
 GOOD: list[tuple[str, str, dict[str, Any]]] = [
     ("csv", files.csv_text(), {}),
@@ -124,3 +134,240 @@ def test_unknown_rows_do_not_change_what_is_read(tmp_path: Path) -> None:
     motion = read_motion(files.write(tmp_path / "a.csv", text, "utf-8-sig"))
     assert len(motion.acceleration) == files.COUNT
     assert np.isfinite(motion.acceleration).all()
+
+
+def changed(text: str, line: int, new: str) -> str:
+    """The text with one line (from 1) replaced."""
+    lines = text.splitlines()
+    lines[line - 1] = new
+    return "\n".join(lines) + "\n"
+
+
+def without(text: str, first: int, last: int) -> str:
+    """The text without lines first to last (from 1)."""
+    lines = text.splitlines()
+    return "\n".join(lines[: first - 1] + lines[last:]) + "\n"
+
+
+CSV, AT2, KNET, JMA = files.csv_text(), files.at2_text(), files.knet_text(), files.jma_text()
+TWO = "\n".join(f"{v:.4f} {v:.4f}" for v in files.shaking())
+NS = {"component": "NS"}
+BAD: list[tuple[str, str, dict[str, Any], list[str]]] = [
+    ("empty", "", {}, ["is empty"]),
+    ("prose", "This is no record.\nNot at all.\n", {}, ["no numbers", "accelerogram"]),
+    ("one sample", "t_s,acc_gal\n0.0,300\n", {"dt": 0.01}, ["1 samples", "at least 2"]),
+    ("no unit", "\n".join(files.csv_rows()), {}, ["unit", "nowhere", "gal", "m/s2"]),
+    ("unknown unit", CSV, {"unit": "furlong"}, ['unknown unit of acceleration "furlong"', "gal"]),
+    ("misspelt unit", CSV, {"unit": "gals"}, ['"gals"', 'did you mean "gal"']),
+    ("unit against file", CSV, {"unit": "g"}, ['"g" was given', 'the file says "gal"']),
+    ("g taken for gal", files.csv_text(pga=0.3), {}, ["0.3 gal", "100 to 2000", "294 gal", "in g"]),
+    ("gal taken for g", files.at2_text(300.0), {}, ["300 g", "300 gal if the numbers are in gal"]),
+    ("m/s2 taken for gal", files.csv_text(pga=8.0), {}, ["8 gal", "800 gal", "in m/s2"]),
+    ("gal taken for m/s2", files.csv_text("t_s,acc_m/s2"), {}, ["3e+04 gal", "300 gal", "in gal"]),
+    ("mm/s2 taken for m/s2", files.csv_text("t_s,acc_m/s2", 4000.0), {}, ["400 gal", "in mm/s2"]),
+    ("trust is offered", files.csv_text(pga=20.0), {}, ["20 gal", "trust_unit"]),
+    ("zero throughout", files.csv_text(pga=0.0).replace("nan", "0"), {}, ["zero throughout"]),
+    ("no dt", files.one_column(), {"unit": "gal"}, ["time step", "nowhere", "dt"]),
+    ("dt against file", CSV, {"dt": 0.02}, ["0.02 s was given", "the file has 0.01 s"]),
+    ("dt zero", files.one_column(), {"unit": "gal", "dt": 0.0}, ["dt = 0 s", "> 0"]),
+    ("dt in ms", files.one_column(), {"unit": "gal", "dt": 10.0}, ["10 s", "in seconds?"]),
+    ("time in ms", CSV.replace("t_s", "t_min"), {}, ["0.6 s is outside"]),
+    ("gap in time", without(CSV, 100, 140), {}, ["line 100", "a gap of 0.42 s", "0.01 s else"]),
+    ("uneven", changed(CSV, 101, "0.993,10"), {}, ["line 101", "uneven time steps"]),
+    ("time repeats", changed(CSV, 101, "0.98,10"), {}, ["line 101", "does not increase"]),
+    ("NaN", changed(CSV, 50, "0.48,NaN"), {}, ["line 50", '"NaN" is not a finite number']),
+    ("too large", changed(CSV, 50, "0.48,1e999"), {}, ["line 50", "not a finite number"]),
+    ("word", changed(CSV, 50, "0.48,lost"), {}, ["line 50", '"lost" is not a number']),
+    ("missing cell", changed(CSV, 50, "0.48"), {}, ["line 50", "1 columns instead of 2"]),
+    ("both decimal marks", "0.00;1,5\n0.01;2,5\n", {}, ["decimal point", "decimal comma"]),
+    ("component not chosen", TWO, {"unit": "gal", "dt": 0.01}, ["2 components", "component"]),
+    ("no such component", TWO, {"unit": "gal", "dt": 0.01, **NS}, ['no component "NS"']),
+    ("time only", "t_s\n0\n0.01\n0.02\n", {}, ["no acceleration"]),
+    ("several units", files.one_column("# gal, or m/s2; dt=0.01"), {}, ["several units"]),
+    ("at2 cut off", without(AT2, 60, 84), {}, ["NPTS = 400", "holds 275", "cut off"]),
+    ("at2 too long", AT2 + " 0.1 0.1\n", {}, ["NPTS = 400", "holds 402", "more"]),
+    ("at2 stars", changed(AT2, 9, "0.1 0.1 ****** 0.1 0.1"), {}, ["line 9", "not a number"]),
+    ("at2 dt zero", files.at2_text(line="NPTS= 400, DT= 0.0 SEC"), {}, ["0 s", "outside"]),
+    ("velocity", files.at2_text(unit="VELOCITY TIME SERIES IN UNITS OF CM/S"), {}, ["a velocity"]),
+    ("at2 component", AT2, {"component": "EW"}, ["one component", '"EW" is not there']),
+    ("k-net no memo", files.knet_text(memo="x"), {}, ['"Memo."']),
+    ("k-net no frequency", files.knet_text(frequency="often"), {}, ["Sampling Freq"]),
+    ("k-net no scale", files.knet_text(scale="1"), {}, ["Scale Factor", "3920(gal)/6170801"]),
+    ("k-net wrong scale", files.knet_text(scale="2000(gal)/9810"), {}, ["Max. Acc. 300"]),
+    ("k-net, 2 % off", files.knet_text(largest=306.0), {}, ["Max. Acc. 306", "come to 300"]),
+    ("k-net cut off", files.knet_text(duration="300"), {}, ["30000 samples", "holds 400", "a gap"]),
+    ("k-net component", KNET, {"component": "EW"}, ["component NS", '"EW" is not there']),
+    ("jma no component", JMA, {}, ["NS, EW, UD", "give component"]),
+    ("jma wrong component", JMA, {"component": "NE"}, ['no component "NE"']),
+    ("jma no rate", files.jma_text(rate=" RATE"), NS, ["SAMPLING RATE"]),
+    ("jma no unit", files.jma_text(unit=""), NS, ["unit", "nowhere"]),
+    ("jma no titles", files.jma_text(titles=" A,B,C"), NS, ['"NS,EW,UD"']),
+    ("jma gap", changed(JMA, 20, "0.1,0.2"), NS, ["line 20", "2 columns instead of 3"]),
+    ("jma in g", files.jma_text(pga=0.3), NS, ["0.3 gal", "10 to 5000 gal"]),
+]
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "pieces"), [pytest.param(*row[1:], id=row[0]) for row in BAD]
+)
+def test_bad_record_is_refused_with_a_sentence(
+    text: str, options: dict[str, Any], pieces: list[str], tmp_path: Path
+) -> None:
+    path = files.write(tmp_path / "bad.txt", text)
+    with pytest.raises(InputError) as caught:
+        load_motion(path, **options)
+    message = str(caught.value)
+    assert message.startswith(f"{path}: ")
+    assert_told(message, pieces)
+    words = [word for key, value in options.items() for word in (f"--{key}", value)]
+    out = tmp_path / "out"
+    done = command("motions", "show", path, *words, "-o", out)
+    assert done.exit_code == 2
+    said = done.stderr.replace("--trust-unit", "trust_unit").replace("--dt", "dt")
+    assert said == f"thermobearing: {message}\n"
+    assert not out.exists()
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    for path, piece in (
+        (tmp_path / "none.at2", "no such file"),
+        (tmp_path, "is a directory, not a file"),
+        (files.write(tmp_path / "b.csv", "t_s\0"), "null bytes"),
+    ):
+        with pytest.raises(InputError, match=piece):
+            load_motion(path)
+
+
+def test_unknown_name_brings_the_nearest() -> None:
+    with pytest.raises(
+        InputError, match='no motion is called "jra-ii-i-4"; did you mean "jra-ii-i'
+    ):
+        load_motion("jra-ii-i-4")
+    with pytest.raises(InputError, match="known: jra-i-i-1"):
+        load_motion("xyz")
+    with pytest.raises(InputError, match="is built in and takes no dt, unit"):
+        load_motion("jra-ii-i-1", dt=0.01, unit="gal", component=None)
+
+
+MOTION = GroundMotion("test", 0.01, files.shaking(3000.0))
+TINY = GroundMotion("tiny", 0.01, np.ones(3))
+STILL = GroundMotion("still", 0.01, np.zeros(1000))
+CALLS: list[tuple[str, Any, list[str]]] = [
+    ("period", lambda: response_spectrum(MOTION, [-1.0]), ["periods", "not negative"]),
+    ("damping", lambda: response_spectrum(MOTION, [1.0], 1.0), ["damping: 1", "[0, 1)"]),
+    ("steps", lambda: response_spectrum(MOTION, [1.0], steps_per_period=0), ["steps_per_period"]),
+    ("kind", lambda: standard_spectrum("IV", "I", [1.0]), ['"IV" is not one of I, II']),
+    ("both", lambda: standard_spectrum(3, 4, [1.0]), ["type of earthquake", 'ground: "4"']),
+    ("zero period", lambda: standard_spectrum("I", "I", [0.0]), ["periods", "> 0"]),
+    ("factor", lambda: standard_spectrum("I", "I", [1.0], zone_factor=0.0), ["zone_factor: 0"]),
+    ("seed", lambda: make_motion("I", "I", -1), ["seed: -1"]),
+    ("coarse", lambda: make_motion("I", "I", 1, 0.05), ["0.05 s", "[0.001, 0.02]"]),
+    ("short", lambda: match_spectrum(MOTION, "II", "I"), ["lasts 3.99 s", "at least 5 s"]),
+    ("still", lambda: match_spectrum(STILL, "II", "I"), ["zero throughout"]),
+    ("duration", lambda: significant_duration(STILL), ["zero throughout"]),
+    ("shares", lambda: significant_duration(MOTION, 0.9, 0.1), ["0.9", "start < end"]),
+    ("new step", lambda: process.resampled(MOTION, 0.0), ["dt: 0 s"]),
+    ("long step", lambda: process.resampled(MOTION, 10.0), ["dt: 10 s", "3.99"]),
+    ("odd step", lambda: process.resampled(MOTION, 0.01 / np.pi), ["no simple fraction"]),
+    ("both sizes", lambda: process.scaled(MOTION, 2.0, pga=3.0), ["either factor or pga"]),
+    ("no size", lambda: process.scaled(MOTION), ["either factor or pga"]),
+    ("factor zero", lambda: process.scaled(MOTION, 0.0), ["factor: 0"]),
+    ("still scaled", lambda: process.scaled(STILL, pga=1.0), ["cannot be scaled"]),
+    ("trim", lambda: process.trimmed(MOTION, 3.0, 1.0), ["from 3 s to 1 s"]),
+    ("trim between", lambda: process.trimmed(MOTION, 1.001, 1.009), ["fewer than two"]),
+    ("pad", lambda: process.padded(MOTION, -1.0), ["before = -1 s"]),
+    ("corner", lambda: process.baseline_corrected(MOTION, high_pass=60.0), ["60 Hz", "50"]),
+    ("tiny", lambda: process.baseline_corrected(TINY), ["3 samples"]),
+    ("unit", lambda: acceleration_unit("kn"), ['unknown unit of acceleration "kn"']),
+]
+
+
+@pytest.mark.parametrize(("call", "pieces"), [pytest.param(*row[1:], id=row[0]) for row in CALLS])
+def test_bad_argument_is_told(call: Any, pieces: list[str]) -> None:
+    with pytest.raises(InputError) as caught:
+        call()
+    assert_told(str(caught.value), pieces)
+
+
+@pytest.mark.parametrize("pga", [204.0, 300.0, 605.0, 825.0, 980.0])
+@pytest.mark.parametrize("factor", [9.80665, 100.0, 980.665])
+def test_wrong_unit_never_passes(pga: float, factor: float, tmp_path: Path) -> None:
+    """Motions of 204 to 980 gal, told too large or too small by the factors between units."""
+    for wrong in (factor, 1.0 / factor):
+        path = files.write(tmp_path / "a.csv", files.csv_text(pga=pga * wrong))
+        with pytest.raises(InputError, match="is the unit wrong"):
+            load_motion(path)
+
+
+@pytest.mark.parametrize(
+    ("call", "pieces"),
+    [
+        (lambda: baseline_corrected(MOTION, high_pass=1e-308), ["high_pass: 1e-308 Hz", "outside"]),
+        (lambda: resampled(MOTION, 1e-9), ["dt: 1e-09 s", "samples"]),
+        (lambda: resampled(MOTION, 0.01 * 7 / 1e9), ["samples"]),
+        (lambda: padded(MOTION, 1e5, 1e5), ["samples", "2000000"]),
+        (lambda: make_motion("II", "I", 1, zone_factor=1e-300), ["zone_factor: 1e-300"]),
+        (lambda: match_spectrum(padded(MOTION, 0.0, 5000.0), "II", "I"), ["at most 120000"]),
+    ],
+    ids=["corner", "finer", "odd", "padded", "zone", "long"],
+)
+def test_arguments_beyond_sense(call: Callable[[], Any], pieces: list[str]) -> None:
+    told(call, *pieces)
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "pieces"),
+    [
+        ("t_s,acc_gal\n0,0\n0.01,1e300\n0.02,0\n", {}, ["line 3", "too large"]),
+        ("t_s,acc_gal\n0,0\n0.01,1e-200\n0.02,0\n", {"trust_unit": True}, ["less than 1e-09"]),
+        (files.at2_text(line="NPTS= 400, DT= 1D400 SEC"), {}, ["not a finite number"]),
+        (files.at2_text(line=f"NPTS= {'9' * 5000}, DT= 0.01 SEC"), {}, [""]),
+        (files.knet_text(frequency="1D2Hz", largest=300.0), {"component": "EW"}, ["NS"]),
+        (files.knet_text(frequency="1e-320Hz"), {}, [""]),
+        (files.knet_text(duration="1e300"), {}, ["too large"]),
+        (files.knet_text(scale="2000(gal)/1e-300"), {}, ["Scale Factor"]),
+        (files.jma_text(rate=" SAMPLING RATE= 1e-320Hz"), {"component": "NS"}, ["time step"]),
+        (files.jma_text(), {"component": "²"}, ['no component "²"']),
+        (files.csv_text("t_s,a_gal,b_gal").replace("\n0", ",1\n0"), {"component": "²"}, [""]),
+    ],
+    ids=range(11),
+)
+def test_numbers_of_a_motion_that_overflow(
+    text: str, options: dict[str, Any], pieces: list[str], tmp_path: Path
+) -> None:
+    path = files.write(tmp_path / "a.txt", text)
+    told(lambda: load_motion(path, **options), str(path), *pieces)
+
+
+def test_exponents_as_fortran_writes_them_in_a_header(tmp_path: Path) -> None:
+    path = files.write(tmp_path / "a.knet", files.knet_text(frequency="1D2Hz"))
+    assert load_motion(path).dt == 0.01
+
+
+def test_search_for_a_spectrum_ends_where_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    rounds: list[tuple[int, int]] = []
+    monkeypatch.setattr(matching, "GOAL", 0.0)
+    monkeypatch.setattr(matching, "ENOUGH", 0.0)
+    noise = np.random.default_rng(0).standard_normal(1500) * files.shaking(count=1500)
+    effort = matching.Effort(12, lambda done, most: rounds.append((done, most)))
+    fit = matching.matched(noise, 0.02, lambda t: 1e3 + 0.0 * t, finer=True, effort=effort)
+    assert rounds == [(k, 12) for k in range(1, 13)]
+    assert np.isfinite(fit.acceleration).all()
+    assert 0.0 < fit.misfit < 1.0
+
+
+def test_search_that_is_stuck_far_away_ends_early() -> None:
+    """Nothing but one short wave: no multipliers make the long periods of the target of it."""
+    wave = np.sin(2.0 * np.pi * 20.0 * 0.01 * np.arange(1000)) * files.shaking(count=1000)
+    effort = matching.Effort()
+    fit = matching.matched(1e-9 * wave, 0.01, lambda t: 1e4 + 0.0 * t, effort=effort)
+    assert effort.done < 60
+    assert fit.misfit > matching.LARGEST_MISFIT
+
+
+def test_progress_of_a_motion_that_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(matching, "MOST_ROUNDS", 3)
+    rounds: list[int] = []
+    motion = make_motion("II", "I", 1, 0.02, progress=lambda done, most: rounds.append(done))
+    assert rounds[-1] >= 3
+    assert "misfit" in motion.description

@@ -1,4 +1,4 @@
-"""What cannot be true ends with a typed outcome and a sentence that says what to try."""
+"""States that cannot be true end with a typed outcome: temperatures, energy from nowhere."""
 
 import json
 from pathlib import Path
@@ -11,7 +11,9 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import changed_table, cyclic, last_line, quick_case, specimen_table
 from thermobearing.bearing.library import bearing_from_table
-from thermobearing.model.outcomes import NOT_PHYSICAL, SENTENCES, _temperature_limits
+from thermobearing.core.types import State, new_state
+from thermobearing.model.options import ModelOptions, build_model
+from thermobearing.model.outcomes import NOT_PHYSICAL, SENTENCES, _temperature_limits, is_physical
 
 LIMITS = _temperature_limits()
 FAST = tb.CyclicTest(
@@ -95,3 +97,54 @@ def test_a_bilinear_bearing_has_no_heat_to_lose() -> None:
     study = tb.bridge("shen-bilinear-bridge", motion, [-20.0, 23.0], duration=5)
     assert study.energy["thermal_residual"].abs().max() < tol.ENERGY_BOOKS
     assert study["bearing_force"].values[0].tolist() == study["bearing_force"].values[1].tolist()
+
+
+HDR = tb.load_bearing("shen-hdr-specimen")
+MODEL = build_model(HDR)
+
+
+def line_state(**books: float) -> State:
+    """100 kN mm of work, 70 of them heat: 20 stored, 30 lost at the ends, 20 at the sides."""
+    state = new_state(MODEL.constants, np.full(len(MODEL.stack.part), 20.0))
+    given = {
+        "work_in": 100.0, "heat_released": 70.0, "recoverable": 30.0, "heat_stored": 20.0,
+        "heat_lost_ends": 30.0, "heat_lost_sides": 20.0, **books,
+    }  # fmt: skip
+    for name, value in given.items():
+        setattr(state.books[0], name, value)
+    return state
+
+
+@pytest.mark.parametrize("cell", [0, -1])
+@pytest.mark.parametrize(
+    ("degrees", "possible"), [(-273.0, True), (-274.0, False), (1499.0, True), (1501.0, False)]
+)
+def test_temperatures(cell: int, degrees: float, possible: bool) -> None:
+    state = line_state()
+    state.temperature[cell] = degrees
+    assert is_physical(MODEL.constants, state) is possible
+
+
+def test_nan_is_not_physical() -> None:
+    state = line_state()
+    state.temperature[3] = np.nan
+    assert not is_physical(MODEL.constants, state)
+    assert not is_physical(MODEL.constants, line_state(work_in=np.nan))
+
+
+@pytest.mark.parametrize("name", ["work_in", "recoverable", "heat_stored", "heat_lost_ends",
+                                  "heat_lost_sides"])  # fmt: skip
+@pytest.mark.parametrize(("missing", "possible"), [(0.09, True), (0.2, False), (-0.2, False)])
+def test_books(name: str, missing: float, possible: bool) -> None:
+    """0.1 % of the largest energy may be missing, in either balance and either way."""
+    state = line_state()
+    setattr(state.books[0], name, getattr(state.books[0], name) + missing)
+    assert is_physical(MODEL.constants, state) is possible
+
+
+def test_published_books_have_gaps_of_their_own() -> None:
+    published = build_model(HDR, ModelOptions(scheme="published")).constants
+    assert is_physical(published, line_state(heat_stored=50.0))
+    hot = line_state()
+    hot.temperature[:] = 2000.0
+    assert not is_physical(published, hot)
