@@ -73,7 +73,9 @@ ASK = """
 import os
 assert "numpy" in sys.modules and "scipy.linalg" in sys.modules
 tasks = "/proc/self/task"  # only Linux tells how many threads there are
-print(os.environ["OPENBLAS_NUM_THREADS"], len(os.listdir(tasks)) if os.path.exists(tasks) else 1)
+threads = os.listdir(tasks) if os.path.exists(tasks) else ["self"]
+names = [open(f"{tasks}/{task}/comm").read() for task in threads if task != "self"] or ["python"]
+print(os.environ["OPENBLAS_NUM_THREADS"], sum("jemalloc" not in name for name in names))
 """
 
 
