@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from thermobearing.border.errors import InputError
+from thermobearing.loading import load_result
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.options import Question
@@ -67,6 +68,17 @@ def test_summary_and_worst_runs() -> None:
     assert worst_runs(failed, 3) == []
     with pytest.raises(InputError):
         worst_runs(through.drop(columns="pier_ductility"), 3)
+
+
+def test_a_few_runs_are_shown_and_saved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Too few for shares of the variance, and without a directory."""
+    whole = made_up()
+    few = StudyResult(whole.table.iloc[:6], whole.study, {})
+    few.show()
+    assert "ambient temperature" in capsys.readouterr().out
+    few.save(tmp_path / "out", figures=False)
+    saved = load_result(tmp_path / "out")
+    assert len(saved.tables["table"]) == 6  # type: ignore[union-attr]
 
 
 def test_fewer_runs_than_planned_are_told() -> None:

@@ -342,7 +342,7 @@ class StudyFigures(drawing.Figures):
         found: dict[str, Callable[[], Figure]] = {}
         if AMBIENT in result.factors:
             found["demand"] = partial(self.demand, asked)
-        if len(result.factors) > 1:
+        if result.has_variance:
             found["variance"] = partial(self.variance, asked)
         if asked.hazard is not None:
             asked.chosen_capacity(result)

@@ -183,7 +183,7 @@ def result_tables(result: StudyResult, asked: Question) -> dict[str, Table]:
     if result.table[result.intensity].nunique() > 1 and asked.capacity is not None:
         for name, part in result.parts().items():
             found |= _curves(part, asked, name)
-    if len(result.factors) > 1:
+    if result.has_variance:
         table = result.variance(demand)
         table["factor"] = table["factor"].map(column_words)
         poor = "total" in table and (table["total"] < table["first"]).any()

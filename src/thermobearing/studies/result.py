@@ -43,7 +43,12 @@ from thermobearing.studies.statistics.hazard import (
     ratio,
     shares_of_time,
 )
-from thermobearing.studies.statistics.variance import MATRIX, sobol_table, variance_shares
+from thermobearing.studies.statistics.variance import (
+    LEAST_ROWS,
+    MATRIX,
+    sobol_table,
+    variance_shares,
+)
 from thermobearing.studies.store import MANIFEST, STUDY, Store
 
 NUMBERS = ("scale", AMBIENT, HOUR)
@@ -186,6 +191,11 @@ class StudyResult(Result):
         """Whether some motion has runs at several intensities with all else the same."""
         alone = MATRIX in self.table or "scale" not in self.factors
         return not alone and bool(self.table.duplicated(list(self._curves())).any())
+
+    @property
+    def has_variance(self) -> bool:
+        """Whether there are factors, and runs enough for shares of the variance."""
+        return len(self.factors) > 1 and self.runs - self.failed >= LEAST_ROWS
 
     def _curves(self) -> tuple[str, ...]:
         apart = [name for name in ("motion", "sample", *self.factors) if name in self.table]
@@ -412,7 +422,8 @@ class StudyResult(Result):
 
     def _write(self, folder: Path) -> None:
         (folder / RESOLVED).write_text(self.study.to_toml(), encoding="utf-8")
-        write_csv(folder / TABLE, self.table)
+        names = list(self.table.select_dtypes("category"))
+        write_csv(folder / TABLE, self.table.astype(dict.fromkeys(names, object)))
 
 
 def is_study(path: str | Path) -> bool:
