@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from thermobearing.climate.generator import generate_weather
 from thermobearing.climate.hourly import Hourly
-from thermobearing.earthquake.soaking import bearing_weather
+from thermobearing.earthquake.run import bearing_weather
 from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
 from thermobearing.results import drawing
 from thermobearing.studies.definition.case import load_study

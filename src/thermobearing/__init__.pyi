@@ -32,7 +32,7 @@ from .earthquake.analysis import bridge as bridge
 from .earthquake.analysis import hybrid as hybrid
 from .earthquake.analysis import sweep as sweep
 from .earthquake.result import EarthquakeResult as EarthquakeResult
-from .earthquake.soaking import bearing_weather as bearing_weather
+from .earthquake.run import bearing_weather as bearing_weather
 from .identify.fit.synthetic import synthetic_record as synthetic_record
 from .identify.records.checks import check_test as check_test
 from .identify.records.record import TestRecord as TestRecord
@@ -66,8 +66,8 @@ from .structure.result import examine_structure as examine_structure
 from .studies.result import StudyResult as StudyResult
 from .studies.run.engine import study as study
 from .tables.columns import read_columns as read_columns
-from .validate.hold_out import cross_validate as cross_validate
 from .validate.result import Validation as Validation
+from .validate.run import cross_validate as cross_validate
 from .validate.run import validate_bearing as validate_bearing
 
 __version__: str

@@ -55,7 +55,7 @@ def test_a_name_is_one_printable_line(name: str) -> None:
 
 @pytest.mark.parametrize("what", ["structure", "motion", "test", "rig"])
 def test_names_of_other_things_are_lines(what: str) -> None:
-    from thermobearing.earthquake.inputs import Motion
+    from thermobearing.earthquake.case import Motion
 
     name = "x\nimport os"
     make: dict[str, Any] = {

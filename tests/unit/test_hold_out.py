@@ -12,8 +12,8 @@ import pytest
 import thermobearing as tb
 from tests.unit.inputs import command, write_test
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.validate.hold_out import cross_validate, split_tests
 from thermobearing.validate.result import BEYOND, WITHIN, CrossValidation
+from thermobearing.validate.run import cross_validate, split_tests
 
 HDR = "shen-hdr-specimen"
 TEST = tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None)
@@ -145,7 +145,7 @@ def test_what_cannot_be(good: list[TestRecord], options: dict[str, Any], said: s
 def test_a_test_that_is_none_is_refused_before_the_fit(
     good: list[TestRecord], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("thermobearing.validate.hold_out.run_identify", None)
+    monkeypatch.setattr("thermobearing.validate.run.run_identify", None)
     still = replace(good[0], name="still", displacement=0.0 * good[0].displacement)
     for options in ({"hold_out": still}, {"folds": 2}):
         records = good[1:3] if "hold_out" in options else [*good[1:3], still]
@@ -156,16 +156,16 @@ def test_a_test_that_is_none_is_refused_before_the_fit(
 def test_a_fold_that_does_not_get_through_says_which(
     good: list[TestRecord], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from thermobearing.validate import hold_out
+    from thermobearing.validate import run
 
-    whole = hold_out.run_identify
+    whole = run.run_identify
 
     def fails_without_the_first(case: Any) -> Any:
         if case.records[0] is not good[0]:
             raise tb.InputError("the model does not get through")
         return whole(case)
 
-    monkeypatch.setattr(hold_out, "run_identify", fails_without_the_first)
+    monkeypatch.setattr(run, "run_identify", fails_without_the_first)
     with pytest.raises(tb.InputError, match="fold 1: the model does not get through"):
         cross_validate(good[:2], HDR, folds=2, **FIT)
 

@@ -10,8 +10,15 @@ from thermobearing.climate.hourly import HOUR
 from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.run import Device, build_device, soaked
-from thermobearing.earthquake.soaking import SPIN_UP, history_weights, soaked_history, soaked_hours
+from thermobearing.earthquake.run import (
+    SPIN_UP,
+    Device,
+    build_device,
+    history_weights,
+    soaked,
+    soaked_history,
+    soaked_hours,
+)
 
 WEATHER = tb.generate_weather("cold-town", years=1, seed=2)
 LOOKED_AT = 800

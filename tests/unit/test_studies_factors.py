@@ -13,8 +13,7 @@ from tests import tolerances as tol
 from tests.unit.test_studies_plan import study
 from thermobearing.bearing.new import new_bearing
 from thermobearing.climate.generator import generate_weather
-from thermobearing.earthquake.run import Task, build_device, soaked
-from thermobearing.earthquake.soaking import soaked_hours
+from thermobearing.earthquake.run import Task, build_device, soaked, soaked_hours
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.columns import number_paths, value_at, with_numbers
 from thermobearing.studies.definition.designs import plan

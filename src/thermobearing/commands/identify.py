@@ -72,7 +72,7 @@ TESTS = Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOM
         ambients="--predict|Ambient temperature [degC] to predict a band at; may be repeated.",
     ),
     fields(
-        "validate.hold_out:cross_validate",
+        "validate.run:cross_validate",
         "hold_out folds",
         hold_out="|Test to validate the fit with, not fitted; may be repeated.|FILE",
         folds="|Hold every test out once, in so many groups; then fit to all of them.",
@@ -142,7 +142,7 @@ def _fit(
     """Return a fit to all tests, or one that is validated with those held out."""
     from thermobearing.identify.case import make_identify_case
     from thermobearing.identify.run import run_identify
-    from thermobearing.validate.hold_out import cross_validate
+    from thermobearing.validate.run import cross_validate
 
     if "hold_out" not in given:
         return run_identify(make_identify_case(records, bearing, **given))

@@ -20,9 +20,9 @@ from thermobearing.earthquake.case import (
     EarthquakeCase,
     Kept,
     Laboratory,
+    Motion,
     make_earthquake_case,
 )
-from thermobearing.earthquake.inputs import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.model.earlier import REFERENCE, Model, models_that_fit

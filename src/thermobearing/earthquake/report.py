@@ -17,9 +17,8 @@ from thermobearing.cyclic.reported import (
     model_assumptions,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
-from thermobearing.earthquake.figures import part_names, select_part
+from thermobearing.earthquake.figures import RunPanels, part_names, select_part
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.earthquake.summary_figures import RunPanels
 from thermobearing.earthquake.tables import balance_table, cold_ratios
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import outdoors

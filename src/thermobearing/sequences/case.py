@@ -29,9 +29,10 @@ from thermobearing.earthquake.case import (
     EarthquakeAnalysis,
     EarthquakeCase,
     Laboratory,
+    Motion,
     Stepping,
+    settle_motions,
 )
-from thermobearing.earthquake.inputs import Motion, settle_motions
 from thermobearing.model.effort import too_much
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelOptions

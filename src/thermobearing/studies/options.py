@@ -18,7 +18,7 @@ from thermobearing.border.units import parse_quantity, with_unit
 from thermobearing.climate.generator import generate_weather, list_climates
 from thermobearing.climate.hourly import Hourly
 from thermobearing.climate.readers import read_weather
-from thermobearing.earthquake.soaking import bearing_weather
+from thermobearing.earthquake.run import bearing_weather
 from thermobearing.model.options import ModelOptions
 from thermobearing.studies.definition.record import INTENSITY_UNITS, Posterior
 from thermobearing.studies.statistics.demand import Failed

@@ -11,8 +11,12 @@ from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.library import Library, is_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.units import with_unit
-from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case, settle_surroundings
-from thermobearing.earthquake.inputs import settle_motions
+from thermobearing.earthquake.case import (
+    EarthquakeCase,
+    make_earthquake_case,
+    settle_motions,
+    settle_surroundings,
+)
 from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
 from thermobearing.structure.model import load_structure

@@ -17,7 +17,7 @@ from thermobearing.climate.generator import generate_weather
 from thermobearing.climate.hourly import Hourly
 from thermobearing.climate.readers import read_weather
 from thermobearing.core.records import Ints
-from thermobearing.earthquake.inputs import Motion
+from thermobearing.earthquake.case import Motion
 from thermobearing.identify.uncertainty.samples import posterior_bearings
 from thermobearing.motions.record import GroundMotion
 from thermobearing.results.directory import IDENTIFIED, SAMPLES

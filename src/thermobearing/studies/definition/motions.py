@@ -28,7 +28,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.text_file import write_whole
 from thermobearing.core.compile import cache_directory
-from thermobearing.earthquake.inputs import Motion, make_table
+from thermobearing.earthquake.case import Motion, motion_table
 from thermobearing.motions import targets
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import LARGEST_MISFIT, misfit
@@ -218,7 +218,7 @@ def motion_levels(factor: MotionFactor) -> list[Motion]:
         return list(factor.levels or ())
     factors = [one.factor for one in factor.levels] if factor.levels else [1.0] * len(factor.names)
     return [
-        Motion(**(make_table(motion) | {"factor": own, "label": motion.name}))
+        Motion(**(motion_table(motion) | {"factor": own, "label": motion.name}))
         for motion, own in zip(factor_motions(factor), factors, strict=True)
     ]
 

@@ -21,8 +21,7 @@ from thermobearing.border.units import parse_quantity
 from thermobearing.climate.hourly import Hourly
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Temperature
-from thermobearing.earthquake.case import EarthquakeCase
-from thermobearing.earthquake.inputs import Motion
+from thermobearing.earthquake.case import EarthquakeCase, Motion
 from thermobearing.motions.record import GroundMotion, acceleration_unit
 from thermobearing.motions.spectrum import DAMPING, response_spectrum
 from thermobearing.motions.synthesis import LARGEST_SEED

@@ -24,13 +24,16 @@ from thermobearing.earthquake.run import (
     Device,
     OneLine,
     Shaking,
+    Soaked,
     Task,
     build_device,
     build_shaking,
+    history_weights,
     one_line,
     prepared_lines,
+    soaked_history,
+    soaked_hours,
 )
-from thermobearing.earthquake.soaking import Soaked, history_weights, soaked_history, soaked_hours
 from thermobearing.model.constants import with_parameters
 from thermobearing.structure.run import Prepared, prepare_structure
 from thermobearing.studies.definition.columns import (
