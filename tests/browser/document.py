@@ -5,19 +5,7 @@ from matplotlib.figure import Figure
 
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
-from thermobearing.report.pieces import (
-    Bullets,
-    Check,
-    ChecksBlock,
-    Document,
-    FigureBlock,
-    Heading,
-    Paragraph,
-    Plot,
-    ReportFigure,
-    TableBlock,
-    Trace,
-)
+from thermobearing.report import pieces
 
 HOSTILE = '<script>window.hurt = true</script><img src=x onerror="window.hurt = true">'
 TIME = np.linspace(0.0, 20.0, 401)
@@ -48,63 +36,68 @@ def long_table() -> Table:
     return Table("Long and broad", columns, rows, marked=frozenset({(3, 17)}))
 
 
-def loops() -> Plot:
+def loops() -> pieces.Plot:
     lines = {
         words: [
-            Trace("23 °C", size * np.cos(TIME), np.sin(TIME), "#CC3311"),
-            Trace(HOSTILE, size * np.cos(TIME), 2.0 * np.sin(TIME), "#1a1a1a", "dashed"),
+            pieces.Trace("23 °C", size * np.cos(TIME), np.sin(TIME), "#CC3311"),
+            pieces.Trace(HOSTILE, size * np.cos(TIME), 2.0 * np.sin(TIME), "#1a1a1a", "dashed"),
         ]
         for words, size in (("first motion", 1.0), ("second motion", 3.0))
     }
     bands = [(2.5, np.inf, "strain beyond 250 %"), (-np.inf, -2.5, "strain beyond 250 %")]
-    return Plot("strain", "force [kN]", lines, bands=bands)
+    return pieces.Plot("strain", "force [kN]", lines, bands=bands)
 
 
-def profile() -> Plot:
+def profile() -> pieces.Plot:
     warmth = np.stack([20.0 + k * np.sin(np.pi * DEPTH / 80.0) for k in range(PLACES)])
     depths = np.stack([DEPTH] * PLACES)
-    line = Trace("profile", warmth[0], DEPTH, "#0077BB", frames=depths, frames_x=warmth)
+    line = pieces.Trace("profile", warmth[0], DEPTH, "#0077BB", frames=depths, frames_x=warmth)
     words = [f"{k} s" for k in range(PLACES)]
-    return Plot("temperature [°C]", "depth [mm]", {"": [line]}, words, "time")
+    return pieces.Plot("temperature [°C]", "depth [mm]", {"": [line]}, words, "time")
 
 
-def orbit() -> Plot:
-    return Plot(
-        "x [mm]", "y [mm]", {"": [Trace("orbit", np.cos(TIME), np.sin(2.0 * TIME))]}, equal=True
+def orbit() -> pieces.Plot:
+    return pieces.Plot(
+        "x [mm]",
+        "y [mm]",
+        {"": [pieces.Trace("orbit", np.cos(TIME), np.sin(2.0 * TIME))]},
+        equal=True,
     )
 
 
-def document() -> Document:
+def document() -> pieces.Document:
     """Every kind of block, in an order in which figures meet the ends of pages."""
     figures = {
-        "loops": ReportFigure("Loops", alt="Two loops", plot=loops()),
-        "drawn": ReportFigure("Drawn", draw=drawn),
-        "profile": ReportFigure("Profile", plot=profile()),
-        "orbit": ReportFigure("Orbit", plot=orbit()),
-        "again": ReportFigure("Loops again", plot=loops()),
-        "last": ReportFigure("Drawn again", draw=drawn),
+        "loops": pieces.ReportFigure("Loops", alt="Two loops", plot=loops()),
+        "drawn": pieces.ReportFigure("Drawn", draw=drawn),
+        "profile": pieces.ReportFigure("Profile", plot=profile()),
+        "orbit": pieces.ReportFigure("Orbit", plot=orbit()),
+        "again": pieces.ReportFigure("Loops again", plot=loops()),
+        "last": pieces.ReportFigure("Drawn again", draw=drawn),
     }
     checks = [
-        Check("strain of run 7", 2.81, 2.5, "", "Table 4.2", "exceeded"),
-        Check("force", 312.0, 400.0, "kN", "data sheet", "within"),
-        Check(HOSTILE, 80.0, float("nan"), "°C", HOSTILE, "not judged"),
+        pieces.Check("strain of run 7", 2.81, 2.5, "", "Table 4.2", "exceeded"),
+        pieces.Check("force", 312.0, 400.0, "kN", "data sheet", "within"),
+        pieces.Check(HOSTILE, 80.0, float("nan"), "°C", HOSTILE, "not judged"),
     ]
     blocks = [
-        Heading(1, "What was asked"),
-        Paragraph(f"Does **it** hold what {HOSTILE} says?"),
-        Heading(1, "The answer"),
-        Bullets(["It holds.", "It is warm.", "All is well."], "answer"),
-        Heading(1, "Checks"),
-        ChecksBlock(checks),
-        Bullets(["The strain left the tested range."], "warning"),
-        Heading(1, "Results"),
-        Heading(3, "Tables"),
-        TableBlock("peaks", peaks()),
-        TableBlock("long", long_table()),
-        Heading(2, "Figures"),
-        *(FigureBlock(name, figure) for name, figure in figures.items()),
-        Heading(1, "How to make it again"),
-        Paragraph("Run it `again`."),
+        pieces.Heading(1, "What was asked"),
+        pieces.Paragraph(f"Does **it** hold what {HOSTILE} says?"),
+        pieces.Heading(1, "The answer"),
+        pieces.Bullets(["It holds.", "It is warm.", "All is well."], "answer"),
+        pieces.Heading(1, "Checks"),
+        pieces.ChecksBlock(checks),
+        pieces.Bullets(["The strain left the tested range."], "warning"),
+        pieces.Heading(1, "Results"),
+        pieces.Heading(3, "Tables"),
+        pieces.TableBlock("peaks", peaks()),
+        pieces.TableBlock("long", long_table()),
+        pieces.Heading(2, "Figures"),
+        *(pieces.FigureBlock(name, figure) for name, figure in figures.items()),
+        pieces.Heading(1, "How to make it again"),
+        pieces.Paragraph("Run it `again`."),
     ]
     block = {"Project": "Bridge 12", "Client": HOSTILE}
-    return Document("A report", block, None, blocks, {"Version": "1.0", "Input hash": "0a" * 32})
+    return pieces.Document(
+        "A report", block, None, blocks, {"Version": "1.0", "Input hash": "0a" * 32}
+    )

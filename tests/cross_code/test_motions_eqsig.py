@@ -6,14 +6,8 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from thermobearing.motions import measures
 from thermobearing.motions.library import load_motion
-from thermobearing.motions.measures import (
-    BRACKET,
-    _arias_growth,
-    bracketed_duration,
-    measure_motion,
-    significant_duration,
-)
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.motions.spectrum import response_spectrum
 
@@ -45,17 +39,19 @@ def test_spectra_are_those_of_eqsig(name: str, damping: float, measured: Recorde
 def test_measures_are_those_of_eqsig(name: str) -> None:
     motion = load_motion(name)
     other = eqsig.AccSignal(motion.acceleration, motion.dt)
-    ours = measure_motion(motion)
+    ours = measures.measure_motion(motion)
     gravity = 9.81 / STANDARD_GRAVITY  # theirs is in m and has g = 9.81 m/s2
     theirs = eqsig.im.calc_arias_intensity(other) * gravity
     near = {"rtol": tol.EQSIG_MEASURE, "atol": tol.EQSIG_MEASURE * ours.arias_intensity}
-    assert_allclose(_arias_growth(motion), theirs, **near)
+    assert_allclose(measures._arias_growth(motion), theirs, **near)
     cav = eqsig.im.calc_cav(other)[-1]
     assert ours.cumulative_absolute_velocity == pytest.approx(cav, rel=tol.EQSIG_MEASURE)
     steps = 2.0 * tol.EQSIG_DURATION * motion.dt
-    assert significant_duration(motion) == pytest.approx(eqsig.im.calc_sig_dur(other), abs=steps)
-    assert bracketed_duration(motion) == pytest.approx(
-        eqsig.im.calc_brac_dur(other, BRACKET), abs=1e-9
+    assert measures.significant_duration(motion) == pytest.approx(
+        eqsig.im.calc_sig_dur(other), abs=steps
+    )
+    assert measures.bracketed_duration(motion) == pytest.approx(
+        eqsig.im.calc_brac_dur(other, measures.BRACKET), abs=1e-9
     )
     assert ours.pga == other.pga
     assert ours.pgv == pytest.approx(np.abs(other.velocity).max(), rel=1e-9)

@@ -10,14 +10,9 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
+from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.reference.numpy_stepper import NumpyStepper
-from tests.tolerances import (
-    SINGLE_PRECISION,
-    STEPPER_DISPLACEMENT,
-    STEPPER_FORCE,
-    STEPPER_TEMPERATURE,
-)
 from thermobearing.cyclic.history import build_segments
 
 
@@ -80,10 +75,10 @@ def test_core_agrees_with_numpy(name: str, measured: Recorder) -> None:
     }
     found = ", ".join(f"{what} {value:.0e}" for what, value in apart.items())
     print(f"{name}: {len(force)} steps, layers range over {range_of_layers:.1f} K; {found}")
-    assert apart["force"] <= STEPPER_FORCE
-    assert apart["displacement"] <= STEPPER_DISPLACEMENT
-    assert apart["layer"] <= STEPPER_TEMPERATURE
-    assert apart["cell"] <= SINGLE_PRECISION
-    assert apart["last cell"] <= STEPPER_TEMPERATURE
+    assert apart["force"] <= tol.STEPPER_FORCE
+    assert apart["displacement"] <= tol.STEPPER_DISPLACEMENT
+    assert apart["layer"] <= tol.STEPPER_TEMPERATURE
+    assert apart["cell"] <= tol.SINGLE_PRECISION
+    assert apart["last cell"] <= tol.STEPPER_TEMPERATURE
     measured("core against a plain NumPy stepper, force, of the peak", apart["force"], "1e-9")
     measured("core against a plain NumPy stepper, layers [K]", apart["layer"], "1e-9")

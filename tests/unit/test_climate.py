@@ -10,19 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN
-from thermobearing.climate.generator import (
-    MONTH_OF,
-    YEAR,
-    Climate,
-    ColdSpells,
-    _autoregressive,
-    _daily_cycle,
-    _hour_of_year,
-    _mean_of_spells,
-    _seasonal,
-    _spells,
-    load_climate,
-)
+from thermobearing.climate import generator
 from thermobearing.cyclic.case import make_case
 from thermobearing.cyclic.run import run_case
 from thermobearing.earthquake.case import make_earthquake_case
@@ -30,7 +18,7 @@ from thermobearing.earthquake.run import build_tasks
 
 STEPS = tb.Hourly([5.0, 4.0, 2.0, 3.0])
 ALIKE = {"monthly_mean": [-3.0] * 12, "daily_range": [0.0] * 12, "weather_deviation": [0.0] * 12}
-SPELLS = ColdSpells(months=[12, 1, 2], per_year=4.0, depth=6.0, length=96.0)
+SPELLS = generator.ColdSpells(months=[12, 1, 2], per_year=4.0, depth=6.0, length=96.0)
 
 
 def test_air_before_an_earthquake() -> None:
@@ -69,13 +57,13 @@ def test_dates_and_months() -> None:
         (lambda: STEPS.hours_at([1.0]), "less than 1"),
         (lambda: STEPS.hours_at([0.5], history=4), "has 4 hours; a history of 4 h needs more"),
         (lambda: STEPS.months, "has no dates"),
-        (lambda: load_climate("cold-twon"), 'did you mean "cold-town"?'),
+        (lambda: generator.load_climate("cold-twon"), 'did you mean "cold-town"?'),
         (lambda: tb.generate_weather("cold-town", years=0), "years = 0"),
         (lambda: tb.generate_weather("cold-town", seed=-1), "seed = -1"),
         (lambda: tb.generate_weather("cold-town", seed=0.5), "seed = 0.5"),
-        (lambda: Climate(**{**ALIKE, "monthly_mean": [1.0] * 11}), "at least 12"),
-        (lambda: Climate(**ALIKE, coldest_hour=14.0, warmest_hour=14.0), "the same"),
-        (lambda: ColdSpells(**{**SPELLS.model_dump(), "months": [1, 1]}), "than once"),
+        (lambda: generator.Climate(**{**ALIKE, "monthly_mean": [1.0] * 11}), "at least 12"),
+        (lambda: generator.Climate(**ALIKE, coldest_hour=14.0, warmest_hour=14.0), "the same"),
+        (lambda: generator.ColdSpells(**{**SPELLS.model_dump(), "months": [1, 1]}), "than once"),
     ],
 )
 def test_refused(act, told: str) -> None:
@@ -89,7 +77,7 @@ def test_file_of_a_climate_says_its_units(tmp_path: Path) -> None:
     means = ", ".join(["-3.0"] * 12)
     file.write_text(f"monthly_mean = [{means}]\ndaily_range = []\n", encoding="utf-8")
     with pytest.raises(tb.InputError) as caught:
-        load_climate(file)
+        generator.load_climate(file)
     assert "weather_deviation" in str(caught.value)
     assert "degC" in str(caught.value)
 
@@ -102,48 +90,53 @@ def test_same_seed_same_weather() -> None:
 
 
 def test_monthly_means_of_the_seasons_are_as_told() -> None:
-    climate = load_climate("cold-town")
-    curve = _seasonal(climate)
-    means = [curve[month == MONTH_OF].mean() for month in range(12)]
+    climate = generator.load_climate("cold-town")
+    curve = generator._seasonal(climate)
+    means = [curve[month == generator.MONTH_OF].mean() for month in range(12)]
     assert_allclose(means, climate.monthly_mean, atol=tol.MEAN)
     assert np.abs(np.diff(curve)).max() < 3.0  # no step between months
 
 
 def test_day_goes_from_the_coldest_to_the_warmest_hour() -> None:
-    cycle = _daily_cycle(6.0, 14.0)
+    cycle = generator._daily_cycle(6.0, 14.0)
     assert (int(cycle.argmin()), int(cycle.argmax())) == (6, 14)
     assert_allclose([cycle.mean(), np.ptp(cycle)], [0.0, 2.0], atol=tol.MEAN)
 
 
 def test_place_in_the_year() -> None:
     dates = np.array(["2001-01-01T00", "2004-02-28T05", "2004-02-29T05", "2004-03-01T00"])
-    places = _hour_of_year(dates.astype("datetime64[h]"))
+    places = generator._hour_of_year(dates.astype("datetime64[h]"))
     assert places.tolist() == [0, 58 * 24 + 5, 58 * 24 + 5, 59 * 24]
-    assert _hour_of_year(np.datetime64("2004-12-31T23", "h")[None]).tolist() == [YEAR - 1]
+    assert generator._hour_of_year(np.datetime64("2004-12-31T23", "h")[None]).tolist() == [
+        generator.YEAR - 1
+    ]
 
 
 def test_weather_has_its_deviation_and_memory() -> None:
     """Of a million hours: variance one, correlation 1/e after the memory."""
-    series = _autoregressive(1_000_000, 48.0, np.random.default_rng(5))
+    series = generator._autoregressive(1_000_000, 48.0, np.random.default_rng(5))
     told = [series.std(), np.mean(series[48:] * series[:-48])]
     assert_allclose(told, [1.0, np.exp(-1.0)], atol=tol.MILLION_HOURS)
 
 
 def test_weather_of_days_begins_as_it_goes_on() -> None:
     """Of 2000 series the first hour has the deviation of all: six standard errors are 0.1."""
-    first = [_autoregressive(1, 48.0, np.random.default_rng(seed))[0] for seed in range(2000)]
+    first = [
+        generator._autoregressive(1, 48.0, np.random.default_rng(seed))[0] for seed in range(2000)
+    ]
     assert 0.9 < np.std(first) < 1.1
 
 
 def test_spells_take_what_they_are_expected_to() -> None:
     """Of 1000 years; and nothing long after the months they begin in."""
-    place = np.tile(np.arange(YEAR), 1000)
-    taken = _spells(SPELLS, place, np.random.default_rng(6)).reshape(1000, YEAR)
-    expected = _mean_of_spells(SPELLS)
+    place = np.tile(np.arange(generator.YEAR), 1000)
+    taken = generator._spells(SPELLS, place, np.random.default_rng(6)).reshape(1000, generator.YEAR)
+    expected = generator._mean_of_spells(SPELLS)
     assert_allclose(expected.sum(), 4.0 * 6.0 * 96.0 / 2.0, rtol=tol.SUM_OF_HOURS)
     assert_allclose(taken.sum(axis=1).mean(), expected.sum(), rtol=tol.SPELLS)
     of_months = [
-        [row[m == MONTH_OF].mean() for m in range(12)] for row in (taken.mean(0), expected)
+        [row[m == generator.MONTH_OF].mean() for m in range(12)]
+        for row in (taken.mean(0), expected)
     ]
     assert_allclose(*of_months, atol=tol.SPELLS)
     assert of_months[1][6] == 0.0
@@ -151,7 +144,7 @@ def test_spells_take_what_they_are_expected_to() -> None:
 
 def test_weather_of_a_climate_has_its_monthly_means() -> None:
     """Of 100 years, spells and all; the standard error of a January is 0.2 K."""
-    climate = load_climate("cold-town")
+    climate = generator.load_climate("cold-town")
     weather = tb.generate_weather(climate, years=100, seed=8)
     means = [weather.temperature[weather.months == m].mean() for m in range(1, 13)]
     assert_allclose(means, climate.monthly_mean, atol=tol.MONTHLY_MEAN)
@@ -161,7 +154,7 @@ def test_weather_of_a_climate_has_its_monthly_means() -> None:
 
 
 def test_nothing_but_the_mean() -> None:
-    weather = tb.generate_weather(Climate(**ALIKE), years=1)
+    weather = tb.generate_weather(generator.Climate(**ALIKE), years=1)
     assert_allclose(weather.temperature, -3.0, atol=tol.MEAN)
 
 

@@ -15,15 +15,7 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
-from tests.unit.inputs import (
-    changed_table,
-    command,
-    quick_case,
-    refusal,
-    specimen_table,
-    told,
-    write_toml,
-)
+from tests.unit import inputs
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border import errors
 from thermobearing.border.errors import InputError
@@ -71,7 +63,7 @@ def test_columns_and_units_that_are_no_tables(tmp_path: Path, key: str, value: s
     (tmp_path / "t.csv").write_text(TEST)
     path = tmp_path / "t.toml"
     path.write_text(f"{key} = {value}\n")
-    told(lambda: load_test(path), str(path), key, "must be a table")
+    inputs.told(lambda: load_test(path), str(path), key, "must be a table")
 
 
 @pytest.mark.parametrize(
@@ -81,7 +73,7 @@ def test_columns_and_units_that_are_no_tables(tmp_path: Path, key: str, value: s
 def test_file_that_is_one_value(load: Callable[[Path], Any], text: str, tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text(text)
-    told(lambda: load(path), str(path))
+    inputs.told(lambda: load(path), str(path))
 
 
 @pytest.mark.parametrize(
@@ -100,40 +92,44 @@ def test_numbers_and_nesting_beyond_toml(
 ) -> None:
     path = tmp_path / "a.toml"
     path.write_text(text)
-    told(lambda: load(path), str(path), piece)
+    inputs.told(lambda: load(path), str(path), piece)
 
 
 @pytest.mark.parametrize("value", [[1], {"x": 1}, False, 3.5])
 def test_command_that_is_no_word(value: Any, tmp_path: Path) -> None:
-    path = write_toml(tmp_path / "case.toml", {"command": value})
-    told(lambda: load_earthquake_case(path), "command = ", '"bridge" or "hybrid"')
-    told(lambda: check_file(path), "command = ", '"bridge" or "hybrid"')
+    path = inputs.write_toml(tmp_path / "case.toml", {"command": value})
+    inputs.told(lambda: load_earthquake_case(path), "command = ", '"bridge" or "hybrid"')
+    inputs.told(lambda: check_file(path), "command = ", '"bridge" or "hybrid"')
 
 
 def test_tables_of_a_study_that_are_none() -> None:
     table = {"command": "hybrid", "analysis": 3, "laboratory": 4}
-    told(lambda: make_earthquake_case(table, "t", dt=0.01), "analysis = 3", "laboratory = 4")
-    told(lambda: make_earthquake_case({"duration": True}, "t"), "duration = True")
+    inputs.told(lambda: make_earthquake_case(table, "t", dt=0.01), "analysis = 3", "laboratory = 4")
+    inputs.told(lambda: make_earthquake_case({"duration": True}, "t"), "duration = True")
 
 
 def test_whole_number_with_a_point_is_that_number(tmp_path: Path) -> None:
     step = {"step": "cycles", "strain": 1.0, "speed": "60 mm/s", "count": 1.0}
-    case = tb.load_case(quick_case(tmp_path / "case.toml", test={"steps": [step]}))
+    case = tb.load_case(inputs.quick_case(tmp_path / "case.toml", test={"steps": [step]}))
     assert repr(case.test.steps[0].count) == "1"  # type: ignore[union-attr]
 
 
 def test_false_for_a_file(tmp_path: Path) -> None:
-    path = quick_case(tmp_path / "case.toml", test={"steps": [{"step": "recorded", "file": False}]})
-    told(lambda: tb.load_case(path), "file = False", "must be text")
-    write_toml(tmp_path / "t.toml", {"file": False, "blocks": [{"file": False}]})
-    told(lambda: load_test(tmp_path / "t.toml"), "file = False", "blocks[0].file = False")
+    path = inputs.quick_case(
+        tmp_path / "case.toml", test={"steps": [{"step": "recorded", "file": False}]}
+    )
+    inputs.told(lambda: tb.load_case(path), "file = False", "must be text")
+    inputs.write_toml(tmp_path / "t.toml", {"file": False, "blocks": [{"file": False}]})
+    inputs.told(lambda: load_test(tmp_path / "t.toml"), "file = False", "blocks[0].file = False")
 
 
 @pytest.mark.parametrize("plate", ["5e-324 mm", "1e-20 m"])
 def test_plate_thinner_than_an_atom(plate: str, tmp_path: Path) -> None:
-    bearing = changed_table(specimen_table(), {"geometry.sealing_plate_thickness": plate})
-    path = quick_case(tmp_path / "case.toml", bearing=bearing)
-    told(lambda: tb.load_case(path), "sealing_plate_thickness")
+    bearing = inputs.changed_table(
+        inputs.specimen_table(), {"geometry.sealing_plate_thickness": plate}
+    )
+    path = inputs.quick_case(tmp_path / "case.toml", bearing=bearing)
+    inputs.told(lambda: tb.load_case(path), "sealing_plate_thickness")
 
 
 @pytest.mark.parametrize(
@@ -149,30 +145,30 @@ def test_plate_thinner_than_an_atom(plate: str, tmp_path: Path) -> None:
         lambda folder: make_earthquake_case({"motions": [LONG]}, "t"),
         lambda folder: make_earthquake_case({"bearings": [f"{LONG}.toml"]}, "t"),
         lambda folder: make_earthquake_case({"weather": LONG}, "t"),
-        lambda folder: tb.load_case(quick_case(folder / "case.toml", initial_result=LONG)),
+        lambda folder: tb.load_case(inputs.quick_case(folder / "case.toml", initial_result=LONG)),
     ],
     ids=range(11),
 )
 def test_names_longer_than_the_system_allows(call: Callable[[Path], Any], tmp_path: Path) -> None:
-    told(lambda: call(tmp_path))
+    inputs.told(lambda: call(tmp_path))
 
 
 def test_files_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(text, "LARGEST_FILE", 1000)
     endless = Path("/dev/zero")
     if endless.exists():
-        told(lambda: text.read_text(endless), "is larger than 0.001 MB")
+        inputs.told(lambda: text.read_text(endless), "is larger than 0.001 MB")
     (tmp_path / "large.csv").write_text("1" * 1001)
-    told(lambda: text.read_text(tmp_path / "large.csv"), "is larger than")
+    inputs.told(lambda: text.read_text(tmp_path / "large.csv"), "is larger than")
     assert errors.read_bytes(tmp_path / "large.csv", 1001) == b"1" * 1001
 
 
 def test_text_that_is_too_long_to_be_searched(tmp_path: Path) -> None:
     """The patterns for units take time that grows with the square of such a text."""
-    told(lambda: parse_quantity("1 mm" + " " * 500 + "s", "mm"), "not a number with a unit")
+    inputs.told(lambda: parse_quantity("1 mm" + " " * 500 + "s", "mm"), "not a number with a unit")
     path = tmp_path / "t.csv"
     path.write_text("time_s,displacement" + " " * 500 + "_mm\n0,0\n1,1\n")
-    told(lambda: columns.read_columns(path, {"displacement": "mm"}), "no column")
+    inputs.told(lambda: columns.read_columns(path, {"displacement": "mm"}), "no column")
 
 
 @pytest.mark.parametrize("options", [["--duration", 1e-9], ["--dt", 1e-9], ["--dt", "nan"]])
@@ -180,14 +176,14 @@ def test_text_that_is_too_long_to_be_searched(tmp_path: Path) -> None:
 def test_studies_of_no_step_or_of_too_many(
     name: str, options: list[object], tmp_path: Path
 ) -> None:
-    done = command(name, *options, "-o", tmp_path / "out")
+    done = inputs.command(name, *options, "-o", tmp_path / "out")
     assert done.exit_code == 2
     assert str(options[0])[2:] in done.stderr
     assert not (tmp_path / "out").exists()
 
 
 def test_cycles_in_digits_that_are_none(tmp_path: Path) -> None:
-    done = command("lambda", "shen-hdr-bridge", "--cycles", "²,3", "-o", tmp_path / "out")
+    done = inputs.command("lambda", "shen-hdr-bridge", "--cycles", "²,3", "-o", tmp_path / "out")
     assert done.exit_code == 2
     assert 'cycles = "²,3"' in done.stderr
 
@@ -195,7 +191,7 @@ def test_cycles_in_digits_that_are_none(tmp_path: Path) -> None:
 @pytest.mark.parametrize("tie", ["n_T=e*m_T", "n_T = 1e400 * m_T", "n_T = 0 * m_T", "n_T=-*m_T"])
 def test_tie_by_what_is_no_number(tie: str) -> None:
     bearing = tb.load_bearing("shen-hdr-specimen")
-    told(lambda: parameter_set(bearing, ["K_r", tie], [0]), f'"{tie}"', "multiplied")
+    inputs.told(lambda: parameter_set(bearing, ["K_r", tie], [0]), f'"{tie}"', "multiplied")
 
 
 SPECIMEN_TEST = record_from_arrays(*np.array([[0, 1, 2], [0, 1, 0], [0, 2, 0]]), 23.0)
@@ -228,7 +224,7 @@ SPECIMEN_TEST = record_from_arrays(*np.array([[0, 1, 2], [0, 1, 0], [0, 2, 0]]),
     ids=range(16),
 )  # fmt: skip
 def test_python_arguments_of_another_kind(call: Callable[[], Any], pieces: list[str]) -> None:
-    told(call, *pieces)
+    inputs.told(call, *pieces)
 
 
 def test_one_number_stands_for_a_list_of_one() -> None:
@@ -244,7 +240,7 @@ def test_messages_do_not_move_the_cursor(tmp_path: Path) -> None:
     assert "免震.toml" in str(caught.value)
     assert r"\x1b[2J" in str(caught.value)
     assert "\x1b" not in str(caught.value)
-    done = command("cyclic", "--dt", 0.1, "-o", "case\udc80.toml" * 40, "-q")
+    done = inputs.command("cyclic", "--dt", 0.1, "-o", "case\udc80.toml" * 40, "-q")
     assert done.exit_code == 2
     assert r"case\udc80.toml" in done.stderr
 
@@ -330,7 +326,7 @@ def test_a_list_as_a_limit_of_a_distribution(tmp_path: Path) -> None:
         'kind = "study"\nname = "s"\n[case]\ncommand = "bridge"\nbearings = ["shen-hdr-bridge"]\n'
         '[factors."bearing.hysteresis.K_r"]\ndistribution = "uniform"\nlow = [0, 1]\nhigh = 2\n'
     )
-    assert "low" in refusal(file, load_study)
+    assert "low" in inputs.refusal(file, load_study)
 
 
 def test_a_result_that_was_changed_and_sealed_again(tmp_path: Path) -> None:

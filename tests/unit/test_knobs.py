@@ -186,7 +186,7 @@ def test_every_option_of_a_case_was_tried() -> None:
     elsewhere |= {"histories"}  # of files: unit/test_thinning.py
     elsewhere |= {"sources"}  # of documents, not of numbers: unit/test_cli.py, the same bits
     elsewhere |= {"exposure"}  # unit/test_exposure.py
-    elsewhere |= {"hardening"}  # acts at larger strains: verification/test_monotone.py
+    elsewhere |= {"hardening"}  # acts at larger strains: verification/test_softening.py
     elsewhere |= {"small_loops"}  # acts after small reversals: verification/test_small_loops.py
     assert {*Analysis.model_fields, *Case.model_fields} - elsewhere <= set(OPTIONS)
 

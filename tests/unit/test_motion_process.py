@@ -9,30 +9,9 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.core.types import Floats
-from thermobearing.motions import synthesis
+from thermobearing.motions import measures, process, record, synthesis
 from thermobearing.motions.library import list_motions, load_motion
 from thermobearing.motions.matching import FIRST, LAST, Matched, misfit
-from thermobearing.motions.measures import (
-    bracketed_duration,
-    measure_motion,
-    significant_duration,
-    significant_interval,
-)
-from thermobearing.motions.process import (
-    baseline_corrected,
-    high_pass_gain,
-    padded,
-    resampled,
-    scaled,
-    trimmed,
-    with_quiet_end,
-)
-from thermobearing.motions.record import (
-    GroundMotion,
-    acceleration_unit,
-    integrate_displacement,
-    integrate_velocity,
-)
 from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.motions.synthesis import Pulse, near_fault, phases
 
@@ -40,35 +19,35 @@ DT = 0.01
 TIME = np.arange(4001) * DT
 
 
-def sine(frequency: float) -> GroundMotion:
-    return GroundMotion("sine", DT, 1000.0 * np.sin(2.0 * np.pi * frequency * TIME))
+def sine(frequency: float) -> record.GroundMotion:
+    return record.GroundMotion("sine", DT, 1000.0 * np.sin(2.0 * np.pi * frequency * TIME))
 
 
 @settings(max_examples=50, deadline=None)
 @given(st.integers(0, 1000), st.integers(16, 3000), st.sampled_from([0.002, 0.01, 0.02]))
 def test_quiet_end_for_any_motion(seed: int, count: int, dt: float) -> None:
     values = 1000.0 * np.random.default_rng(seed).standard_normal(count)
-    quiet = with_quiet_end(values, dt)
-    assert abs(integrate_velocity(quiet, dt)[-1]) < tol.QUIET_END
-    assert abs(integrate_displacement(quiet, dt)[-1]) < tol.QUIET_END
+    quiet = process.with_quiet_end(values, dt)
+    assert abs(record.integrate_velocity(quiet, dt)[-1]) < tol.QUIET_END
+    assert abs(record.integrate_displacement(quiet, dt)[-1]) < tol.QUIET_END
     assert quiet[0] == pytest.approx(values[0])
-    assert_allclose(with_quiet_end(quiet, dt), quiet, atol=1e-6)
+    assert_allclose(process.with_quiet_end(quiet, dt), quiet, atol=1e-6)
 
 
 def test_quiet_end_of_several_rows_is_that_of_each() -> None:
     rows = np.random.default_rng(1).standard_normal((3, 500))
-    together = with_quiet_end(rows, DT)
+    together = process.with_quiet_end(rows, DT)
     for row, quiet in zip(rows, together, strict=True):
-        assert_allclose(quiet, with_quiet_end(row, DT), atol=1e-12)
+        assert_allclose(quiet, process.with_quiet_end(row, DT), atol=1e-12)
 
 
 @pytest.mark.parametrize("high_pass", [None, 0.05])
 def test_drift_is_taken_out_and_the_spectrum_stays(high_pass: float | None) -> None:
     clean = load_motion("jra-ii-i-1")
     tilt = 5.0 + 0.3 * clean.time
-    tilted = GroundMotion("tilted", clean.dt, clean.acceleration + tilt)
+    tilted = record.GroundMotion("tilted", clean.dt, clean.acceleration + tilt)
     assert np.abs(tilted.displacement).max() > 8000.0
-    mended = baseline_corrected(tilted, high_pass=high_pass)
+    mended = process.baseline_corrected(tilted, high_pass=high_pass)
     assert abs(mended.velocity[-1]) < tol.QUIET_END
     assert abs(mended.displacement[-1]) < tol.QUIET_END
     assert np.abs(mended.displacement).max() < tol.PGD_BOUND
@@ -79,7 +58,7 @@ def test_drift_is_taken_out_and_the_spectrum_stays(high_pass: float | None) -> N
 
 def test_finer_step_is_the_same_motion() -> None:
     motion = load_motion("jra-ii-ii-2")
-    fine = resampled(motion, 0.0025)
+    fine = process.resampled(motion, 0.0025)
     assert fine.dt == 0.0025
     assert fine.duration == pytest.approx(motion.duration)
     assert_allclose(fine.acceleration[::4], motion.acceleration, rtol=0.0, atol=0.0)
@@ -87,16 +66,16 @@ def test_finer_step_is_the_same_motion() -> None:
     periods = [0.2, 1.0, 2.0]
     one, other = (response_spectrum(m, periods, steps_per_period=400) for m in (motion, fine))
     assert_allclose(other.displacement, one.displacement, rtol=1e-4)
-    assert resampled(motion, motion.dt) is motion
+    assert process.resampled(motion, motion.dt) is motion
 
 
 @pytest.mark.parametrize("dt", [0.02, 0.025, 0.04])
 def test_coarser_step_does_not_fold_back(dt: float) -> None:
     middle = slice(round(5.0 / dt), round(35.0 / dt))
     limit = 0.5 / dt
-    gone = resampled(sine(1.4 * limit), dt)
+    gone = process.resampled(sine(1.4 * limit), dt)
     assert np.abs(gone.acceleration[middle]).max() < 1000.0 * tol.STOPBAND
-    kept = resampled(sine(0.3 * limit), dt)
+    kept = process.resampled(sine(0.3 * limit), dt)
     wanted = 1000.0 * np.sin(2.0 * np.pi * 0.3 * limit * kept.time)
     assert np.abs(kept.acceleration - wanted)[middle].max() < 1000.0 * tol.PASSBAND
     # Taking every n-th sample would have kept it at another frequency.
@@ -109,19 +88,19 @@ def test_drift_is_the_second_derivative_of_a_polynomial() -> None:
     powers = np.arange(2, 7)
     drift = (powers * (powers - 1) * x[:, np.newaxis] ** (powers - 2)).sum(axis=1)
     wave = np.sin(2.0 * np.pi * 2.0 * TIME) * np.sin(np.pi * x) ** 2
-    mended = baseline_corrected(GroundMotion("drift", DT, 10.0 * drift + wave))
+    mended = process.baseline_corrected(record.GroundMotion("drift", DT, 10.0 * drift + wave))
     assert_allclose(mended.acceleration, wave, atol=0.02)
 
 
 def test_high_pass_gain_is_that_of_a_filter_run_twice() -> None:
     """Fourth order, both ways: a half at the corner, (f/f_c)^8 far below."""
-    gain = high_pass_gain(np.array([0.5, 1.0, 2.0]), 1.0)
+    gain = process.high_pass_gain(np.array([0.5, 1.0, 2.0]), 1.0)
     assert_allclose(gain, [1.0 / 257.0, 0.5, 256.0 / 257.0], rtol=tol.LOOP)
 
 
 def test_step_that_does_not_divide() -> None:
     motion = sine(2.0)
-    other = resampled(motion, 0.006)
+    other = process.resampled(motion, 0.006)
     middle = slice(round(5.0 / 0.006), round(35.0 / 0.006))
     wanted = 1000.0 * np.sin(4.0 * np.pi * other.time)
     assert np.abs(other.acceleration - wanted)[middle].max() < 1000.0 * tol.PASSBAND
@@ -130,16 +109,16 @@ def test_step_that_does_not_divide() -> None:
 
 def test_scaled_trimmed_padded() -> None:
     motion = load_motion("jra-i-i-1")
-    half = scaled(motion, -0.5)
+    half = process.scaled(motion, -0.5)
     assert_allclose(half.acceleration, -0.5 * motion.acceleration, rtol=1e-15)
-    assert scaled(motion, pga=2000.0).pga == pytest.approx(2000.0)
-    part = trimmed(motion, 10.0, 20.0)
+    assert process.scaled(motion, pga=2000.0).pga == pytest.approx(2000.0)
+    part = process.trimmed(motion, 10.0, 20.0)
     assert len(part.acceleration) == 1001
     assert_allclose(part.acceleration, motion.acceleration[1000:2001])
-    assert_allclose(trimmed(motion).acceleration, motion.acceleration)
-    longer = padded(part, 1.0, 2.5)
+    assert_allclose(process.trimmed(motion).acceleration, motion.acceleration)
+    longer = process.padded(part, 1.0, 2.5)
     assert len(longer.acceleration) == 1001 + 350
-    assert_allclose(trimmed(longer, 1.0, 11.0).acceleration, part.acceleration)
+    assert_allclose(process.trimmed(longer, 1.0, 11.0).acceleration, part.acceleration)
     assert longer.name == motion.name
     assert longer.citation == motion.citation
 
@@ -147,29 +126,31 @@ def test_scaled_trimmed_padded() -> None:
 def test_durations_by_hand() -> None:
     values = np.zeros(3001)
     values[1000:2001] = 600.0 * (-1.0) ** np.arange(1001)
-    motion = GroundMotion("even", DT, values)
-    assert bracketed_duration(motion) == pytest.approx(10.0)
-    assert bracketed_duration(motion, 700.0) == 0.0
-    assert significant_duration(motion) == pytest.approx(9.0, abs=0.02)
-    assert significant_duration(motion, 0.0, 1.0) == pytest.approx(10.02, abs=0.02)
+    motion = record.GroundMotion("even", DT, values)
+    assert measures.bracketed_duration(motion) == pytest.approx(10.0)
+    assert measures.bracketed_duration(motion, 700.0) == 0.0
+    assert measures.significant_duration(motion) == pytest.approx(9.0, abs=0.02)
+    assert measures.significant_duration(motion, 0.0, 1.0) == pytest.approx(10.02, abs=0.02)
 
 
 def test_significant_interval_lies_where_the_shaking_is() -> None:
     """Even shaking from 10 to 20 s: 5 % of it after half a second, 95 % half a second early."""
     values = np.zeros(3001)
     values[1000:2001] = 600.0
-    first, last = significant_interval(GroundMotion("even", DT, values))
+    first, last = measures.significant_interval(record.GroundMotion("even", DT, values))
     assert_allclose([first, last], [10.5, 19.5], atol=0.5 * DT)
-    steps = GroundMotion("steps", 1.0, np.array([0.0, 1.0, 1.0, 1.0, 0.0]))
+    steps = record.GroundMotion("steps", 1.0, np.array([0.0, 1.0, 1.0, 1.0, 0.0]))
     # growth 0, 1/2, 3/2, 5/2, 3: linear between the samples
-    assert_allclose(significant_interval(steps), [0.3, 3.7], rtol=tol.LOOP)
-    assert_allclose(significant_interval(steps, 0.5, 1.0), [2.0, 4.0], rtol=tol.LOOP)
+    assert_allclose(measures.significant_interval(steps), [0.3, 3.7], rtol=tol.LOOP)
+    assert_allclose(measures.significant_interval(steps, 0.5, 1.0), [2.0, 4.0], rtol=tol.LOOP)
 
 
 def test_measures_by_hand() -> None:
     """A downward block of 1 m/s2 for 2 s, one upwards of 0.5 m/s2 for 2 s, samples every second."""
-    motion = GroundMotion("blocks", 1.0, np.array([0.0, -1000.0, -1000.0, 500.0, 500.0, 0.0]))
-    m = measure_motion(motion)
+    motion = record.GroundMotion(
+        "blocks", 1.0, np.array([0.0, -1000.0, -1000.0, 500.0, 500.0, 0.0])
+    )
+    m = measures.measure_motion(motion)
     velocity = np.array([0.0, -500.0, -1500.0, -1750.0, -1250.0, -1000.0])
     assert_allclose(motion.velocity, velocity, rtol=tol.LOOP)
     # Straight lines of acceleration: v dt + (2 a0 + a1) dt^2 / 6
@@ -200,7 +181,7 @@ def test_measures_by_hand() -> None:
     ],
 )
 def test_spellings_of_units(text: str, size: float) -> None:
-    assert acceleration_unit(text) == size
+    assert record.acceleration_unit(text) == size
 
 
 MOTION = load_motion("jra-ii-i-1")
@@ -257,10 +238,10 @@ def test_peaks_come_when_they_are_told_to() -> None:
     """A pulse up after 1 s, one down after 3 s: a stiff oscillator follows the ground."""
     values = np.zeros(500)
     values[100], values[300] = 500.0, -800.0
-    found = response_spectrum(GroundMotion("pulses", 0.01, values), [0.0])
+    found = response_spectrum(record.GroundMotion("pulses", 0.01, values), [0.0])
     assert_allclose(found.peaks[:, 0], [500.0, 800.0])
     assert_allclose(found.peak_times[:, 0], [1.0, 3.0])
-    damped = response_spectrum(GroundMotion("pulses", 0.01, values), [0.05], 0.9)
+    damped = response_spectrum(record.GroundMotion("pulses", 0.01, values), [0.05], 0.9)
     assert_allclose(damped.peak_times[:, 0], [1.0, 3.0], atol=0.05)
 
 
@@ -269,11 +250,11 @@ OWN = near_fault()[NAME]
 SOURCE_PEAK, HALF_A_SECOND, USED = 8.0, 0.5, 20.0  # s: section 3.4.4, one digit; section 4.4
 
 
-def peak_time(motion: GroundMotion) -> float:
+def peak_time(motion: record.GroundMotion) -> float:
     return float(np.abs(motion.acceleration).argmax()) * motion.dt
 
 
-def share_of_pulse(motion: GroundMotion) -> float:
+def share_of_pulse(motion: record.GroundMotion) -> float:
     """How much of the velocity's square, while the pulse lasts, is the pulse at its best size."""
     time = np.arange(len(motion.acceleration)) * motion.dt
     inside = np.abs(time - OWN.pulse.time) <= 0.5 * OWN.pulse.cycles * OWN.pulse.period
@@ -311,7 +292,7 @@ def test_pulse_by_hand(cycles: float, phase: float) -> None:
     assert not pulse.acceleration(beside).any()
     dt = 1e-3
     time = np.arange(10_001) * dt
-    velocity = integrate_velocity(pulse.acceleration(time), dt)
+    velocity = record.integrate_velocity(pulse.acceleration(time), dt)
     assert_allclose(velocity, pulse.velocity(time), atol=tol.PULSE_INTEGRAL)
 
 

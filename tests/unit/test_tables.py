@@ -15,13 +15,7 @@ from tests import tolerances as tol
 from tests.unit.inputs import QUICK_CASE, assert_told, by_name, refusal, steps_case, write_toml
 from thermobearing.cli import app
 from thermobearing.identify.records.record import load_test
-from thermobearing.tables.columns import (
-    Layout,
-    _seconds_and_start,
-    list_columns,
-    name_and_unit,
-    usable_table,
-)
+from thermobearing.tables import columns
 from thermobearing.tables.laboratory import read_laboratory
 from thermobearing.tables.text import read_sheets
 
@@ -80,7 +74,7 @@ def test_the_same_numbers_in_any_form(tmp_path: Path, form: str) -> None:
     ],
 )
 def test_name_and_unit_of_a_title(title: str, parts: tuple[str, str]) -> None:
-    assert name_and_unit(title) == parts
+    assert columns.name_and_unit(title) == parts
 
 
 @pytest.mark.parametrize(
@@ -127,13 +121,13 @@ STAMPS = {
 @pytest.mark.parametrize("kind", STAMPS)
 def test_time_stamps(kind: str) -> None:
     assert_allclose(
-        _seconds_and_start(STAMPS[kind])[0], [0.0, 0.5, 1.75], atol=tol.CONVERSION * 1e5
+        columns._seconds_and_start(STAMPS[kind])[0], [0.0, 0.5, 1.75], atol=tol.CONVERSION * 1e5
     )
 
 
 def test_day_and_month_are_in_the_order_that_makes_the_record_short() -> None:
-    assert _seconds_and_start(["01/02/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
-    assert _seconds_and_start(["02/01/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
+    assert columns._seconds_and_start(["01/02/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
+    assert columns._seconds_and_start(["02/01/2024 12:00", "02/02/2024 12:00"])[0][-1] == 86400.0
 
 
 def test_stamps_coarser_than_the_sampling_are_spread(tmp_path: Path) -> None:
@@ -222,7 +216,9 @@ def test_workbook_without_its_reader(tmp_path: Path, monkeypatch: pytest.MonkeyP
 def test_a_degree_sign_of_windows_is_found(tmp_path: Path) -> None:
     text = "time_s;displacement_mm;force_kN;T [°C]\n0;0;0;1\n1;1;1;1\n"
     (sheet,) = read_sheets(lies(tmp_path, text.encode("cp1252")))
-    found = list_columns(usable_table(sheet), {"time": "s", "force": "kN"}, (), Layout())
+    found = columns.list_columns(
+        columns.usable_table(sheet), {"time": "s", "force": "kN"}, (), columns.Layout()
+    )
     assert found.unused == ["displacement_mm", "T [°C]"]
 
 
@@ -304,7 +300,7 @@ def test_many_rows_keep_their_bits(tmp_path: Path) -> None:
 def test_faults_are_told_with_the_line_of_the_file(tmp_path: Path) -> None:
     text = "laboratory\nnumber 7\ntime_s,force_kN\n[s],[kN]\n0,1\n1,lost\n2,3\n"
     path = lies(tmp_path, text)
-    layout = Layout(lines_before=2, lines_after=1)
+    layout = columns.Layout(lines_before=2, lines_after=1)
     with pytest.raises(tb.InputError, match='line 6, force_kN: "lost" is not a number'):
         tb.read_columns(path, {"time": "s", "force": "kN"}, layout=layout)
 

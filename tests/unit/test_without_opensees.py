@@ -19,7 +19,6 @@ ROOT = Path(__file__).parents[2]
 # Files with tests whose reference is OpenSees, and how many tests they are; all have it in their
 # names. The modules beside them hold no tests, but are collected.
 NEED_IT = (
-    "tests/cross_code/test_opensees_lead.py",
     "tests/cross_code/test_opensees_pier.py",
     "tests/docs/test_site.py",
     "tests/verification/test_factors.py",

@@ -10,16 +10,9 @@ from thermobearing.model.constants import build_constants
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.model.stack import Face, build_stack
 from thermobearing.motions.library import load_motion
+from thermobearing.structure import run
 from thermobearing.structure.matrices import hinge_stiffness
 from thermobearing.structure.model import DampingKind, Structure, load_structure
-from thermobearing.structure.run import (
-    Line,
-    Method,
-    Prepared,
-    StructureHistory,
-    prepare_structure,
-    run_structure,
-)
 
 AMBIENT = -20.0
 NEVER = 1e9  # kN: strength of a bearing that stays linear
@@ -52,15 +45,15 @@ def shaken(
     dt: float,
     *,
     ambient: float = AMBIENT,
-    method: Method = "average-acceleration",
+    method: run.Method = "average-acceleration",
     mass: Any = "consistent",
     damping: DampingKind | None = None,
     **options: Any,
-) -> tuple[Prepared, StructureHistory]:
+) -> tuple[run.Prepared, run.StructureHistory]:
     if isinstance(structure, str):
         structure = load_structure(structure)
-    prepared = prepare_structure(structure, mass, damping)
-    line = Line(
+    prepared = run.prepare_structure(structure, mass, damping)
+    line = run.Line(
         constants,
         np.full(len(constants.cells.capacity), ambient, dtype=float),
         None,
@@ -68,10 +61,10 @@ def shaken(
     )
     lines = [line] * len(structure.bearings)
     air = np.full(len(ground) - 1, ambient, dtype=float)
-    return prepared, run_structure(prepared, lines, ground, dt, air, method=method, **options)
+    return prepared, run.run_structure(prepared, lines, ground, dt, air, method=method, **options)
 
 
-def rayleigh_factors(prepared: Prepared) -> tuple[float, float]:
+def rayleigh_factors(prepared: run.Prepared) -> tuple[float, float]:
     """a and b of C = a M + b K' (damping "source"), from the damping matrix itself."""
     matrices = prepared.matrices
     stiffness = matrices.springs + hinge_stiffness(prepared.structure, matrices)

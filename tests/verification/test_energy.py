@@ -1,22 +1,17 @@
-"""The energy books close: work in = heat + recoverable; heat = stored + lost to the ambient."""
+"""Energy: the books of heat and work close, in single steps, in runs and over Table 3.4."""
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import thermobearing as tb
+from tests import tolerances as tol
 from tests.conftest import Recorder
-from tests.tolerances import CLOSED_CYCLE, ENERGY_BOOKS
-from tests.verification.models import (
-    Run,
-    assembled,
-    changed,
-    marched,
-    sine,
-    smooth_history,
-    specimen,
-    stored_heat,
-)
-from thermobearing.core.types import Floats
+from tests.tolerances import CLOSED_CYCLE, ENERGY_BOOKS, HEAT_BALANCE, NEW_EXTREME, RECIPROCITY
+from tests.verification import models
+from thermobearing.core.types import Constants, Floats
 from thermobearing.model.stack import Face, build_stack
 
 START, AMBIENT = -10.0, -20.0  # degC: the bearing also cools, through faces and sides
@@ -28,16 +23,16 @@ FACES = {
 
 
 def cycles(strain: float, cycle_count: int = 5, dt: float = 5e-3) -> Floats:
-    return sine(specimen(), strain=strain, period=4.0, cycles=cycle_count, dt=dt)
+    return models.sine(models.specimen(), strain=strain, period=4.0, cycles=cycle_count, dt=dt)
 
 
-def run_of(face: str, half: bool, x: Floats, **options: str) -> Run:
+def run_of(face: str, half: bool, x: Floats, **options: str) -> models.Run:
     upper, lower = FACES[face]
-    constants = assembled(specimen(), half=half, upper=upper, lower=lower, **options)
-    return marched(constants, x, 5e-3, START, AMBIENT)
+    constants = models.assembled(models.specimen(), half=half, upper=upper, lower=lower, **options)
+    return models.marched(constants, x, 5e-3, START, AMBIENT)
 
 
-def trapezoid_work(run: Run) -> Floats:
+def trapezoid_work(run: models.Run) -> Floats:
     """Work of the returned forces on the returned displacements, added up here [kN mm]."""
     force = np.concatenate([[0.0], run.books["force"]])
     x = np.concatenate([[0.0], run.books["displacement"]])
@@ -66,27 +61,27 @@ def test_conservative_books_close(
     atol = ENERGY_BOOKS * work
     mechanical = books["work_in"] - books["heat_released"] - books["recoverable"]
     lost = books["heat_lost_ends"] + books["heat_lost_sides"]
-    thermal = books["heat_released"][-1] - stored_heat(run, START) - lost[-1]
+    thermal = books["heat_released"][-1] - models.stored_heat(run, START) - lost[-1]
     measured("energy books, cyclic: mechanical residual", np.abs(mechanical).max() / work, "1e-10")
     measured("energy books, cyclic: thermal residual", abs(thermal) / work, "1e-10")
     assert_allclose(mechanical, 0.0, rtol=0.0, atol=atol)
     assert_allclose(thermal, 0.0, rtol=0.0, atol=atol)
     # The books themselves, against sums made outside the core.
     assert_allclose(books["work_in"], trapezoid_work(run), rtol=0.0, atol=atol)
-    assert_allclose(books["heat_stored"][-1], stored_heat(run, START), rtol=0.0, atol=atol)
+    assert_allclose(books["heat_stored"][-1], models.stored_heat(run, START), rtol=0.0, atol=atol)
     assert_allclose(books["clock"][-1], 5e-3 * len(books), rtol=ENERGY_BOOKS, atol=0.0)
 
 
 def test_books_close_over_random_motion_and_a_long_rest() -> None:
     """Motion, then cooling with the same step: losses keep pace with what the cells give up."""
-    x = smooth_history(np.random.default_rng(31), 75.0, 4000)
+    x = models.smooth_history(np.random.default_rng(31), 75.0, 4000)
     x = np.concatenate([x, np.full(40000, x[-1])])
     for source in ("work", "dissipation"):
         run = run_of("unlike", False, x, heat_source=source)
         books, work = run.books[-1], run.books["work_in"][-1]
         lost = books.heat_lost_ends + books.heat_lost_sides
         assert lost > 0.1 * work
-        thermal = books.heat_released - stored_heat(run, START) - lost
+        thermal = books.heat_released - models.stored_heat(run, START) - lost
         mechanical = work - books.heat_released - books.recoverable
         assert_allclose([mechanical, thermal], 0.0, rtol=0.0, atol=ENERGY_BOOKS * work)
 
@@ -94,7 +89,7 @@ def test_books_close_over_random_motion_and_a_long_rest() -> None:
 @pytest.mark.parametrize("half", [True, False])
 def test_recoverable_energy_is_that_of_the_two_springs(half: bool) -> None:
     """Sum over layers of ke d^2 / 2 + (1 + b (d/t_r)^2) kh Z^2 / 2, written out here (P3)."""
-    bearing = specimen()
+    bearing = models.specimen()
     h, t_r = bearing.hysteresis, bearing.geometry.rubber_thickness
     run = run_of("film", half, cycles(1.5), heat_source="dissipation")
     warmer = (run.layer_start - 23.0) / 100.0
@@ -109,12 +104,12 @@ def test_recoverable_energy_is_that_of_the_two_springs(half: bool) -> None:
 def test_recoverable_energy_is_the_same_after_every_closed_cycle() -> None:
     """Without temperature coefficients the loop closes, and both sources give the same heat."""
     none = {"elastic_temperature_coefficient": 0.0, "hysteretic_temperature_coefficient": 0.0}
-    bearing = changed(specimen(), hysteresis=none)
+    bearing = models.changed(models.specimen(), hysteresis=none)
     x = cycles(1.5)
     per_cycle = len(x) // 5
     heats = []
     for source in ("work", "dissipation"):
-        run = marched(assembled(bearing, heat_source=source), x, 5e-3, START, AMBIENT)
+        run = models.marched(models.assembled(bearing, heat_source=source), x, 5e-3, START, AMBIENT)
         ends = run.books[per_cycle - 1 :: per_cycle]
         work = np.diff(ends["work_in"])
         assert_allclose(work, work[0], rtol=CLOSED_CYCLE, atol=0.0)
@@ -131,7 +126,7 @@ def test_recoverable_energy_is_the_same_after_every_closed_cycle() -> None:
 @pytest.mark.parametrize("half", [True, False])
 def test_losses_are_those_of_the_face_and_side_temperatures(half: bool) -> None:
     """Both loss books against film laws written out here: Eq. 4.4 at the side, Eq. 4.15 above."""
-    bearing, dt, fold = specimen(), 5e-3, 2.0 if half else 1.0
+    bearing, dt, fold = models.specimen(), 5e-3, 2.0 if half else 1.0
     run = run_of("eta", half, cycles(1.5))
     stack = build_stack(bearing, half=half)
     before = np.vstack([np.full_like(run.cells[:1], START), run.cells[:-1]])
@@ -143,3 +138,157 @@ def test_losses_are_those_of_the_face_and_side_temperatures(half: bool) -> None:
     books, atol = run.books[-1], ENERGY_BOOKS * run.books["work_in"][-1]
     assert_allclose(books.heat_lost_sides, sides, rtol=0.0, atol=atol)
     assert_allclose(books.heat_lost_ends, ends, rtol=0.0, atol=atol)
+
+
+AMBIENT_BALANCE = -20.0
+FACES_BALANCE = {"eta": Face(eta=2.0), "fixed": Face(eta=3.0), "film": Face(film=25.0)}
+
+
+def stack(face: str, half: bool) -> Constants:
+    lower = None if half else Face(film=5.0)
+    return models.assembled(models.specimen(), half=half, upper=FACES_BALANCE[face], lower=lower)
+
+
+@pytest.mark.parametrize("half", [True, False])
+@pytest.mark.parametrize("face", FACES_BALANCE)
+@pytest.mark.parametrize("dt", [1e-4, 5e-3, 1.0, 600.0])
+def test_heat_in_is_heat_stored_plus_heat_lost(face: str, half: bool, dt: float) -> None:
+    """Any temperatures, any sources, any step: what leaves one cell enters the next."""
+    constants = stack(face, half)
+    capacity = constants.cells.capacity
+    rng = np.random.default_rng(11)
+    for _ in range(20):
+        temperature = rng.uniform(-60.0, 60.0, len(capacity))
+        source = rng.normal(size=len(capacity))
+        heat = models.heat_step(constants, temperature, dt, AMBIENT_BALANCE, source)
+        stored = float(capacity @ heat.change)
+        size = float(capacity @ np.abs(heat.change)) + abs(heat.ends) + abs(heat.sides)
+        residual = float(capacity @ source) - stored - heat.ends - heat.sides
+        assert_allclose(residual, 0.0, rtol=0.0, atol=HEAT_BALANCE * size)
+        assert_allclose(heat.stored, stored, rtol=0.0, atol=HEAT_BALANCE * size)
+
+
+@pytest.mark.parametrize("half", [True, False])
+def test_neighbours_exchange_the_same_heat(half: bool) -> None:
+    """Per kelvin, what one cell gives downwards is what the next takes from above."""
+    constants = stack("eta", half)
+    down = (constants.cells.capacity * constants.cells.to_next)[:-1]
+    up = (constants.cells.capacity * constants.cells.to_previous)[1:]
+    assert_allclose(down, up, rtol=RECIPROCITY, atol=0.0)
+
+
+@pytest.mark.parametrize("face", FACES_BALANCE)
+def test_no_new_extremes_where_the_step_is_short_enough(face: str) -> None:
+    """Crank-Nicolson is bounded while dt/2 times every cell's own rate stays below 1."""
+    constants = stack(face, half=False)
+    dt = 2.0 / float(np.max(np.diag(models.rate_matrix(constants))))
+    assert dt > 0.1  # s: far above the steps used in tests and earthquakes
+    nothing = np.zeros(len(constants.cells.capacity))
+    rng = np.random.default_rng(12)
+    for _ in range(20):
+        temperature = rng.uniform(-40.0, 40.0, len(nothing))
+        for _ in range(50):
+            low = min(temperature.min(), AMBIENT_BALANCE) - NEW_EXTREME
+            high = max(temperature.max(), AMBIENT_BALANCE) + NEW_EXTREME
+            temperature = (
+                temperature
+                + models.heat_step(constants, temperature, dt, AMBIENT_BALANCE, nothing).change
+            )
+            assert low <= temperature.min()
+            assert temperature.max() <= high
+
+
+@pytest.mark.parametrize("dt", [5e-3, 1.0, 60.0, 3600.0])
+@pytest.mark.parametrize("face", ["eta", "film"])
+def test_cooling_is_monotone_for_any_step(face: str, dt: float) -> None:
+    """Capacity-weighted departure from the ambient falls in every step, however long it is."""
+    constants = stack(face, half=False)
+    capacity = constants.cells.capacity
+    nothing = np.zeros(len(capacity))
+    temperature = np.random.default_rng(13).uniform(-40.0, 40.0, len(capacity))
+    before = float(capacity @ (temperature - AMBIENT_BALANCE) ** 2)
+    for _ in range(100):
+        temperature = (
+            temperature
+            + models.heat_step(constants, temperature, dt, AMBIENT_BALANCE, nothing).change
+        )
+        after = float(capacity @ (temperature - AMBIENT_BALANCE) ** 2)
+        assert after < before
+        before = after
+
+
+def test_a_bearing_at_the_ambient_temperature_stays_there() -> None:
+    """Side film, end film and eta all vanish at the ambient: not one bit of drift."""
+    bearing = models.changed(models.specimen(), materials={"side_film": 500.0})
+    constants = models.assembled(bearing, half=False, upper=Face(eta=2.0), lower=Face(film=40.0))
+    still = np.full(len(constants.cells.capacity), AMBIENT_BALANCE)
+    change = models.heat_step(constants, still, 0.5, AMBIENT_BALANCE, np.zeros(len(still))).change
+    assert not change.any()
+
+
+NAMES = ["shen-hdr-specimen", "shen-lhdr-specimen", "shen-lhdr-bridge", "lrb-example"]
+AMBIENTS = [-20.0, 0.0, 23.0]
+
+
+@pytest.mark.parametrize("heat_source", ["work", "dissipation"])
+@pytest.mark.parametrize("name", NAMES)
+def test_books_close(name: str, heat_source: str, measured: Recorder) -> None:
+    books = tb.run(name, ambient=AMBIENTS, heat_source=heat_source).energy
+    mechanical = float(books["mechanical_residual"].abs().max())
+    thermal = float(books["thermal_residual"].abs().max())
+    assert mechanical <= tol.ENERGY_BOOKS
+    assert thermal <= tol.ENERGY_BOOKS
+    measured(f"Table 3.4 with rests, {name}: mechanical residual", mechanical, "1e-10")
+    measured(f"Table 3.4 with rests, {name}: thermal residual", thermal, "1e-10")
+
+
+@pytest.mark.parametrize("name", NAMES[:2])
+def test_published_books_do_not_close(name: str, measured: Recorder) -> None:
+    """The printed coefficients create heat; with lead, the Maxwell branch also warms nothing."""
+    books = tb.run(name, ambient=AMBIENTS, scheme="published").energy
+    thermal = books["thermal_residual"].to_numpy()
+    assert (np.abs(thermal) > 0.05).all()
+    text = ", ".join(f"{-value:+.1%}" for value in thermal)
+    measured(f"published scheme, {name}, -20, 0, 23 degC: heat created, of the work", text, "told")
+    if name == "shen-hdr-specimen":
+        assert np.abs(books["mechanical_residual"]).max() <= tol.ENERGY_BOOKS
+    else:
+        lost = books["mechanical_residual"].to_numpy()
+        assert (lost > 1e-4).all()
+        text = ", ".join(f"{value:.2%}" for value in lost)
+        measured(
+            "published scheme with lead: work of the Maxwell branch that warms nothing",
+            text,
+            "told",
+        )
+
+
+@pytest.mark.parametrize("name", NAMES[:2])
+def test_halving_the_step_changes_no_cycle(name: str, measured: Recorder) -> None:
+    """From 10 ms on, per-cycle G_e and h_eq are settled to 0.1 % (exact increment)."""
+    tables = [tb.run(name, ambient=AMBIENTS, dt=dt).cycles for dt in (0.01, 0.005, 0.0025)]
+    for column, what in (("G_eq_MPa", "G_e"), ("h_eq", "h_eq")):
+        values = [table[column].to_numpy() for table in tables]
+        first, second = (np.abs(b / a - 1.0).max() for a, b in pairwise(values))
+        assert first <= tol.STEP_HALVING
+        assert second < first
+        measured(f"{name}: largest change of {what}, dt 10 to 5 ms", first, f"{tol.STEP_HALVING:g}")
+
+
+def test_euler_is_coarser_than_exact(measured: Recorder) -> None:
+    """What the published explicit Euler costs at the same 5 ms."""
+    best = tb.run(NAMES[0], ambient=23.0, dt=0.00125).cycles["h_eq"].to_numpy()
+    error = {
+        integrator: float(
+            np.abs(
+                tb.run(NAMES[0], ambient=23.0, integrator=integrator).cycles["h_eq"] / best - 1
+            ).max()
+        )
+        for integrator in ("exact", "euler")
+    }
+    assert error["exact"] <= tol.STEP_HALVING
+    assert error["euler"] > 5.0 * error["exact"]
+    measured(
+        "h_eq at 5 ms, exact increment: largest error", error["exact"], f"{tol.STEP_HALVING:g}"
+    )
+    measured("h_eq at 5 ms, published Euler: largest error", error["euler"], "told")

@@ -1,4 +1,4 @@
-"""Fragility curves: known parameters found again, bands that hold what they say."""
+"""Fragility curves, annual rates and shares of variance against known answers."""
 
 from typing import Any
 
@@ -6,13 +6,26 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.optimize import minimize
-from scipy.stats import binom, chi2, linregress, norm
+from scipy.stats import binom, chi2, linregress, norm, qmc
+from scipy.stats import sobol_indices as of_scipy
 
 from tests import tolerances
-from tests.verification.test_hazard import closed_form
-from thermobearing.studies.statistics.fragility import Method, fragility_curve, fragility_curves
-from thermobearing.studies.statistics.hazard import ClimateFragility, Hazard, annual_rate, ratio
-from thermobearing.studies.statistics.likelihood import fit_curves
+from thermobearing.studies.statistics.fragility import (
+    Fragility,
+    Method,
+    fragility_curve,
+    fragility_curves,
+)
+from thermobearing.studies.statistics.hazard import (
+    ClimateFragility,
+    Hazard,
+    Rate,
+    annual_rate,
+    ratio,
+    shares_of_time,
+)
+from thermobearing.studies.statistics.likelihood import Curves, Estimate, fit_curves
+from thermobearing.studies.statistics.variance import sobol_indices, sobol_table, variance_shares
 
 MEDIAN, DISPERSION = 1.0, 0.4
 LEVELS = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])
@@ -299,3 +312,235 @@ def test_none_beyond_is_bounded_as_by_clopper_and_pearson() -> None:
     assert found.row()["median_high"] == np.inf
     assert np.isnan([found.row()["dispersion_low"], found.row()["dispersion_high"]]).all()
     assert rate.high == pytest.approx(closed_form(median, 0.6, 1.0, 2.0), rel=0.01)
+
+
+def closed_form(median: float, dispersion: float, factor: float, exponent: float) -> float:
+    """Cornell's rate for a lognormal fragility and a hazard of factor * im ** -exponent."""
+    return float(factor * median**-exponent * np.exp(0.5 * (exponent * dispersion) ** 2))
+
+
+def lognormal(median: float, dispersion: float, others: int = 1) -> Fragility:
+    place, slope = np.log([median]), np.array([1.0 / dispersion])
+    spread = np.linspace(-0.1, 0.1, others)
+    estimate = Estimate(Curves(place, slope), Curves(place + spread, np.repeat(slope, others)))
+    counts = pd.DataFrame({"im": [1.0], "runs": [1], "beyond": [0]})
+    settings = ("drift", "im", 1.0, estimate, "bootstrap", 0.95, 1, counts, 0, 0)
+    return Fragility("", "stripes", *settings)  # type: ignore[arg-type]
+
+
+def power_law(exponent: float, ends: tuple[float, float] = (1e-3, 1e4), points: int = 9) -> Hazard:
+    im = np.geomspace(*ends, points)
+    return Hazard(im, 1e-2 * im**-exponent, "PGA")
+
+
+@pytest.mark.parametrize("exponent", [1.0, 2.5, 4.0])
+@pytest.mark.parametrize("dispersion", [0.05, 0.3, 0.6])
+def test_power_law_has_a_closed_form(exponent: float, dispersion: float) -> None:
+    found = annual_rate(lognormal(2.0, dispersion), power_law(exponent))
+    exact = closed_form(2.0, dispersion, 1e-2, exponent)
+    assert found.rate == pytest.approx(exact, rel=tolerances.HAZARD)
+    assert found.notes == ()
+
+
+def test_kinked_hazard_is_integrated_piece_by_piece() -> None:
+    im, rate = np.array([0.1, 1.0, 3.0, 100.0]), np.array([1.0, 0.05, 2e-3, 1e-9])
+    median, dispersion = 1.5, 0.4
+    exact = 0.0
+    for k in range(3):
+        n = -np.log(rate[k + 1] / rate[k]) / np.log(im[k + 1] / im[k])
+        z = np.log(im[k : k + 2] / median) / dispersion
+        tails = norm.cdf(z + n * dispersion)
+        moved = median**-n * np.exp(0.5 * (n * dispersion) ** 2)
+        # By parts: what is gained at the ends of a piece, and the density of the capacity in it.
+        ends = rate[k] * norm.cdf(z[0]) - rate[k + 1] * norm.cdf(z[1])
+        exact += ends + rate[k] * im[k] ** n * moved * (tails[1] - tails[0])
+    exact += rate[-1] * norm.cdf(z[1])  # beyond the last point, with the probability there
+    found = annual_rate(lognormal(median, dispersion), Hazard(im, rate))
+    assert found.rate == pytest.approx(exact, rel=tolerances.HAZARD)
+
+
+def test_ends_of_the_hazard_curve_are_told() -> None:
+    early = annual_rate(lognormal(2.0, 0.4), power_law(2.0, (1e-3, 2.0)))
+    late = annual_rate(lognormal(2.0, 0.4), power_law(2.0, (1.5, 1e3)))
+    assert "ends at 2" in early.notes[0]
+    assert "begins at 1.5" in late.notes[0]
+    # What goes beyond at the end already is counted, and nothing is to be told.
+    assert annual_rate(lognormal(0.5, 0.1), power_law(2.0, (1e-3, 2.0))).notes == ()
+    # What is beyond the end counts with the probability there.
+    assert early.rate < closed_form(2.0, 0.4, 1e-2, 2.0)
+    jump = annual_rate(lognormal(1.9, 1e-4), power_law(2.0, (1e-3, 2.0)))
+    assert jump.rate == pytest.approx(1e-2 / 1.9**2, rel=2 * tolerances.HAZARD_JUMP)
+
+
+def test_years_and_return_period() -> None:
+    found = annual_rate(lognormal(2.0, 0.4), power_law(2.0))
+    assert found.return_period == pytest.approx(1.0 / found.rate)
+    assert found.probability(50.0) == pytest.approx(1.0 - np.exp(-50.0 * found.rate))
+
+
+def test_band_and_ratio_of_rates() -> None:
+    """Every sample of the cold has 0.8 of the warm median: rates go with its power."""
+    warm, cold = lognormal(2.0, 0.4, 21), lognormal(1.6, 0.4, 21)
+    hazard = power_law(2.0)
+    a, b = annual_rate(cold, hazard), annual_rate(warm, hazard)
+    found = ratio(a, b)
+    assert found == pytest.approx([0.8**-2.0] * 3, rel=tolerances.HAZARD)
+    assert (a.low, a.high) == pytest.approx(
+        (a.rate * np.exp(-0.2), a.rate * np.exp(0.2)), rel=tolerances.HAZARD
+    )
+
+
+def test_the_band_of_a_ratio_is_of_the_samples_alone() -> None:
+    cold = Rate(10.0, 0.0, 0.0, np.array([1.0, 3.0, 2.0, np.nan]))
+    warm = Rate(1.0, 0.0, 0.0, np.ones(4))
+    assert ratio(cold, warm) == (10.0, 1.0, 3.0)
+
+
+def test_climate_is_the_mean_of_its_temperatures() -> None:
+    parts = {
+        -20.0: lognormal(1.6, 0.4, 5),
+        23.0: lognormal(2.0, 0.3, 5),
+        40.0: lognormal(9.0, 0.3, 5),
+    }
+    climate = ClimateFragility(parts, np.array([0.25, 0.75, 0.0]))
+    hazard = power_law(2.0)
+    rate = annual_rate(climate, hazard).rate
+    exact = 0.25 * closed_form(1.6, 0.4, 1e-2, 2.0) + 0.75 * closed_form(2.0, 0.3, 1e-2, 2.0)
+    assert rate == pytest.approx(exact, rel=tolerances.HAZARD)
+    table = climate.rates(hazard)
+    assert table["part"].sum() == pytest.approx(1.0)
+    assert (table["share"] * table["rate"]).sum() == pytest.approx(rate)
+
+
+def test_shares_of_time_keep_the_mean() -> None:
+    rng = np.random.default_rng(1)
+    hours = rng.uniform(-20.0, 30.0, 5000)
+    levels = [30.0, -20.0, 0.0, 10.0]
+    shares = shares_of_time(levels, hours)
+    assert shares.sum() == pytest.approx(1.0)
+    assert float(shares @ levels) == pytest.approx(hours.mean())
+    assert shares_of_time([0.0, 10.0], [-5.0, 50.0]).tolist() == [0.5, 0.5]
+    assert shares_of_time([3.0], [-5.0, 50.0]).tolist() == [1.0]
+
+
+# Ishigami & Homma (1990) with a = 7, b = 0.1: indices in closed form (Saltelli and others 2008).
+A, B = 7.0, 0.1
+WHOLE_VARIANCE = A**2 / 8.0 + B * np.pi**4 / 5.0 + B**2 * np.pi**8 / 18.0 + 0.5
+ONE = 0.5 * (1.0 + B * np.pi**4 / 5.0) ** 2
+BOTH = 8.0 * B**2 * np.pi**8 / 225.0
+FIRST = np.array([ONE, A**2 / 8.0, 0.0]) / WHOLE_VARIANCE
+TOTAL = np.array([ONE + BOTH, A**2 / 8.0, BOTH]) / WHOLE_VARIANCE
+
+
+def ishigami(x: np.ndarray) -> np.ndarray:
+    return np.sin(x[..., 0]) + A * np.sin(x[..., 1]) ** 2 + B * x[..., 2] ** 4 * np.sin(x[..., 0])
+
+
+def arranged(rows: int, rng: np.random.Generator, *, sobol: bool) -> list[np.ndarray]:
+    points = qmc.Sobol(6, rng=rng).random(rows) if sobol else rng.random((rows, 6))
+    a, b = np.pi * (2.0 * points[:, :3] - 1.0), np.pi * (2.0 * points[:, 3:] - 1.0)
+    swapped = [np.where(np.arange(3) == k, b, a) for k in range(3)]
+    return [ishigami(x) for x in (a, b, *swapped)]
+
+
+def as_table(values: list[np.ndarray]) -> pd.DataFrame:
+    names = ["A", "B", "AB x1", "AB x2", "AB x3"]
+    frames = [
+        pd.DataFrame({"matrix": name, "sample": np.arange(len(y)), "drift": y})
+        for name, y in zip(names, values, strict=True)
+    ]
+    return pd.concat(frames, ignore_index=True).assign(outcome="completed")
+
+
+def test_ishigami() -> None:
+    a, b, *swapped = arranged(2**14, np.random.default_rng(1), sobol=True)
+    first, total = sobol_indices(a, b, np.array(swapped))
+    assert first == pytest.approx(FIRST, abs=tolerances.SOBOL_INDEX)
+    assert total == pytest.approx(TOTAL, abs=tolerances.SOBOL_INDEX)
+
+
+def test_the_estimators_of_scipy() -> None:
+    a, b, *swapped = arranged(256, np.random.default_rng(2), sobol=True)
+    given = {"f_A": a[None], "f_B": b[None], "f_AB": np.array(swapped)[:, None, :]}
+    theirs = of_scipy(func=given, n=256)
+    first, total = sobol_indices(a, b, np.array(swapped))
+    assert first == pytest.approx(theirs.first_order.ravel(), abs=tolerances.SAME_ESTIMATOR)
+    assert total == pytest.approx(theirs.total_order.ravel(), abs=tolerances.SAME_ESTIMATOR)
+
+
+def test_bands_of_indices_hold_the_truth_as_often_as_they_say() -> None:
+    rng = np.random.default_rng(6)
+    held, times = np.zeros(6), 60
+    for seed in range(times):
+        table = as_table(arranged(300, rng, sobol=False))
+        found = sobol_table(table, "drift", samples=119, seed=seed)
+        held[:3] += (found["first_low"] <= FIRST) & (found["first_high"] >= FIRST)
+        held[3:] += (found["total_low"] <= TOTAL) & (found["total_high"] >= TOTAL)
+    assert held.min() / times > tolerances.LEAST_COVERAGE
+    assert held.mean() < times
+
+
+def test_a_failed_run_leaves_all_matrices() -> None:
+    values = arranged(64, np.random.default_rng(3), sobol=True)
+    table = as_table(values)
+    table.loc[[5, 64 + 7], "outcome"] = "not_converged"
+    kept = ~np.isin(np.arange(64), [5, 7])
+    found = sobol_table(table, "drift", samples=10)
+    first, total = sobol_indices(values[0][kept], values[1][kept], np.array(values[2:])[:, kept])
+    assert found["first"].to_numpy() == pytest.approx(first)
+    assert found["total"].to_numpy() == pytest.approx(total)
+    assert found[["rows", "left_out"]].iloc[0].tolist() == [62, 2]
+
+
+def test_correlation_ratio_of_a_sum_and_a_product() -> None:
+    """x + 2 y + 3 x y of levels -1 and 1: shares 1, 4 and 9 of 14."""
+    rows = [(x, y, x + 2 * y + 3 * x * y) for x in (-1, 1) for y in (-1, 1) for _ in range(500)]
+    table = pd.DataFrame(rows, columns=["x", "y", "drift"])
+    found = variance_shares(table, "drift", ["x", "y"])
+    shares = np.array([1.0, 4.0, 9.0]) / 14.0
+    assert found["share"].to_numpy() == pytest.approx(shares, abs=tolerances.CHANCE_OF_2000)
+
+
+def test_correlation_ratio_of_draws_has_no_bias_and_holds_the_truth() -> None:
+    """Levels drawn by lot, 1 and 4 parts of 6, one that does nothing, and numbers in classes."""
+    rng = np.random.default_rng(7)
+    held, times, mean = np.zeros(4), 60, np.zeros(4)
+    truth = np.array([1.0, 4.0, 0.0, 1.0]) / 6.0
+    for seed in range(times):
+        x, y, level = rng.integers(0, 10, (3, 300))  # of variance (100 - 1) / 12
+        number = rng.normal(size=300)
+        drift = (x + 2.0 * y) / np.sqrt(99.0 / 12.0) + number
+        table = pd.DataFrame({"x": x, "y": y, "level": level, "number": number, "drift": drift})
+        factors = ["x", "y", "level", "number"]
+        found = variance_shares(table, "drift", factors, samples=100, seed=seed)
+        share = found["share"].to_numpy()[:4]
+        mean += share / times
+        held += (found["share_low"][:4] <= truth) & (truth <= found["share_high"][:4])
+    assert mean == pytest.approx(truth, abs=tolerances.RATIO_IN_CLASSES)
+    assert held.min() / times > tolerances.LEAST_COVERAGE_OF_RATIOS
+
+
+def test_runs_without_a_number_are_one_class() -> None:
+    """Half the runs have it; the demand follows their order, of which the number knows nothing."""
+    number = np.where(np.arange(400) < 200, np.random.default_rng(9).random(400), np.nan)
+    drift = np.tile(np.arange(200.0), 2)
+    table = pd.DataFrame({"number": number, "few": np.round(3.0 * number), "drift": drift})
+    found = variance_shares(table, "drift", ["number", "few"], samples=50)
+    assert np.abs(found["share"][:2]).max() < 0.1
+    assert found["levels"].tolist() == [15, 5, 0]
+
+
+def test_many_draws_of_a_number_have_many_classes() -> None:
+    """A straight line of 2000 draws: 44 classes leave about one part in 44^2 inside."""
+    x = np.random.default_rng(8).random(2000)
+    found = variance_shares(pd.DataFrame({"x": x, "drift": x}), "drift", ["x"], samples=100)
+    assert 0.0 < 1.0 - found["share"][0] < 2.0 * 44.0**-2
+    assert found["share_low"][0] <= found["share"][0] <= found["share_high"][0]
+
+
+def test_bands_of_shares_are_around_what_was_found() -> None:
+    """Ten levels that are alike: drawn again they never are, which is no share of theirs."""
+    table = pd.DataFrame({"level": np.arange(60) % 10, "drift": np.arange(60) // 10})
+    found = variance_shares(table, "drift", ["level"]).iloc[0]
+    assert found["share"] == pytest.approx(1.0 - 59.0 / 50.0)
+    assert found["share_low"] < found["share"] < found["share_high"]

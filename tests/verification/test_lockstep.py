@@ -12,21 +12,11 @@ from tests.verification.models import assembled, changed
 from tests.verification.structures import ground_of, real_bearing
 from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing, Scragging
+from thermobearing.core import types
 from thermobearing.core.lanes.memory import WIDTH, aligned, side_by_side
 from thermobearing.core.lockstep import march_lanes
 from thermobearing.core.march import march
 from thermobearing.core.records import rows
-from thermobearing.core.types import (
-    COMPLETED,
-    EULER_UNSTABLE,
-    SOFTENED,
-    Books,
-    Constants,
-    Kept,
-    Path,
-    new_state,
-    new_workspace,
-)
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks, with_shared_cells
 from thermobearing.structure.model import load_structure
@@ -45,7 +35,7 @@ MODELS: dict[str, dict[str, Any]] = {
 }
 
 
-def variants(bearing: Bearing, **options: Any) -> list[Constants]:
+def variants(bearing: Bearing, **options: Any) -> list[types.Constants]:
     k = bearing.hysteresis.layer_stiffness
     stiffer = [k * (0.8 + 0.4 * lane / WIDTH) for lane in range(WIDTH)]
     return [
@@ -54,7 +44,7 @@ def variants(bearing: Bearing, **options: Any) -> list[Constants]:
     ]
 
 
-def begun(bearing: Bearing, constants: Constants, lane: int) -> tuple[Any, ...]:
+def begun(bearing: Bearing, constants: types.Constants, lane: int) -> tuple[Any, ...]:
     """Arguments of a march: growing cycles, another amplitude and temperature for every lane."""
     n, layers = len(constants.cells.capacity), len(constants.multiplicity)
     time = DT * np.arange(1, STEPS + 1)
@@ -62,15 +52,17 @@ def begun(bearing: Bearing, constants: Constants, lane: int) -> tuple[Any, ...]:
     x = largest * time / time[-1] * np.sin(np.pi * time)
     x[STEPS // 2 : STEPS // 2 + 20] = x[STEPS // 2]
     air = -30.0 + 3.0 * lane
-    state, spare = (new_state(constants, np.full(n, air)) for _ in range(2))
-    path = Path(x, np.full(STEPS, DT), np.full(STEPS, air), np.ones(STEPS, np.bool_), 0.0)
-    room = Kept(
-        rows(Books, STEPS), *(np.zeros((STEPS, layers)) for _ in range(3)), np.zeros((STEPS, n))
+    state, spare = (types.new_state(constants, np.full(n, air)) for _ in range(2))
+    path = types.Path(x, np.full(STEPS, DT), np.full(STEPS, air), np.ones(STEPS, np.bool_), 0.0)
+    room = types.Kept(
+        rows(types.Books, STEPS),
+        *(np.zeros((STEPS, layers)) for _ in range(3)),
+        np.zeros((STEPS, n)),
     )
-    return constants, new_workspace(constants), state, spare, path, room
+    return constants, types.new_workspace(constants), state, spare, path, room
 
 
-def assert_alike(bearing: Bearing, constants: list[Constants]) -> list[int]:
+def assert_alike(bearing: Bearing, constants: list[types.Constants]) -> list[int]:
     """Lockstep and alone agree in force and temperatures; what ended the runs."""
     alone = [begun(bearing, one, lane) for lane, one in enumerate(constants)]
     together = side_by_side([begun(bearing, one, lane) for lane, one in enumerate(constants)])
@@ -81,7 +73,7 @@ def assert_alike(bearing: Bearing, constants: list[Constants]) -> list[int]:
         done, kept, outcome, softened, _ = march(*one)
         outcomes.append(outcome)
         assert ends[0, lane] == outcome
-        if outcome in (COMPLETED, SOFTENED):  # one that failed goes on, to no use
+        if outcome in (types.COMPLETED, types.SOFTENED):  # one that failed goes on, to no use
             assert ends[1, lane] == softened
         room, room_together = one[-1], together[-1]
         force = room.books["force"][:kept]
@@ -101,7 +93,7 @@ def test_every_model_in_lockstep_is_the_model_alone(name: str, model: str) -> No
         assert HDR in list_bearings()
         return
     outcomes = assert_alike(bearing, variants(bearing, **MODELS[model]))
-    assert set(outcomes) <= {COMPLETED, SOFTENED}
+    assert set(outcomes) <= {types.COMPLETED, types.SOFTENED}
 
 
 def test_a_run_that_fails_spoils_no_other() -> None:
@@ -117,7 +109,7 @@ def test_a_run_that_fails_spoils_no_other() -> None:
     for lane, one in enumerate(alone):
         done, _, outcome, _, _ = march(*one)
         assert ends[0, lane] == outcome
-        assert outcome == (EULER_UNSTABLE if lane % 2 else COMPLETED)
+        assert outcome == (types.EULER_UNSTABLE if lane % 2 else types.COMPLETED)
         force = one[-1].books["force"][:done]
         apart = np.abs(force - together[-1].books["force"][:done, lane]).max()
         assert apart <= tol.LANE_FORCE * np.abs(force).max()
