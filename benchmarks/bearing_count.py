@@ -8,8 +8,7 @@ another motion, `--factor` scales it.
 import argparse
 from typing import Any
 
-from tests.validation.hybrid_criteria import HARD, SOFT, score
-from tests.validation.hybrid_source import evidence
+from tests.validation.hybrid_source import HARD, SOFT, evidence, score
 
 COUNTS = (2, 4, 6, 8)
 OTHERS = (1, 12)  # the specimen alone; a force scale of 1/s^3 on two

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from tests.reference.pier_comparison import DT, compare
+from tests.reference.opensees_pier import DT, compare
 from thermobearing.results import drawing
 
 LABELS = {

@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 
 import thermobearing as tb
-from tests.validation.hybrid_criteria import ENERGY, energy_signs
 from tests.validation.hybrid_source import (
     ABOUT,
     AMBIENT,
+    ENERGY,
     HDR,
     LHDR,
     Evidence,
     damping_ratios,
+    energy_signs,
     evidence,
     pair,
     told,

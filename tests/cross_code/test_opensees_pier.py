@@ -15,8 +15,7 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.opensees import needs_opensees, ops
 from tests.reference.opensees_lead import lead_rubber_x, stiff_example
-from tests.reference.opensees_pier import build, spring_bearing
-from tests.reference.pier_comparison import compare
+from tests.reference.opensees_pier import build, compare, spring_bearing
 from tests.verification.structures import linear_bearing, shaken
 from thermobearing.core.types import Floats
 

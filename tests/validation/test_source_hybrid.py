@@ -16,17 +16,23 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from tests.validation.hybrid_criteria import ENERGY, FORCE, HARD, RIG, SOFT, energy_signs, score
 from tests.validation.hybrid_source import (
     ABOUT,
     AMBIENT,
+    ENERGY,
+    FORCE,
+    HARD,
     HDR,
     LHDR,
+    RIG,
+    SOFT,
     Evidence,
     axial_stress,
     damping_ratios,
+    energy_signs,
     evidence,
     pair,
+    score,
     structure_with,
     told,
 )

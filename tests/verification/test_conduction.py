@@ -224,7 +224,6 @@ def test_rubber_that_conducts_nothing_heats_by_its_work(half: bool) -> None:
     volume = bearing.area * bearing.total_rubber_thickness
     work = run.books["work_in"][-1]
     rise = work / (insulating.volumetric_heat * volume)
-    print(f"half {half}: adiabatic rise {rise:.4f} K")
     assert rise > 1.0
     rubber = np.array(build_stack(bearing, half=half).part) == "rubber"
     assert_allclose(run.cells[-1] + 20.0, rubber * rise, rtol=0.0, atol=ADIABATIC_RISE * rise)

@@ -88,7 +88,6 @@ def test_euler_tends_to_the_exact_increment_with_order_one(s: float) -> None:
         c = curvature(s)
         errors.append(abs(z_after(path, c, True) - z_after(path, c, False)))
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-    print(f"s = {s}: Euler errors {errors}, observed orders {orders}")
     assert_allclose(orders, 1.0, rtol=0.0, atol=tol.ORDER)
 
 

@@ -76,8 +76,6 @@ def test_z_of_every_layer_is_the_exact_increment(name: str, temperature: float) 
             for i in range(len(run.d))
         ]
     )
-    worst = np.abs(run.z - exact).max() / d_y
-    print(f"{name} at {temperature} degC: Z off by at most {worst:.1e} d_y")
     assert_allclose(run.z, exact, rtol=0.0, atol=tol.EXACT_Z * d_y)
 
 
@@ -147,7 +145,6 @@ def full_and_half(layers: int, shim_cells: int) -> tuple[float, float]:
 def test_full_stack_equals_half_stack(layers: int, shim_cells: int) -> None:
     """To rounding, wherever the symmetry plane falls between two cells of the full stack."""
     by_force, by_temperature = full_and_half(layers, shim_cells)
-    print(f"{layers} layers: force {by_force:.1e} of the peak, temperature {by_temperature:.1e} K")
     assert_allclose(by_force, 0.0, rtol=0.0, atol=tol.FULL_AND_HALF)
     assert_allclose(by_temperature, 0.0, rtol=0.0, atol=tol.FULL_AND_HALF)
 

@@ -89,7 +89,6 @@ def test_softened_runs_converge_with_the_time_step() -> None:
     assert all(run.softened > 0 for run in runs)
     peak = np.array([np.abs(run.books["force"]).max() for run in runs])
     work = np.array([run.books["work_in"][-1] for run in runs])
-    print(f"peak force {peak} kN, work {work} J, softened {[run.softened for run in runs]}")
     assert_allclose(peak[:-1], peak[1:], rtol=tol.SOFTENED_PEAK, atol=0.0)
     assert_allclose(work[:-1], work[1:], rtol=tol.SOFTENED_WORK, atol=0.0)
     for values in (peak, work):  # and the differences shrink
@@ -124,14 +123,12 @@ def test_a_small_change_of_a_parameter_moves_samples_a_little() -> None:
     """Of the coldest and farthest case: a fit needs forces that are smooth in the parameters."""
     name, temperature, strain = COLD[-1]
     moved = moved_by_a_parameter(load_bearing(name), temperature, strain, change=2.5e-5)
-    print(f"largest change of a sample by 2.5e-5 of a parameter: {moved:.1e} of the peak")
     assert 0.0 < moved < tol.MOVED * 2.5e-5
 
 
 def test_the_coldest_case_converges_with_the_time_step() -> None:
     name, temperature, strain = COLD[-1]
     errors = halving_errors(load_bearing(name), temperature, strain, (10e-3, 5e-3, 2.5e-3))
-    print(f"rms of the force between dt = 10, 5 and 2.5 ms: {errors} of the peak")
     assert errors[1] < tol.FIRST_ORDER * errors[0]
 
 
@@ -186,7 +183,6 @@ def edge_jumps(dt: float) -> tuple[float, float]:
 def test_softening_sets_in_and_ends_without_a_jump() -> None:
     """A jump would stay as it is when the step is halved; a continuous rule halves it."""
     jumps = np.array([edge_jumps(dt) for dt in (4e-3, 2e-3, 1e-3)])
-    print(f"change of w {jumps[:, 0]}, bend of the force {jumps[:, 1]} kN, dt = 4, 2, 1 ms")
     assert (jumps[1:] < tol.HALVED * jumps[:-1]).all()
 
 
