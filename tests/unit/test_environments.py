@@ -15,14 +15,12 @@ POOR = {"COLUMNS": "20", "LANG": "C", "LC_ALL": "C", "PYTHONIOENCODING": "ascii"
 
 
 def environment(**changes: str | None) -> dict[str, str]:
-    """The environment of the tests with changes; None takes a variable away."""
     changed = {**os.environ, **changes}
     return {key: value for key, value in changed.items() if value is not None}
 
 
 @pytest.fixture
 def case(tmp_path: Path) -> Path:
-    """A quick case in a folder whose name has spaces and kanji."""
     folder = tmp_path / "cold tests \u51ac"
     folder.mkdir()
     return quick_case(folder / "case \u71b1.toml")
@@ -60,7 +58,6 @@ def test_help_where_a_character_is_missing() -> None:
     ],
 )
 def test_output_that_nobody_reads(case: Path, how: str) -> None:
-    """The result is written and the exit status is that of the analysis."""
     out = case.parent / "out"
     words = "cyclic case*.toml -o out --no-figures --json"
     done = subprocess.run(

@@ -183,7 +183,6 @@ def test_report_and_result_tell_the_exchange(night: str) -> None:
 
 
 def test_a_climate_beside_levels_counts_the_temperature_of_the_rubber() -> None:
-    """Before, the air of the hour: colder at night than rubber that follows within five hours."""
     weather = tb.generate_weather("cold-town", 2, 3)
     case = {"analysis": {"side": {"film": "25 W/(m^2 K)"}}}
     table = {"kind": "study", "name": "s", "case": case | {"duration": "0.05 s"}}

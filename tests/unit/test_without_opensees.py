@@ -39,7 +39,6 @@ def broken(tmp_path: Path) -> dict[str, str]:
 
 
 def python(environment: dict[str, str], *arguments: str) -> subprocess.CompletedProcess[str]:
-    """A Python of its own, in the root of the repository."""
     command = [sys.executable, *arguments]
     return subprocess.run(
         command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False
