@@ -1,4 +1,4 @@
-"""Figures of histories and loops in earthquakes.
+"""Figures of earthquakes: histories, loops, peaks, lines and piers, profiles, earlier models.
 
 Rows are bearings, columns motions, colours ambient temperatures from cold (blue) to warm (red).
 Of an analysis with many motions the first few are shown; the table has them all.
@@ -30,15 +30,55 @@ MOST_COLUMNS = 4
 TIME_BINS = 900  # points of a history are thinned to two per bin
 LINES: dict[str, Any] = {"": "-", "rt": "-", "pd": "--"}
 MODES = {"": "", "rt": "real time", "pd": "pseudo-dynamic"}
+MODE_LOOKS: dict[str, drawing.Look] = {
+    "rt": {"color": "#CC3311"},
+    "pd": {"color": "#0077BB", "linestyle": "--"},
+}
 STRAIN, FORCE, DISPLACEMENT = "shear strain [%]", "force [kN]", "displacement [mm]"
+PANEL, LOOP_PANEL, SPEED_PANEL = (2.9, 2.4), (3.0, 2.7), (4.2, 2.3)  # width, height [inch]
+KJ, MN_M = 1e-3, 1e-3
+WIDER = 0.8  # of its width: each line that lies below another
+NOTE_ROOM = 0.12  # of the height of a panel, for the values that are printed in it
+FIRST, LAST = 0.05, 0.95  # of the Arias intensity
+MARGIN = 0.2  # of the strong part, on both sides: the answer of the structure comes later
+THIN, THICK = 0.6, 1.7  # lines of the outer and of the innermost layer
+WHOLE = ("bearing_force", "whole force", "#b5b5b5")
+SHARES = (
+    ("rubber_force", "rubber", "#0072B2"),
+    ("lead_force", "lead cores", "#000000"),
+    ("viscous_force", "rate-dependent branch", "#D55E00"),
+)
+# The two terms of a bilinear model are no parts of the bearing: an HDR bearing has no lead.
+BILINEAR = (
+    ("rubber_force", "bilinear: elastic part", "#56B4E9"),
+    ("lead_force", "bilinear: yielding part", "#CC79A7"),
+)
+PART_PANELS = (  # part, column, label
+    ("line", "strain_max", "bearing strain [%]"),
+    ("line", "total_force_max_kN", "force of the line [kN]"),
+    ("pier", "displacement_max_mm", "pier displacement [mm]"),
+    ("pier", "ductility", "pier ductility"),
+)
+PART_SPREAD = 0.9  # of the room of a part that its dots take
+SHOWN = {  # columns of the table of runs: label
+    "bearing_strain_max": "bearing strain",
+    "bearing_force_max_kN": "bearing force",
+    "bearing_energy_kN_mm": "bearing energy",
+    "pier_displacement_max_mm": "pier displacement",
+    "pier_ductility": "pier ductility",
+    "deck_acceleration_max_m_s2": "deck acceleration",
+}
+SPREAD = 0.5  # of the room of a temperature that its dots take
+MEAN = 0.36  # half the length of the line at a mean
+QUARTERS = 4
 Cell = tuple[Axes, Any, Any]  # a panel, what its row and what its column stand for
+Draw = Callable[[Axes, int], None]
 
 
-class RunPanels(drawing.Figures):
-    """Labels of the runs of an analysis, their colours and lines, and grids of panels.
+class EarthquakeFigures(drawing.Figures):
+    """Figures of an analysis: `result.plot.loops()` and so on, each a matplotlib Figure.
 
-    Colours are ambient temperatures from cold (blue) to warm (red); lines of pseudo-dynamic tests
-    compared with real time are dashed.
+    Lines of pseudo-dynamic tests compared with real time are dashed.
     """
 
     def __init__(self, result: EarthquakeResult) -> None:
@@ -77,28 +117,550 @@ class RunPanels(drawing.Figures):
         """Return the style of the lines of a run."""
         return LINES[self._result.modes[run]] if len(self._run_modes) > 1 else "-"
 
-    def _handles(self) -> list[Line2D]:
-        """Return legend entries of the ambient temperatures."""
-        return [
+    def _legend(
+        self, figure: Figure, own: list[Line2D] | None = None, more: Sequence[Line2D] = ()
+    ) -> None:
+        """Add a legend: ambient temperatures unless there are own entries, more, several modes."""
+        handles = own or [
             Line2D([], [], color=colour, label=f"ambient {drawing.degrees(value)}")
             for value, colour in self._colours.items()
         ]
-
-    def _mode_handles(self) -> list[Line2D]:
-        """Return legend entries of the modes of a laboratory, if there are several."""
-        several = self._run_modes if len(self._run_modes) > 1 else []
-        return [
-            Line2D([], [], color=drawing.GREY, linestyle=LINES[mode], label=MODES[mode])
-            for mode in several
-        ]
+        handles = [*handles, *more]
+        for mode in self._run_modes if len(self._run_modes) > 1 else []:
+            look: drawing.Look = {"linestyle": LINES[mode], "label": MODES[mode]}
+            handles.append(Line2D([], [], color=drawing.GREY, **look))
+        drawing.legend_below(figure, handles)
 
     def _note(self, ax: Axes, name: str, runs: list[int], values: Sequence[float]) -> None:
         """Print a value of each run of a panel, in the colour of its temperature."""
         texts = [f"{value:.3g}" for value in values]
         drawing.note_values(ax, name, texts, [self._colour(run) for run in runs])
 
+    def _by_bearing(
+        self,
+        what: str,
+        size: tuple[float, float],
+        labels: tuple[str, str],
+        draw: Draw,
+        *,
+        share: bool = True,
+        zero: bool = False,
+    ) -> Figure:
+        """Return the runs of the first motion: rows are bearings, columns ambient temperatures."""
+        motion = self._motions[0]
+        heads = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
+        figure, cells = _grid(
+            self._title(f"{what}, {motion}"), size, self._bearings, self._ambients, labels,
+            heads=heads, sides=self._bearings, share=share, zero=zero,
+        )  # fmt: skip
+        for ax, bearing, ambient in cells:
+            for run in self._runs_of(bearing=bearing, ambient_degC=ambient, motion=motion):
+                draw(ax, run)
+        return figure
 
-def grid(
+    def _by_motion(
+        self,
+        what: str,
+        labels: tuple[str, str],
+        draw: Draw,
+        ax: Axes | None = None,
+        *,
+        strain: Literal["x", "y"] | None = None,
+        sizes: str = "",
+        notes: bool = False,
+    ) -> tuple[Figure, list[Cell]]:
+        """Return one panel per bearing and motion; `draw` is called for every run in it.
+
+        All runs go into `ax`, and there are no panels, where it is given. `strain` is the axis
+        that shows the strain [%]: beyond the tested range it is shaded. `sizes` names the
+        variable whose largest run is drawn first, below the others; `notes` leaves room for values.
+        """
+        if ax is not None:
+            for run in self._table.index:
+                draw(ax, int(run))
+            drawing.name_axes(ax, *labels)
+            return drawing.parent_figure(ax), []
+        about = part_names(self._data)
+        title = self._title(what, motions=True) + (f" ({about})" if about else "")
+        motions = self._motions[:MOST_COLUMNS]
+        figure, cells = _grid(
+            title, PANEL, self._bearings, motions, labels, heads=motions, sides=self._bearings,
+            share="col",
+        )  # fmt: skip
+        untested = []
+        for panel, bearing, motion in cells:
+            chosen = self._table[self._table["bearing"] == bearing]
+            runs = [int(run) for run in chosen.index[chosen["motion"] == motion]]
+            if sizes in self._data:  # the largest first, so that none hides a smaller one
+                size = np.nan_to_num(self._data[sizes].values)
+                runs = sorted(runs, key=lambda run: -float(size[run]))
+            for run in runs:
+                draw(panel, run)
+            for place, line in enumerate(panel.get_lines()):  # equal ones remain visible
+                line.set_linewidth(line.get_linewidth() * (1.0 + WIDER * (len(runs) - 1 - place)))
+            untested.append(100.0 * self._result.tested_to(runs, "strain"))
+            same = bool(self._data.attrs.get(f"bilinear:{bearing}", 0)) and len(runs) > 1
+            if same and motion == motions[0]:
+                drawing.say_why(panel, "bilinear: the same\nat all temperatures")
+        axes = [panel for panel, _, _ in cells]
+        for panel in axes[: len(motions)] if notes else []:
+            low, high = panel.get_ylim()
+            panel.set_ylim(low, high + NOTE_ROOM * (high - low))
+        if strain is not None:
+            drawing.shade_untested(axes, [(-end, end) for end in untested], strain)
+        self._legend(figure)
+        return figure, cells
+
+    def _curve(self, x: str, y: str, factor: float = 1.0, other: float = 1.0) -> Draw:
+        """Return what draws a history y against time or against another history x."""
+
+        def _draw(ax: Axes, run: int) -> None:
+            a, b = factor * self._values(x, run), other * self._values(y, run)
+            if x != "time":
+                spans = max(np.ptp(a), 1e-12), max(np.ptp(b), 1e-12)
+                kept, width = drawing.thin_loops(a, b, *spans), 0.8
+            elif np.isfinite(b).all():
+                kept, width = drawing.thin(b, TIME_BINS), 0.7
+            else:
+                return
+            look: drawing.Look = {"linewidth": width, "linestyle": self._line(run)}
+            ax.plot(a[kept], b[kept], color=self._colour(run), **look)
+
+        return _draw
+
+    def _history(
+        self,
+        name: str,
+        what: str,
+        y: str,
+        ax: Axes | None,
+        factor: float = 1.0,
+        strain: Literal["y"] | None = None,
+    ) -> Figure:
+        """Return a history in the strong part of each motion, its peaks marked and printed."""
+        draw, peaks = self._curve("time", name, other=factor), f"{name}_max"
+        look: drawing.Look = {"strain": strain, "sizes": peaks, "notes": True}
+        title = f"{what}, strong part of the motion"
+        figure, cells = self._by_motion(title, ("time [s]", y), draw, ax, **look)
+        for panel, bearing, motion in cells:
+            runs = self._runs_of(bearing=bearing, motion=motion)
+            panel.set_xlim(*_strong_part(self._data, self._runs_of(motion=motion), name))
+            for run in runs:
+                values = factor * self._values(name, run)
+                if np.isfinite(values).all():
+                    place = int(np.abs(values).argmax())
+                    mark: drawing.Look = {"color": self._colour(run), "markeredgecolor": "white"}
+                    at = [self._values("time", run)[place]], [values[place]]
+                    panel.plot(*at, "o", markersize=4.0, zorder=4, **mark)
+            self._note(panel, "peak", runs, [factor * float(self._data[peaks][r]) for r in runs])
+        return figure
+
+    def _of(self, part: str, name: str | None) -> "EarthquakeFigures":
+        """Return the same figures of another line or pier."""
+        view = copy.copy(self)
+        view._data = select_part(self._data, part, name)
+        return view
+
+    def loops(self, ax: Axes | None = None, *, label: str = "", color: str | None = None) -> Figure:
+        """Return the force of one bearing against its strain, as Fig. 6.9 and 6.12.
+
+        Parameters
+        ----------
+        ax : Axes, optional
+            Draw all runs into this panel instead of one for each bearing and motion.
+        label, color : str, optional
+            Of what is drawn into it; the colours of the temperatures by default.
+        """
+        plain = self._curve("bearing_strain", "bearing_force", 100.0)
+
+        def _draw(panel: Axes, run: int) -> None:
+            plain(panel, run)
+            if color:
+                panel.get_lines()[-1].set_color(color)
+            if label and run == 0:
+                panel.get_lines()[-1].set_label(label)
+
+        what, sizes = "hysteresis of one bearing", "bearing_strain_max"
+        return self._by_motion(what, (STRAIN, FORCE), _draw, ax, strain="x", sizes=sizes)[0]
+
+    def largest_loops(self) -> Figure:
+        """Return the largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
+        loops, motions = self._result.largest_loops, self._motions[:MOST_COLUMNS]
+        colours = drawing.ordered_colours(len(self._bearings), "viridis")
+        looks = dict(zip(self._bearings, colours, strict=True))
+        title = self._title("largest loop of one bearing", motions=True)
+        sides = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
+        figure, cells = _grid(
+            title, LOOP_PANEL, self._ambients, motions, (DISPLACEMENT, FORCE), heads=motions,
+            sides=sides, zero=True,
+        )  # fmt: skip
+        for ax, ambient, motion in cells:
+            for run in self._runs_of(ambient_degC=ambient, motion=motion):
+                loop, time = loops.loc[run], self._data["time"].values[run]
+                inside = (time >= loop["start_s"]) & (time <= loop["end_s"])  # none of no loop
+                x = self._data["bearing_displacement"].values[run, inside]
+                y = self._data["bearing_force"].values[run, inside]
+                look: drawing.Look = {"linestyle": self._line(run), "linewidth": 1.1}
+                ax.plot(x, y, color=looks[loop["bearing"]], **look)
+        self._legend(figure, [Line2D([], [], color=c, label=name) for name, c in looks.items()])
+        return figure
+
+    def modes(self) -> Figure:
+        """Return loops of the specimen in both modes, as Fig. 3.16 to 3.19."""
+
+        def _draw(ax: Axes, run: int) -> None:
+            strain = 100.0 * self._values("bearing_strain", run)
+            look = MODE_LOOKS[self._result.modes[run]]
+            ax.plot(strain, self._values("bearing_force", run), linewidth=0.9, **look)
+
+        what = "real time over pseudo-dynamic"
+        figure = self._by_bearing(what, LOOP_PANEL, (STRAIN, FORCE), _draw)
+        handles = [Line2D([], [], label=MODES[k], **look) for k, look in MODE_LOOKS.items()]
+        drawing.legend_below(figure, handles)
+        return figure
+
+    def strain(self, ax: Axes | None = None, *, line: str | None = None) -> Figure:
+        """Return shear strain in time, as Fig. 6.10 and 6.13; of the bearings of any `line`."""
+        what = "shear strain of the bearings"
+        return self._of("line", line)._history("bearing_strain", what, STRAIN, ax, 100.0, "y")
+
+    def pier(self, ax: Axes | None = None, *, pier: str | None = None) -> Figure:
+        """Return the displacement of a pier's top relative to its base, as Fig. 6.17 and 6.19."""
+        view, what = self._of("pier", pier), "pier top relative to its base"
+        return view._history("pier_displacement", what, DISPLACEMENT, ax)
+
+    def pier_acceleration(self, ax: Axes | None = None) -> Figure:
+        """Return the absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18."""
+        view, what = self._of("pier", None), "acceleration of the pier top"
+        return view._history("pier_top_acceleration", what, "acceleration [m/s2]", ax)
+
+    def deck(self, ax: Axes | None = None) -> Figure:
+        """Return the absolute acceleration of the deck, as Fig. 6.23 and 6.25."""
+        what = "acceleration of the deck"
+        return self._history("deck_acceleration", what, "acceleration [m/s2]", ax)
+
+    def energy(self, ax: Axes | None = None) -> Figure:
+        """Return the work done on one bearing in time, as Fig. 3.25."""
+        draw, labels = self._curve("time", "bearing_energy", other=KJ), ("time [s]", "energy [kJ]")
+        return self._by_motion("energy taken by one bearing", labels, draw, ax)[0]
+
+    def hinge(self, ax: Axes | None = None) -> Figure:
+        """Return moment against rotation of the pier base, as Fig. 6.21 and 6.22."""
+        view = self._of("pier", None)
+        draw = view._curve("pier_rotation", "pier_moment", 1e3, MN_M)
+        labels = "rotation [mrad]", "moment [MN m]"
+        what = "pier base (dashed: where it yields; numbers: ductility)"
+        figure, cells = view._by_motion(what, labels, draw, ax, sizes="pier_rotation_max")
+        for panel, bearing, motion in cells:
+            runs = view._runs_of(bearing=bearing, motion=motion)
+            found = [_yield_point(view._data, run) for run in runs]
+            for point in [point for point in found if point is not None][:1]:
+                rotation, moment = 1e3 * point[0], MN_M * point[1]
+                look: drawing.Look = {"color": drawing.GREY, "linewidth": 0.8, "linestyle": "--"}
+                for sign in (-1.0, 1.0):
+                    panel.axhline(sign * moment, zorder=1.2, **look)
+                    panel.plot([sign * rotation], [sign * moment], "D", color=drawing.INK, ms=3.5)
+            ductility = [float(view._data["pier_ductility"][run]) for run in runs]
+            self._note(panel, "", runs, ductility)
+            if max(ductility) < 1.0:
+                drawing.say_why(panel, "stays elastic", (0.98, 0.12))
+            panel.relim()
+            low, high = panel.dataLim.intervaly  # with room above the line where it yields
+            panel.set_ylim(1.08 * low, (1.08 + 2.0 * NOTE_ROOM) * high)
+        return figure
+
+    def temperature(self) -> Figure:
+        """Return the rise of the rubber layers and, below, of the lead, as Fig. 3.20 and 5.16."""
+        rows = []  # a bearing, and its rubber or lead; without heat there is no row
+        for bearing in self._bearings:
+            mine = self._data.isel(run=self._runs_of(bearing=bearing))
+            for name in ("rubber", "lead"):
+                if np.isfinite(mine[f"{name}_temperature"].values).any():
+                    rows.append((bearing, name))
+        motions = self._motions[:MOST_COLUMNS]
+        title = self._title("rise of the temperature in one bearing", motions=True)
+        figure, cells = _grid(
+            title, (2.9, 2.1), rows, motions, ("time [s]", "rise [K]"), heads=motions,
+            sides=[f"{bearing}\n{name}" for bearing, name in rows], share=False,
+        )  # fmt: skip
+        highest = {"rubber": 0.0, "lead": 0.0}
+        for ax, (bearing, name), motion in cells:
+            self._rise(ax, name, self._runs_of(bearing=bearing, motion=motion))
+            ax.set_xlim(*_strong_part(self._data, self._runs_of(motion=motion)))
+            highest[name] = max(highest[name], ax.get_ylim()[1])
+        for ax, (_, name), _ in cells:  # one scale for all rubber and one for all lead
+            ax.set_ylim(-0.04 * highest[name], (1.0 + NOTE_ROOM) * highest[name])
+        half = bool(self._data.attrs.get("half_stack", 1))
+        names = ("outer layer", "innermost layer") if half else ("upper layer", "lower layer")
+        widths = [
+            Line2D([], [], color=drawing.GREY, linewidth=width, label=name)
+            for name, width in zip(names, (THIN, THICK), strict=True)
+        ]
+        self._legend(figure, more=widths)
+        return figure
+
+    def _rise(self, ax: Axes, name: str, runs: list[int]) -> None:
+        """Draw layers from thin (outer) to thick (innermost), or the lead, and their maxima."""
+        hottest = []
+        for run in runs:
+            time, values = self._values("time", run), self._values(f"{name}_temperature", run)
+            values = values.reshape(len(time), -1)
+            values = values[:, np.isfinite(values).all(axis=0)]
+            rise, count = values - values[0], values.shape[1]
+            for j in range(count):
+                kept = drawing.thin(rise[:, j], TIME_BINS)
+                width = THIN + (THICK - THIN) * ((j + 1) / count if count > 1 else 0.5)
+                look: drawing.Look = {"linewidth": width, "linestyle": self._line(run)}
+                ax.plot(time[kept], rise[kept, j], color=self._colour(run), alpha=0.8, **look)
+            hottest.append(float(values.max()) if values.size else np.nan)
+            end = self._result.tested_to([run], "lead_temperature")
+            if name == "lead" and np.isfinite(end):
+                drawing.mark_tested(ax, end - float(values[0, 0]), "tested to here")
+        texts = [f"{value:.0f}" for value in hottest]
+        texts[-1] += " °C"
+        drawing.note_values(ax, "hottest", texts, [self._colour(run) for run in runs])
+
+    def speed(self) -> Figure:
+        """Return the loading speed of the bearing on its own clock, as Fig. 3.15.
+
+        Rows are bearings, columns modes: a slow test takes longer and has its own axes. The first
+        motion; the fastest run lies below, and the largest speeds are printed.
+        """
+        motion = self._motions[0]
+        labels = ("time in the laboratory [s]", "speed [mm/s]")
+        title = self._title(f"loading speed of the specimen, {motion}")
+        figure, cells = _grid(
+            title, SPEED_PANEL, self._bearings, self._run_modes, labels, share="col"
+        )
+        clock = "bearing_clock" if "bearing_clock" in self._data else "time"
+        for ax, bearing, mode in cells:
+            runs = self._runs_of(bearing=bearing, motion=motion)
+            runs = [run for run in runs if self._result.modes[run] == mode]
+            largest = {run: np.abs(self._values("bearing_speed", run)).max() for run in runs}
+            for place, run in enumerate(sorted(runs, key=lambda run: -largest[run])):
+                speed = self._values("bearing_speed", run)
+                kept, width = drawing.thin(speed, TIME_BINS), 1.1 if place == 0 else 0.7
+                time = self._values(clock, run)[kept]
+                ax.plot(time, speed[kept], color=self._colour(run), linewidth=width)
+            ax.margins(y=0.14)
+            self._note(ax, "largest", runs, list(largest.values()))
+            name = ", ".join(part for part in (bearing, MODES[mode]) if part)
+            drawing.name_axes(ax, title=name)
+            ax.title.set_fontsize(drawing.SMALL)
+        self._legend(figure)
+        return figure
+
+    def shares(self) -> Figure:
+        """Return shares of the force in the largest loop of the first motion, as Fig. 5.15.
+
+        Without a closed loop the whole history is drawn, and the panel says so.
+        """
+        used: dict[str, str] = {}
+
+        def _draw(ax: Axes, run: int) -> None:
+            time = self._data["time"].values[run]
+            inside = np.isfinite(time)
+            ends = [float(self._data[name][run]) for name in ("loop_start", "loop_end")]
+            if np.isfinite(ends).all():
+                inside &= (time >= ends[0]) & (time <= ends[1])
+            else:
+                look: drawing.Look = {"fontsize": drawing.SMALL - 0.5, "color": drawing.GREY}
+                why = "no closed loop: all of it"
+                ax.text(0.01, 0.985, why, transform=ax.transAxes, va="top", **look)
+            bilinear = self._data.attrs.get(f"bilinear:{self._data['bearing'].values[run]}", 0)
+            x = self._data["bearing_displacement"].values[run][inside].astype(float)
+            for name, label, colour in (WHOLE, *(BILINEAR if bilinear else SHARES)):
+                y = self._data[name].values[run][inside].astype(float)
+                if not y.any():  # the bearing has no such branch
+                    continue
+                kept = drawing.thin_loops(x, y, max(np.ptp(x), 1e-12), max(np.ptp(y), 1e-12))
+                width = 2.4 if name == WHOLE[0] else 1.0
+                ax.plot(x[kept], y[kept], color=colour, linewidth=width, linestyle=self._line(run))
+                used[label] = colour
+
+        what, labels = "shares of the force in the largest loop", (DISPLACEMENT, FORCE)
+        figure = self._by_bearing(what, PANEL, labels, _draw, zero=True)
+        known = [label for _, label, _ in (WHOLE, *SHARES, *BILINEAR) if label in used]
+        self._legend(figure, [Line2D([], [], color=used[label], label=label) for label in known])
+        return figure
+
+    def parts(self) -> Figure:
+        """Return peaks of lines (strain, force) and piers (displacement, ductility).
+
+        The bearings that are compared stand side by side at each part, with other markers; each
+        has its motions from the left.
+        """
+        tables = {"line": self._result.lines, "pier": self._result.piers}
+        shown = [item for item in PART_PANELS if tables[item[0]][item[1]].notna().any()]
+        names = {part: list(dict.fromkeys(table[part])) for part, table in tables.items()}
+        motions, rows = self._motions, (len(shown) + 1) // 2
+        wide = max(len(parts) for parts in names.values())
+        size = (max(3.6, 1.0 + 0.8 * wide) * 2, 2.7 * rows + 0.9)
+        few = 1 < len(motions) < 5
+        order = f" (motions from the left: {', '.join(motions)})" if few else ""
+        title = self._title(f"bearing lines and piers{order}")
+        figure, axes = drawing.panels(rows, 2, size, title)
+        markers = {
+            name: drawing.MARKERS[k % len(drawing.MARKERS)] for k, name in enumerate(self._bearings)
+        }
+        offsets = np.linspace(-0.5, 0.5, len(motions) * len(markers) + 2)[1:-1] * PART_SPREAD
+        for spare in axes[len(shown) :]:
+            spare.set_visible(False)
+        none: drawing.Look = {"linestyle": "none"}
+        for ax, (part, column, label) in zip(axes, shown, strict=False):
+            for row in tables[part].to_dict("records"):
+                place = self._bearings.index(row["bearing"]) * len(motions)
+                at = names[part].index(row[part]) + offsets[place + motions.index(row["motion"])]
+                look = none | {"color": self._colours[row["ambient_degC"]], "markersize": 3.5}
+                y = quantity(column).shown(row[column])
+                ax.plot([at], [y], marker=markers[row["bearing"]], **look)
+            ticks: drawing.Look = {"rotation": 30, "ha": "right", "rotation_mode": "anchor"}
+            ax.set_xticks(range(len(names[part])), names[part], **ticks)
+            ax.set_xlim(-0.6, len(names[part]) - 0.4)
+            ax.set_ylim(bottom=0.0)
+            ax.grid(False, axis="x")
+            drawing.name_axes(ax, "", label)
+        handles = [
+            Line2D([], [], color=c, marker="o", label=drawing.degrees(t), **none)
+            for t, c in self._colours.items()
+        ]
+        for name, marker in markers.items() if len(markers) > 1 else ():
+            handles.append(Line2D([], [], color=drawing.GREY, marker=marker, label=name, **none))
+        drawing.legend_below(figure, handles)
+        return figure
+
+    def peaks(self) -> Figure:
+        """Return peaks of every run, as Fig. 6.11, 6.14 to 6.16, 6.18, 6.20, 6.24 and 6.26.
+
+        Rows are quantities, columns bearings; in a panel ambient temperatures, marks of motions.
+        Lines are means over the motions; a pseudo-dynamic test has empty marks and dashed means.
+        """
+        table, ambients = self._table.assign(mode=self._result.modes), self._ambients
+        shown = [quantity(name, head=head) for name, head in SHOWN.items()]
+        shown = [item for item in shown if np.isfinite(table[item.name]).any()]
+        columns = len(self._bearings)
+        wide = max(1.9, 0.5 * len(ambients) + 0.9)
+        size = (max(wide * columns, 4.0) + 0.8, 1.55 * len(shown) + 1.2)
+        of_all = " (largest of all lines and piers)" if self._result.has_parts else ""
+        figure, axes = drawing.panels(len(shown), columns, size, self._title(f"peaks{of_all}"))
+        names = [drawing.degrees(value).removesuffix(" °C") for value in ambients]
+        for panel, ax in enumerate(axes):
+            item, last = shown[panel // columns], panel // columns == len(shown) - 1
+            mine = table[table["bearing"] == self._bearings[panel % columns]]
+            for place, ambient in enumerate(ambients):
+                rows = mine[mine["ambient_degC"] == ambient]
+                self._dots(ax, place, rows.assign(value=item.shown(rows[item.name])))
+            top = item.shown(float(np.nanmax(table[item.name])))
+            ax.set_ylim(0.0, 1.2 * top or 1.0)  # a deck on the ground has no pier that moves
+            if item.name == "bearing_strain_max":
+                end = self._result.tested_to(list(mine.index), "strain")
+                drawing.mark_tested(ax, item.shown(end), "tested to here")
+            if item.name == "pier_ductility" and ax.get_ylim()[1] > 1.0:
+                drawing.mark_tested(ax, 1.0, "yields")
+            label = item.title if panel % columns == 0 else ""
+            drawing.name_axes(ax, "ambient [°C]" if last else "", label)
+            ax.yaxis.label.set_fontsize(drawing.SMALL)
+            ax.set_xticks(range(len(names)), names if last else [""] * len(names))
+            ax.set_xlim(-0.6, len(names) - 0.4)
+            ax.grid(False, axis="x")
+        drawing.head_grid(axes, self._bearings, [])
+        figure.align_ylabels()
+        look: drawing.Look = {"color": drawing.GREY}
+        motions = self._motions if len(self._motions) <= len(drawing.MARKERS) else []
+        handles = [
+            Line2D([], [], marker=drawing.MARKERS[k], linestyle="none", label=motion, **look)
+            for k, motion in enumerate(motions)
+        ]
+        for mode in self._run_modes if len(self._run_modes) > 1 else [""]:
+            label = f"mean, {MODES[mode]}" if mode else "mean"
+            handles.append(Line2D([], [], label=label, linestyle=LINES[mode], **look))
+        drawing.legend_below(figure, handles)
+        return figure
+
+    def _dots(self, ax: Axes, place: int, rows: pd.DataFrame) -> None:
+        """Draw marks of one temperature side by side by motion, and their mean for each mode."""
+        offsets = np.linspace(-0.5, 0.5, len(self._motions) + 2)[1:-1] * SPREAD
+        colour = self._colours[self._ambients[place]]
+        for mode, same in rows.groupby("mode", sort=False):
+            slow = mode == "pd"
+            for row in same.to_dict("records"):
+                number = self._motions.index(row["motion"])
+                look: drawing.Look = {"markerfacecolor": "none" if slow else colour}
+                look |= {"marker": drawing.MARKERS[number % len(drawing.MARKERS)]}
+                at = [place + offsets[number]], [row["value"]]
+                ax.plot(*at, color=colour, markersize=4.5, linestyle="none", **look)
+            line: drawing.Look = {"linewidth": 1.2, "linestyle": "--" if slow else "-"}
+            ends = [place - MEAN, place + MEAN]
+            ax.plot(ends, [float(same["value"].mean())] * 2, color=colour, zorder=1.5, **line)
+
+    def profiles(self, times: Sequence[float] | None = None) -> Figure:
+        """Return temperatures through the height, as Fig. 4.14 and 5.17.
+
+        A row for each bearing that has heat, a column for each temperature; the first motion.
+
+        Parameters
+        ----------
+        times : sequence of float, optional
+            Since the start of the motion [s], at most 8; quarters of it by default.
+
+        Raises
+        ------
+        InputError
+            The analysis did not keep cells, or a time is not in it.
+        """
+        data, table = self._data, self._table
+        if "temperature" not in data:
+            told = 'the result holds no cells; run with keep = ["rubber", "cells"]'
+            raise InputError(f"profiles: {told}")
+        chosen = table[np.isfinite(data["depth"].values).any(axis=1)]
+        shown = []  # the first motion, the first mode
+        for label in ("motion", "mode"):
+            if label in chosen:
+                shown.append(str(chosen[label].iloc[0]))
+                chosen = chosen[chosen[label] == shown[-1]]
+        moments = _moments(data["time"].values[chosen.index.to_numpy()], times)
+        bearings = list(dict.fromkeys(chosen["bearing"]))
+        chosen = chosen.sort_values("ambient_degC", kind="stable")
+        drawn = [
+            _profile_panel(data, int(run), f"{bearing}, " if len(bearings) > 1 else "", moments)
+            for bearing in bearings
+            for run in chosen.index[chosen["bearing"] == bearing]
+        ]
+        columns = chosen["ambient_degC"].nunique()
+        size = (max(5.5, 1.9 + 2.6 * columns), 0.9 + 4.0 * len(bearings))
+        whole = str(data.attrs["structure"]) + (f", {bearings[0]}" if len(bearings) == 1 else "")
+        title, names = f"{whole}: temperature through the height, {', '.join(shown)}", moments
+        return draw_profile_panels(title, size, columns, drawn, [f"{one:g} s" for one in names])
+
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws each figure that the analysis holds data for, by name of its file."""
+
+        def _holds(name: str) -> bool:
+            return name in self._data and bool(np.isfinite(self._data[name].values).any())
+
+        compared = self._result.compared
+        always = (self.loops, self.strain, self.energy, self.pier, self.pier_acceleration)
+        found: dict[str, Callable[[], Figure]] = {
+            draw.__name__: draw for draw in (*always, self.deck, self.peaks)
+        }
+        sometimes = (
+            (self.parts, self._result.has_parts),
+            (self.largest_loops, _holds("loop_start")),
+            (self.modes, {"rt", "pd"} <= set(self._run_modes)),
+            (self.hinge, _holds("pier_rotation")),
+            (self.temperature, _holds("rubber_temperature")),
+            (self.profiles, _holds("depth")),
+            (self.shares, _holds("lead_temperature")),
+            (self.speed, self._data.attrs["command"] == "hybrid"),
+        )
+        found |= {draw.__name__: draw for draw, holds in sometimes if holds}
+        if compared:
+            found["comparison"] = partial(comparison_figure, compared)
+            found["comparison_loops"] = partial(comparison_loops, compared)
+        return found
+
+
+def _grid(
     title: str,
     size: tuple[float, float],
     rows: Sequence[Any],
@@ -127,187 +689,92 @@ def grid(
     return figure, [(ax, rows[k // count], columns[k % count]) for k, ax in enumerate(axes)]
 
 
-def bearing_grid(
-    panels: RunPanels,
-    what: str,
-    size: tuple[float, float],
-    labels: tuple[str, str],
-    draw: Callable[[Axes, int], None],
-    *,
-    share: bool = True,
-    zero: bool = False,
-) -> Figure:
-    """Return the runs of the first motion: rows are bearings, columns ambient temperatures."""
-    motion = panels._motions[0]
-    heads = [f"ambient {drawing.degrees(value)}" for value in panels._ambients]
-    figure, cells = grid(
-        panels._title(f"{what}, {motion}"), size, panels._bearings, panels._ambients, labels,
-        heads=heads, sides=panels._bearings, share=share, zero=zero,
-    )  # fmt: skip
-    for ax, bearing, ambient in cells:
-        for run in panels._runs_of(bearing=bearing, ambient_degC=ambient, motion=motion):
-            draw(ax, run)
-    return figure
+def part_names(dataset: xr.Dataset) -> str:
+    """Return which line and pier tables and histories show; empty where there is one of each."""
+    if "line" not in dataset.coords:
+        return ""
+    names = {part: str(dataset.attrs[part]) for part in ("line", "pier")}
+    told = [n if n.lower().startswith(part) else f"{part} {n}" for part, n in names.items()]
+    return ", ".join(told)
 
 
-PART_PANELS = (  # part, column, label
-    ("line", "strain_max", "bearing strain [%]"),
-    ("line", "total_force_max_kN", "force of the line [kN]"),
-    ("pier", "displacement_max_mm", "pier displacement [mm]"),
-    ("pier", "ductility", "pier ductility"),
-)
-PART_SPREAD = 0.9  # of the room of a part that its dots take
+def select_part(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
+    """Return the dataset whose peaks, and histories where it has them, are those of one part.
 
-
-def draw_parts(panels: RunPanels) -> Figure:
-    """Return peaks of lines (strain, force) and piers (displacement, ductility).
-
-    The bearings that are compared stand side by side at each part, with other markers; each has
-    its motions from the left.
+    `part` is "pier" or "line"; `name` None stands for the one whose histories the dataset holds.
+    InputError: no part has that name; the nearest is named.
     """
-    tables = {"line": panels._result.lines, "pier": panels._result.piers}
-    shown = [item for item in PART_PANELS if tables[item[0]][item[1]].notna().any()]
-    names = {part: list(dict.fromkeys(table[part])) for part, table in tables.items()}
-    motions, rows = panels._motions, (len(shown) + 1) // 2
-    wide = max(len(parts) for parts in names.values())
-    size = (max(3.6, 1.0 + 0.8 * wide) * 2, 2.7 * rows + 0.9)
-    few = 1 < len(motions) < 5
-    order = f" (motions from the left: {', '.join(motions)})" if few else ""
-    title = panels._title(f"bearing lines and piers{order}")
-    figure, axes = drawing.panels(rows, 2, size, title)
-    markers = {
-        name: drawing.MARKERS[k % len(drawing.MARKERS)] for k, name in enumerate(panels._bearings)
-    }
-    offsets = np.linspace(-0.5, 0.5, len(motions) * len(markers) + 2)[1:-1] * PART_SPREAD
-    for spare in axes[len(shown) :]:
-        spare.set_visible(False)
-    for ax, (part, column, label) in zip(axes, shown, strict=False):
-        for row in tables[part].to_dict("records"):
-            place = panels._bearings.index(row["bearing"]) * len(motions)
-            at = names[part].index(row[part]) + offsets[place + motions.index(row["motion"])]
-            look: drawing.Look = {"color": panels._colours[row["ambient_degC"]], "markersize": 3.5}
-            look |= {"marker": markers[row["bearing"]], "linestyle": "none"}
-            ax.plot([at], [quantity(column).shown(row[column])], **look)
-        ticks: drawing.Look = {"rotation": 30, "ha": "right", "rotation_mode": "anchor"}
-        ax.set_xticks(range(len(names[part])), names[part], **ticks)
-        ax.set_xlim(-0.6, len(names[part]) - 0.4)
-        ax.set_ylim(bottom=0.0)
-        ax.grid(False, axis="x")
-        drawing.name_axes(ax, "", label)
-    handles = [
-        Line2D([], [], color=c, marker="o", linestyle="none", label=drawing.degrees(t))
-        for t, c in panels._colours.items()
-    ]
-    for name, marker in markers.items() if len(markers) > 1 else ():
-        look = {"color": drawing.GREY, "marker": marker, "linestyle": "none"}
-        handles.append(Line2D([], [], label=name, **look))
-    drawing.legend_below(figure, handles)
-    return figure
+    several = "line" in dataset.coords
+    name = dataset.attrs.get(part) if name is None else name
+    if name is None or (name == dataset.attrs.get(part) and not several):
+        return dataset
+    dimension = "line" if part == "line" else "pier_part"
+    names = [str(one) for one in dataset[dimension].values] if several else []
+    known = names or [str(dataset.attrs.get(part, ""))]
+    if name not in names:
+        raise InputError(f'{part} = "{name}": no {part} has that name{nearest(str(name), known)}')
+    own = dataset.sel({dimension: name}, drop=True)
+    if part == "pier":
+        histories = ("displacement", "rotation", "moment")
+        changed = {f"pier_{one}": own[f"pier_part_{one}"] for one in histories}
+        changed |= {key: own[of] for key, of in GOVERNING.items() if key.startswith("pier_")}
+    else:
+        way = own["line_displacement_max"]
+        per_mm = own["line_strain_max"] / way.where(way > 0.0)
+        changed = {
+            "bearing_strain": own["line_displacement"] * per_mm,
+            "bearing_strain_max": own["line_strain_max"],
+        }
+    kept = {key: value.variable for key, value in changed.items()}
+    return dataset.assign(kept).assign_attrs({part: name})
 
 
-SHOWN = {  # columns of the table of runs: label
-    "bearing_strain_max": "bearing strain",
-    "bearing_force_max_kN": "bearing force",
-    "bearing_energy_kN_mm": "bearing energy",
-    "pier_displacement_max_mm": "pier displacement",
-    "pier_ductility": "pier ductility",
-    "deck_acceleration_max_m_s2": "deck acceleration",
-}
-SPREAD = 0.5  # of the room of a temperature that its dots take
-MEAN = 0.36  # half the length of the line at a mean
+def _strong_part(data: xr.Dataset, runs: Sequence[int], name: str = "") -> tuple[float, float]:
+    """Return start and end [s] of what is shown of some runs of one motion.
 
-
-def draw_peaks(panels: RunPanels) -> Figure:
-    """Return peaks: rows are quantities, columns bearings; ambient temperatures, marks of motions.
-
-    The lines are means over the motions; a pseudo-dynamic test has empty marks and dashed means.
+    From 5 to 95 % of the Arias intensity and a fifth more on both sides, with the largest value
+    of the history `name`; the whole time without an acceleration of the ground.
     """
-    table, ambients = panels._table.assign(mode=panels._result.modes), panels._ambients
-    shown = [quantity(name, head=head) for name, head in SHOWN.items()]
-    shown = [item for item in shown if np.isfinite(table[item.name]).any()]
-    columns = len(panels._bearings)
-    wide = max(1.9, 0.5 * len(ambients) + 0.9)
-    size = (max(wide * columns, 4.0) + 0.8, 1.55 * len(shown) + 1.2)
-    of_all = " (largest of all lines and piers)" if panels._result.has_parts else ""
-    figure, axes = drawing.panels(len(shown), columns, size, panels._title(f"peaks{of_all}"))
-    names = [drawing.degrees(value).removesuffix(" °C") for value in ambients]
-    for panel, ax in enumerate(axes):
-        item, last = shown[panel // columns], panel // columns == len(shown) - 1
-        mine = table[table["bearing"] == panels._bearings[panel % columns]]
-        for place, (ambient, colour) in enumerate(panels._colours.items()):
-            rows = mine[mine["ambient_degC"] == ambient]
-            _dots(ax, place, rows.assign(value=item.shown(rows[item.name])), panels, colour)
-        top = item.shown(float(np.nanmax(table[item.name])))
-        ax.set_ylim(0.0, 1.2 * top or 1.0)  # a deck on the ground has no pier that moves
-        if item.name == "bearing_strain_max":
-            end = panels._result.tested_to(list(mine.index), "strain")
-            drawing.mark_tested(ax, item.shown(end), "tested to here")
-        if item.name == "pier_ductility" and ax.get_ylim()[1] > 1.0:
-            drawing.mark_tested(ax, 1.0, "yields")
-        label = item.title if panel % columns == 0 else ""
-        drawing.name_axes(ax, "ambient [°C]" if last else "", label)
-        ax.yaxis.label.set_fontsize(drawing.SMALL)
-        ax.set_xticks(range(len(names)), names if last else [""] * len(names))
-        ax.set_xlim(-0.6, len(names) - 0.4)
-        ax.grid(False, axis="x")
-    drawing.head_grid(axes, panels._bearings, [])
-    figure.align_ylabels()
-    look: drawing.Look = {"color": drawing.GREY}
-    motions = panels._motions if len(panels._motions) <= len(drawing.MARKERS) else []
-    handles = [
-        Line2D([], [], marker=drawing.MARKERS[k], linestyle="none", label=motion, **look)
-        for k, motion in enumerate(motions)
-    ]
-    for mode in panels._run_modes if len(panels._run_modes) > 1 else [""]:
-        label = f"mean, {MODES[mode]}" if mode else "mean"
-        handles.append(Line2D([], [], label=label, linestyle=LINES[mode], **look))
-    drawing.legend_below(figure, handles)
-    return figure
+    starts, ends, lasts = [], [], []
+    for run in runs:
+        time = data["time"].values[run].astype(float)
+        kept = np.isfinite(time)
+        time, ground = time[kept], data["ground_acceleration"].values[run][kept].astype(float)
+        if not len(time):
+            continue
+        growth = np.cumsum(ground**2)
+        first, last = time[0], time[-1]
+        if growth[-1] > 0.0:
+            first, last = time[np.searchsorted(growth, [FIRST * growth[-1], LAST * growth[-1]])]
+        room = MARGIN * (last - first)
+        values = data[name].values[run][kept] if name else ground[:0]
+        known = bool(name) and np.isfinite(values).all()
+        at = [time[int(np.abs(values).argmax())]] if known else []
+        starts += [place - room for place in [first, *at]]
+        ends += [place + room for place in [last, *at]]
+        lasts.append(time[-1])
+    if not lasts:
+        return 0.0, 1.0
+    return max(0.0, min(starts)), min(max(lasts), max(ends))
 
 
-def _dots(ax: Axes, place: int, rows: pd.DataFrame, panels: RunPanels, colour: str) -> None:
-    """Draw marks of one temperature side by side by motion, and their mean for each mode."""
-    offsets = np.linspace(-0.5, 0.5, len(panels._motions) + 2)[1:-1] * SPREAD
-    for mode, same in rows.groupby("mode", sort=False):
-        slow = mode == "pd"
-        for row in same.to_dict("records"):
-            number = panels._motions.index(row["motion"])
-            look: drawing.Look = {"markerfacecolor": "none" if slow else colour}
-            look |= {"marker": drawing.MARKERS[number % len(drawing.MARKERS)]}
-            at = [place + offsets[number]], [row["value"]]
-            ax.plot(*at, color=colour, markersize=4.5, linestyle="none", **look)
-        line: drawing.Look = {"linewidth": 1.2, "linestyle": "--" if slow else "-"}
-        ends = [place - MEAN, place + MEAN]
-        ax.plot(ends, [float(same["value"].mean())] * 2, color=colour, zorder=1.5, **line)
+def _yield_point(data: xr.Dataset, run: int) -> tuple[float, float] | None:
+    """Return rotation [rad] and moment [kN m] at which the hinge yields; None without one.
 
-
-QUARTERS = 4
-
-
-def draw_profiles(panels: RunPanels, times: Sequence[float] | None) -> Figure:
-    """Return profiles: a row for each bearing that has heat, a column for each temperature."""
-    data, table = panels._data, panels._table
-    if "temperature" not in data:
-        raise InputError('profiles: the result holds no cells; run with keep = ["rubber", "cells"]')
-    chosen = table[np.isfinite(data["depth"].values).any(axis=1)]
-    shown = []  # the first motion, the first mode
-    for label in ("motion", "mode"):
-        if label in chosen:
-            shown.append(str(chosen[label].iloc[0]))
-            chosen = chosen[chosen[label] == shown[-1]]
-    moments = _moments(data["time"].values[chosen.index.to_numpy()], times)
-    bearings = list(dict.fromkeys(chosen["bearing"]))
-    chosen = chosen.sort_values("ambient_degC", kind="stable")
-    drawn = [
-        _profile_panel(data, int(run), f"{bearing}, " if len(bearings) > 1 else "", moments)
-        for bearing in bearings
-        for run in chosen.index[chosen["bearing"] == bearing]
-    ]
-    columns = chosen["ambient_degC"].nunique()
-    size = (max(5.5, 1.9 + 2.6 * columns), 0.9 + 4.0 * len(bearings))
-    whole = str(data.attrs["structure"]) + (f", {bearings[0]}" if len(bearings) == 1 else "")
-    title = f"{whole}: temperature through the height, {', '.join(shown)}"
-    return draw_profile_panels(title, size, columns, drawn, [f"{moment:g} s" for moment in moments])
+    The moment is that of the elastic branch, on which the hinge is up to its first yielding.
+    """
+    ductility = float(data["pier_ductility"][run])
+    if not np.isfinite(ductility) or ductility <= 0.0:
+        return None
+    rotation = float(data["pier_rotation_max"][run]) / ductility
+    path = data["pier_rotation"].values[run].astype(float)
+    path = path[np.isfinite(path)]
+    beyond = np.abs(path) > rotation
+    elastic = slice(0, int(beyond.argmax()) if beyond.any() else len(path))
+    place = int(np.abs(path[elastic]).argmax()) if len(path[elastic]) else 0
+    if not path[place]:
+        return None
+    return rotation, rotation * float(data["pier_moment"][run, place]) / path[place]
 
 
 def _moments(time: Floats, times: Sequence[float] | None) -> list[float]:
@@ -401,7 +868,7 @@ def _compare(
     share: bool = True,
 ) -> Figure:
     """Return a row for each bearing, a column for each temperature; `draw` draws each model."""
-    panels = RunPanels(results[REFERENCE])
+    panels = EarthquakeFigures(results[REFERENCE])
     runs: dict[str, dict[tuple[Hashable, ...], int]] = {n: run_keys(results[n]) for n in looks}
     keys = list(run_keys(results[REFERENCE]))
     modes = panels._result.modes
@@ -412,520 +879,6 @@ def _compare(
                 draw(ax, name, runs[name][keys[run]])
 
     what = f"{what}, {modes[0]}" if modes[0] else what
-    figure = bearing_grid(panels, what, COMPARISON_SIZE, labels, _draw_models, share=share)
+    figure = panels._by_bearing(what, COMPARISON_SIZE, labels, _draw_models, share=share)
     drawing.legend_below(figure, [Line2D([], [], label=k, **look) for k, look in looks.items()])
     return figure
-
-
-MODE_LOOKS: dict[str, drawing.Look] = {
-    "rt": {"color": "#CC3311"},
-    "pd": {"color": "#0077BB", "linestyle": "--"},
-}
-PANEL, LOOP_PANEL, SPEED_PANEL = (2.9, 2.4), (3.0, 2.7), (4.2, 2.3)  # width, height [inch]
-KJ, MN_M = 1e-3, 1e-3
-WIDER = 0.8  # of its width: each line that lies below another
-NOTE_ROOM = 0.12  # of the height of a panel, for the values that are printed in it
-FIRST, LAST = 0.05, 0.95  # of the Arias intensity
-MARGIN = 0.2  # of the strong part, on both sides: the answer of the structure comes later
-THIN, THICK = 0.6, 1.7  # lines of the outer and of the innermost layer
-WHOLE = ("bearing_force", "whole force", "#b5b5b5")
-SHARES = (
-    ("rubber_force", "rubber", "#0072B2"),
-    ("lead_force", "lead cores", "#000000"),
-    ("viscous_force", "rate-dependent branch", "#D55E00"),
-)
-# The two terms of a bilinear model are no parts of the bearing: an HDR bearing has no lead.
-BILINEAR = (
-    ("rubber_force", "bilinear: elastic part", "#56B4E9"),
-    ("lead_force", "bilinear: yielding part", "#CC79A7"),
-)
-DASHED: drawing.Look = {
-    "color": drawing.GREY,
-    "linestyle": "--",
-    "label": "pseudo-dynamic (dashed)",
-}
-Draw = Callable[[Axes, int, str], None]
-
-
-def part_names(dataset: xr.Dataset) -> str:
-    """Return which line and pier tables and histories show; empty where there is one of each."""
-    if "line" not in dataset.coords:
-        return ""
-    names = {part: str(dataset.attrs[part]) for part in ("line", "pier")}
-    told = [n if n.lower().startswith(part) else f"{part} {n}" for part, n in names.items()]
-    return ", ".join(told)
-
-
-def select_part(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
-    """Return the dataset whose peaks, and histories where it has them, are those of one part.
-
-    `part` is "pier" or "line"; `name` None stands for the one whose histories the dataset holds.
-    InputError: no part has that name; the nearest is named.
-    """
-    several = "line" in dataset.coords
-    name = dataset.attrs.get(part) if name is None else name
-    if name is None or (name == dataset.attrs.get(part) and not several):
-        return dataset
-    dimension = "line" if part == "line" else "pier_part"
-    names = [str(one) for one in dataset[dimension].values] if several else []
-    known = names or [str(dataset.attrs.get(part, ""))]
-    if name not in names:
-        raise InputError(f'{part} = "{name}": no {part} has that name{nearest(str(name), known)}')
-    own = dataset.sel({dimension: name}, drop=True)
-    if part == "pier":
-        histories = ("displacement", "rotation", "moment")
-        changed = {f"pier_{one}": own[f"pier_part_{one}"] for one in histories}
-        changed |= {key: own[of] for key, of in GOVERNING.items() if key.startswith("pier_")}
-    else:
-        way = own["line_displacement_max"]
-        per_mm = own["line_strain_max"] / way.where(way > 0.0)
-        changed = {
-            "bearing_strain": own["line_displacement"] * per_mm,
-            "bearing_strain_max": own["line_strain_max"],
-        }
-    kept = {key: value.variable for key, value in changed.items()}
-    return dataset.assign(kept).assign_attrs({part: name})
-
-
-def _strong_part(data: xr.Dataset, runs: Sequence[int], name: str = "") -> tuple[float, float]:
-    """Return start and end [s] of what is shown of some runs of one motion.
-
-    From 5 to 95 % of the Arias intensity and a fifth more on both sides, with the largest value
-    of the history `name`; the whole time without an acceleration of the ground.
-    """
-    starts, ends, lasts = [], [], []
-    for run in runs:
-        time = data["time"].values[run].astype(float)
-        kept = np.isfinite(time)
-        time, ground = time[kept], data["ground_acceleration"].values[run][kept].astype(float)
-        if not len(time):
-            continue
-        growth = np.cumsum(ground**2)
-        first, last = time[0], time[-1]
-        if growth[-1] > 0.0:
-            first, last = time[np.searchsorted(growth, [FIRST * growth[-1], LAST * growth[-1]])]
-        room = MARGIN * (last - first)
-        peak = _peak_place(data[name].values[run][kept]) if name else None
-        at = [] if peak is None else [time[peak]]
-        starts += [place - room for place in [first, *at]]
-        ends += [place + room for place in [last, *at]]
-        lasts.append(time[-1])
-    if not lasts:
-        return 0.0, 1.0
-    return max(0.0, min(starts)), min(max(lasts), max(ends))
-
-
-def _peak_place(values: Floats) -> int | None:
-    return int(np.abs(values).argmax()) if np.isfinite(values).all() else None
-
-
-def _yield_point(data: xr.Dataset, run: int) -> tuple[float, float] | None:
-    """Return rotation [rad] and moment [kN m] at which the hinge yields; None without one.
-
-    The moment is that of the elastic branch, on which the hinge is up to its first yielding.
-    """
-    ductility = float(data["pier_ductility"][run])
-    if not np.isfinite(ductility) or ductility <= 0.0:
-        return None
-    rotation = float(data["pier_rotation_max"][run]) / ductility
-    path = data["pier_rotation"].values[run].astype(float)
-    path = path[np.isfinite(path)]
-    beyond = np.abs(path) > rotation
-    elastic = slice(0, int(beyond.argmax()) if beyond.any() else len(path))
-    place = int(np.abs(path[elastic]).argmax()) if len(path[elastic]) else 0
-    if not path[place]:
-        return None
-    return rotation, rotation * float(data["pier_moment"][run, place]) / path[place]
-
-
-class EarthquakeFigures(RunPanels):
-    """Figures of an analysis: `result.plot.loops()` and so on, each a matplotlib Figure."""
-
-    def _grid(
-        self,
-        what: str,
-        x: str,
-        y: str,
-        draw: Draw,
-        ax: Axes | None = None,
-        *,
-        strain: Literal["x", "y"] | None = None,
-        sizes: str = "",
-        notes: bool = False,
-    ) -> tuple[Figure, list[Cell]]:
-        """Return one panel per bearing and motion; `draw` is called for every run in it.
-
-        All runs go into `ax`, and there are no panels, where somebody gives one. `strain` is the
-        axis that shows the strain [%]: beyond the tested range it is shaded. `sizes` names the
-        variable whose largest run is drawn first, below the others; `notes` leaves room for values.
-        """
-        if ax is not None:
-            for run in self._table.index:
-                draw(ax, int(run), self._colour(run))
-            drawing.name_axes(ax, x, y)
-            return drawing.parent_figure(ax), []
-        about = part_names(self._data)
-        title = self._title(what, motions=True) + (f" ({about})" if about else "")
-        motions = self._motions[:MOST_COLUMNS]
-        figure, cells = grid(
-            title, PANEL, self._bearings, motions, (x, y), heads=motions, sides=self._bearings,
-            share="col",
-        )  # fmt: skip
-        untested = []
-        for panel, bearing, motion in cells:
-            chosen = self._table[self._table["bearing"] == bearing]
-            runs = [int(run) for run in chosen.index[chosen["motion"] == motion]]
-            if sizes in self._data:  # the largest first, so that none hides a smaller one
-                size = np.nan_to_num(self._data[sizes].values)
-                runs = sorted(runs, key=lambda run: -float(size[run]))
-            for run in runs:
-                draw(panel, run, self._colour(run))
-            for place, line in enumerate(panel.get_lines()):  # equal ones remain visible
-                line.set_linewidth(line.get_linewidth() * (1.0 + WIDER * (len(runs) - 1 - place)))
-            untested.append(100.0 * self._result.tested_to(runs, "strain"))
-            same = bool(self._data.attrs.get(f"bilinear:{bearing}", 0)) and len(runs) > 1
-            if same and motion == motions[0]:
-                drawing.say_why(panel, "bilinear: the same\nat all temperatures")
-        axes = [panel for panel, _, _ in cells]
-        for panel in axes[: len(motions)] if notes else []:
-            low, high = panel.get_ylim()
-            panel.set_ylim(low, high + NOTE_ROOM * (high - low))
-        if strain is not None:
-            drawing.shade_untested(axes, [(-end, end) for end in untested], strain)
-        drawing.legend_below(figure, self._handles() + self._mode_handles())
-        return figure, cells
-
-    def _history(
-        self,
-        name: str,
-        what: str,
-        y: str,
-        ax: Axes | None,
-        factor: float = 1.0,
-        strain: Literal["y"] | None = None,
-    ) -> Figure:
-        """Return a history in the strong part of each motion, its peaks marked and printed."""
-        draw, peaks, title = self._time(name, factor), f"{name}_max", f"{what}, strong part"
-        look: drawing.Look = {"strain": strain, "sizes": peaks, "notes": True}
-        figure, cells = self._grid(f"{title} of the motion", "time [s]", y, draw, ax, **look)
-        for panel, bearing, motion in cells:
-            runs = self._runs_of(bearing=bearing, motion=motion)
-            panel.set_xlim(*_strong_part(self._data, self._runs_of(motion=motion), name))
-            for run in runs:
-                values = factor * self._values(name, run)
-                place = _peak_place(values)
-                if place is None:
-                    continue
-                mark: drawing.Look = {"color": self._colour(run), "markeredgecolor": "white"}
-                at = [self._values("time", run)[place]], [values[place]]
-                panel.plot(*at, "o", markersize=4.0, zorder=4, **mark)
-            self._note(panel, "peak", runs, [factor * float(self._data[peaks][r]) for r in runs])
-        return figure
-
-    def _plane(self, x: str, y: str, factor: float = 1.0, other: float = 1.0) -> Draw:
-        """Return what draws a path in the plane of two histories."""
-
-        def _draw(ax: Axes, run: int, colour: str) -> None:
-            a, b = factor * self._values(x, run), other * self._values(y, run)
-            width, height = max(np.ptp(a), 1e-12), max(np.ptp(b), 1e-12)
-            kept = drawing.thin_loops(a, b, width, height)
-            ax.plot(a[kept], b[kept], color=colour, linewidth=0.8, linestyle=self._line(run))
-
-        return _draw
-
-    def _time(self, name: str, factor: float = 1.0) -> Draw:
-        """Return what draws a history."""
-
-        def _draw(ax: Axes, run: int, colour: str) -> None:
-            time, values = self._values("time", run), factor * self._values(name, run)
-            if np.isfinite(values).all():
-                kept = drawing.thin(values, TIME_BINS)
-                look: drawing.Look = {"linewidth": 0.7, "linestyle": self._line(run)}
-                ax.plot(time[kept], values[kept], color=colour, **look)
-
-        return _draw
-
-    def loops(self, ax: Axes | None = None, *, label: str = "", color: str | None = None) -> Figure:
-        """Return the force of one bearing against its strain, as Fig. 6.9 and 6.12.
-
-        Parameters
-        ----------
-        ax : Axes, optional
-            Draw all runs into this panel instead of one for each bearing and motion.
-        label, color : str, optional
-            Of what is drawn into it; the colours of the temperatures by default.
-        """
-        plain = self._plane("bearing_strain", "bearing_force", 100.0)
-
-        def _draw(panel: Axes, run: int, colour: str) -> None:
-            plain(panel, run, color or colour)
-            if label and run == 0:
-                panel.get_lines()[-1].set_label(label)
-
-        what, sizes = "hysteresis of one bearing", "bearing_strain_max"
-        return self._grid(what, STRAIN, FORCE, _draw, ax, strain="x", sizes=sizes)[0]
-
-    def largest_loops(self) -> Figure:
-        """Return the largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
-        loops, motions = self._result.largest_loops, self._motions[:MOST_COLUMNS]
-        colours = drawing.ordered_colours(len(self._bearings), "viridis")
-        looks = dict(zip(self._bearings, colours, strict=True))
-        title = self._title("largest loop of one bearing", motions=True)
-        sides = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
-        figure, cells = grid(
-            title, LOOP_PANEL, self._ambients, motions, (DISPLACEMENT, FORCE), heads=motions,
-            sides=sides, zero=True,
-        )  # fmt: skip
-        for ax, ambient, motion in cells:
-            for run in self._runs_of(ambient_degC=ambient, motion=motion):
-                loop, time = loops.loc[run], self._data["time"].values[run]
-                inside = (time >= loop["start_s"]) & (time <= loop["end_s"])  # none of no loop
-                x = self._data["bearing_displacement"].values[run, inside]
-                y = self._data["bearing_force"].values[run, inside]
-                look: drawing.Look = {"linestyle": self._line(run), "linewidth": 1.1}
-                ax.plot(x, y, color=looks[loop["bearing"]], **look)
-        handles = [Line2D([], [], color=colour, label=name) for name, colour in looks.items()]
-        dashed = [Line2D([], [], **DASHED)] if len(self._run_modes) > 1 else []
-        drawing.legend_below(figure, handles + dashed)
-        return figure
-
-    def parts(self) -> Figure:
-        """Return every bearing line and every pier side by side, where there are several."""
-        return draw_parts(self)
-
-    def modes(self) -> Figure:
-        """Return loops of the specimen in both modes, as Fig. 3.16 to 3.19."""
-
-        def _draw(ax: Axes, run: int) -> None:
-            strain = 100.0 * self._values("bearing_strain", run)
-            look = MODE_LOOKS[self._result.modes[run]]
-            ax.plot(strain, self._values("bearing_force", run), linewidth=0.9, **look)
-
-        what = "real time over pseudo-dynamic"
-        figure = bearing_grid(self, what, LOOP_PANEL, (STRAIN, FORCE), _draw)
-        handles = [Line2D([], [], label=MODES[k], **look) for k, look in MODE_LOOKS.items()]
-        drawing.legend_below(figure, handles)
-        return figure
-
-    def _of(self, part: str, name: str | None) -> "EarthquakeFigures":
-        """Return the same figures of another line or pier."""
-        view = copy.copy(self)
-        view._data = select_part(self._data, part, name)
-        return view
-
-    def strain(self, ax: Axes | None = None, *, line: str | None = None) -> Figure:
-        """Return shear strain in time, as Fig. 6.10 and 6.13; of the bearings of any `line`."""
-        what = "shear strain of the bearings"
-        return self._of("line", line)._history("bearing_strain", what, STRAIN, ax, 100.0, "y")
-
-    def pier(self, ax: Axes | None = None, *, pier: str | None = None) -> Figure:
-        """Return the displacement of a pier's top relative to its base, as Fig. 6.17 and 6.19."""
-        view, what = self._of("pier", pier), "pier top relative to its base"
-        return view._history("pier_displacement", what, DISPLACEMENT, ax)
-
-    def pier_acceleration(self, ax: Axes | None = None) -> Figure:
-        """Return the absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18."""
-        view, what = self._of("pier", None), "acceleration of the pier top"
-        return view._history("pier_top_acceleration", what, "acceleration [m/s2]", ax)
-
-    def hinge(self, ax: Axes | None = None) -> Figure:
-        """Return moment against rotation of the pier base, as Fig. 6.21 and 6.22."""
-        view = self._of("pier", None)
-        draw = view._plane("pier_rotation", "pier_moment", 1e3, MN_M)
-        x, y = "rotation [mrad]", "moment [MN m]"
-        what = "pier base (dashed: where it yields; numbers: ductility)"
-        figure, cells = view._grid(what, x, y, draw, ax, sizes="pier_rotation_max")
-        for panel, bearing, motion in cells:
-            runs = view._runs_of(bearing=bearing, motion=motion)
-            found = [_yield_point(view._data, run) for run in runs]
-            for point in [point for point in found if point is not None][:1]:
-                rotation, moment = 1e3 * point[0], MN_M * point[1]
-                look: drawing.Look = {"color": drawing.GREY, "linewidth": 0.8, "linestyle": "--"}
-                for sign in (-1.0, 1.0):
-                    panel.axhline(sign * moment, zorder=1.2, **look)
-                    panel.plot([sign * rotation], [sign * moment], "D", color=drawing.INK, ms=3.5)
-            ductility = [float(view._data["pier_ductility"][run]) for run in runs]
-            self._note(panel, "", runs, ductility)
-            if max(ductility) < 1.0:
-                drawing.say_why(panel, "stays elastic", (0.98, 0.12))
-        for panel, _, _ in cells:  # with room above the line where it yields
-            panel.relim()
-            low, high = panel.dataLim.intervaly
-            panel.set_ylim(1.08 * low, (1.08 + 2.0 * NOTE_ROOM) * high)
-        return figure
-
-    def deck(self, ax: Axes | None = None) -> Figure:
-        """Return the absolute acceleration of the deck, as Fig. 6.23 and 6.25."""
-        return self._history(
-            "deck_acceleration", "acceleration of the deck", "acceleration [m/s2]", ax
-        )
-
-    def energy(self, ax: Axes | None = None) -> Figure:
-        """Return the work done on one bearing in time, as Fig. 3.25."""
-        draw = self._time("bearing_energy", KJ)
-        return self._grid("energy taken by one bearing", "time [s]", "energy [kJ]", draw, ax)[0]
-
-    def temperature(self) -> Figure:
-        """Return the rise of the rubber layers and, below, of the lead, as Fig. 3.20 and 5.16."""
-        rows = []  # a bearing, and its rubber or lead; without heat there is no row
-        for bearing in self._bearings:
-            mine = self._data.isel(run=self._runs_of(bearing=bearing))
-            for name in ("rubber", "lead"):
-                if np.isfinite(mine[f"{name}_temperature"].values).any():
-                    rows.append((bearing, name))
-        motions = self._motions[:MOST_COLUMNS]
-        title = self._title("rise of the temperature in one bearing", motions=True)
-        figure, cells = grid(
-            title, (2.9, 2.1), rows, motions, ("time [s]", "rise [K]"), heads=motions,
-            sides=[f"{bearing}\n{name}" for bearing, name in rows], share=False,
-        )  # fmt: skip
-        highest = {"rubber": 0.0, "lead": 0.0}
-        for ax, (bearing, name), motion in cells:
-            self._rise(ax, name, self._runs_of(bearing=bearing, motion=motion))
-            ax.set_xlim(*_strong_part(self._data, self._runs_of(motion=motion)))
-            highest[name] = max(highest[name], ax.get_ylim()[1])
-        for ax, (_, name), _ in cells:  # one scale for all rubber and one for all lead
-            ax.set_ylim(-0.04 * highest[name], (1.0 + NOTE_ROOM) * highest[name])
-        half = bool(self._data.attrs.get("half_stack", 1))
-        names = ("outer layer", "innermost layer") if half else ("upper layer", "lower layer")
-        handles = self._handles() + [
-            Line2D([], [], color=drawing.GREY, linewidth=width, label=name)
-            for name, width in zip(names, (THIN, THICK), strict=True)
-        ]
-        dashed = [Line2D([], [], **DASHED)] if len(self._run_modes) > 1 else []
-        drawing.legend_below(figure, handles + dashed)
-        return figure
-
-    def _rise(self, ax: Axes, name: str, runs: list[int]) -> None:
-        """Draw layers from thin (outer) to thick (innermost), or the lead, and their maxima."""
-        hottest = []
-        for run in runs:
-            time, values = self._values("time", run), self._values(f"{name}_temperature", run)
-            values = values.reshape(len(time), -1)
-            values = values[:, np.isfinite(values).all(axis=0)]
-            rise, count = values - values[0], values.shape[1]
-            for j in range(count):
-                kept = drawing.thin(rise[:, j], TIME_BINS)
-                width = THIN + (THICK - THIN) * ((j + 1) / count if count > 1 else 0.5)
-                look: drawing.Look = {"linewidth": width, "linestyle": self._line(run)}
-                ax.plot(time[kept], rise[kept, j], color=self._colour(run), alpha=0.8, **look)
-            hottest.append(float(values.max()) if values.size else np.nan)
-            end = self._result.tested_to([run], "lead_temperature")
-            if name == "lead" and np.isfinite(end):
-                drawing.mark_tested(ax, end - float(values[0, 0]), "tested to here")
-        texts = [f"{value:.0f}" for value in hottest]
-        texts[-1] += " °C"
-        drawing.note_values(ax, "hottest", texts, [self._colour(run) for run in runs])
-
-    def speed(self) -> Figure:
-        """Return the loading speed of the bearing on its own clock, as Fig. 3.15.
-
-        Rows are bearings, columns modes: a slow test takes longer and has its own axes. The first
-        motion; the fastest run lies below, and the largest speeds are printed.
-        """
-        motion = self._motions[0]
-        labels = ("time in the laboratory [s]", "speed [mm/s]")
-        title = self._title(f"loading speed of the specimen, {motion}")
-        figure, cells = grid(
-            title, SPEED_PANEL, self._bearings, self._run_modes, labels, share="col"
-        )
-        clock = "bearing_clock" if "bearing_clock" in self._data else "time"
-        for ax, bearing, mode in cells:
-            runs = self._runs_of(bearing=bearing, motion=motion)
-            runs = [run for run in runs if self._result.modes[run] == mode]
-            largest = {run: np.abs(self._values("bearing_speed", run)).max() for run in runs}
-            for place, run in enumerate(sorted(runs, key=lambda run: -largest[run])):
-                speed = self._values("bearing_speed", run)
-                kept, width = drawing.thin(speed, TIME_BINS), 1.1 if place == 0 else 0.7
-                time = self._values(clock, run)[kept]
-                ax.plot(time, speed[kept], color=self._colour(run), linewidth=width)
-            ax.margins(y=0.14)
-            self._note(ax, "largest", runs, list(largest.values()))
-            name = ", ".join(part for part in (bearing, MODES[mode]) if part)
-            drawing.name_axes(ax, title=name)
-            ax.title.set_fontsize(drawing.SMALL)
-        drawing.legend_below(figure, self._handles())
-        return figure
-
-    def profiles(self, times: Sequence[float] | None = None) -> Figure:
-        """Return temperatures through the height, as Fig. 4.14 and 5.17.
-
-        Parameters
-        ----------
-        times : sequence of float, optional
-            Since the start of the motion [s], at most 8; quarters of it by default.
-
-        Raises
-        ------
-        InputError
-            The analysis did not keep cells, or a time is not in it.
-        """
-        return draw_profiles(self, times)
-
-    def shares(self) -> Figure:
-        """Return shares of the force in the largest loop of the first motion, as Fig. 5.15.
-
-        Without a closed loop the whole history is drawn, and the panel says so.
-        """
-        used: dict[str, str] = {}
-
-        def _draw(ax: Axes, run: int) -> None:
-            time = self._data["time"].values[run]
-            inside = np.isfinite(time)
-            ends = [float(self._data[name][run]) for name in ("loop_start", "loop_end")]
-            if np.isfinite(ends).all():
-                inside &= (time >= ends[0]) & (time <= ends[1])
-            else:
-                look: drawing.Look = {"fontsize": drawing.SMALL - 0.5, "color": drawing.GREY}
-                why = "no closed loop: all of it"
-                ax.text(0.01, 0.985, why, transform=ax.transAxes, va="top", **look)
-            bilinear = self._data.attrs.get(f"bilinear:{self._data['bearing'].values[run]}", 0)
-            x = self._data["bearing_displacement"].values[run][inside].astype(float)
-            for name, label, colour in (WHOLE, *(BILINEAR if bilinear else SHARES)):
-                y = self._data[name].values[run][inside].astype(float)
-                if not y.any():  # the bearing has no such branch
-                    continue
-                kept = drawing.thin_loops(x, y, max(np.ptp(x), 1e-12), max(np.ptp(y), 1e-12))
-                width = 2.4 if name == WHOLE[0] else 1.0
-                ax.plot(x[kept], y[kept], color=colour, linewidth=width, linestyle=self._line(run))
-                used[label] = colour
-
-        what, labels = "shares of the force in the largest loop", (DISPLACEMENT, FORCE)
-        figure = bearing_grid(self, what, PANEL, labels, _draw, zero=True)
-        known = [label for _, label, _ in (WHOLE, *SHARES, *BILINEAR) if label in used]
-        handles = [Line2D([], [], color=used[label], label=label) for label in known]
-        dashed = [Line2D([], [], **DASHED)] if len(self._run_modes) > 1 else []
-        drawing.legend_below(figure, handles + dashed)
-        return figure
-
-    def peaks(self) -> Figure:
-        """Return peaks of every run, as Fig. 6.11, 6.14 to 6.16, 6.18, 6.20, 6.24 and 6.26."""
-        return draw_peaks(self)
-
-    def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure that the analysis holds data for, by name of its file."""
-
-        def _holds(name: str) -> bool:
-            return name in self._data and bool(np.isfinite(self._data[name].values).any())
-
-        compared = self._result.compared
-        shown = {
-            "loops": self.loops,
-            "strain": self.strain,
-            "energy": self.energy,
-            "pier": self.pier,
-            "pier_acceleration": self.pier_acceleration,
-            "deck": self.deck,
-            "peaks": self.peaks,
-            "parts": self.parts if self._result.has_parts else None,
-            "largest_loops": self.largest_loops if _holds("loop_start") else None,
-            "modes": self.modes if {"rt", "pd"} <= set(self._run_modes) else None,
-            "hinge": self.hinge if _holds("pier_rotation") else None,
-            "temperature": self.temperature if _holds("rubber_temperature") else None,
-            "profiles": self.profiles if _holds("depth") else None,
-            "shares": self.shares if _holds("lead_temperature") else None,
-            "speed": self.speed if self._data.attrs["command"] == "hybrid" else None,
-            "comparison": partial(comparison_figure, compared) if compared else None,
-            "comparison_loops": partial(comparison_loops, compared) if compared else None,
-        }
-        return {name: draw for name, draw in shown.items() if draw is not None}

@@ -8,7 +8,6 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
-from thermobearing.core.records import Floats
 from thermobearing.cyclic.report import rig_table
 from thermobearing.cyclic.reported import (
     analysis_table,
@@ -17,7 +16,7 @@ from thermobearing.cyclic.reported import (
     model_assumptions,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
-from thermobearing.earthquake.figures import RunPanels, part_names, select_part
+from thermobearing.earthquake.figures import EarthquakeFigures, part_names, select_part
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.tables import balance_table, cold_ratios
 from thermobearing.model.earlier import BLIND
@@ -469,31 +468,30 @@ MOST_CHOICES = 40  # entries of a menu
 MOMENTS = 24  # places of a slider
 UNTESTED = "#aa3333"
 PLACES = (("rubber", "inner layer", "line"), ("lead", "lead", "dashed"))
-Choices = dict[str, list[Trace]]
 
 
 def _interactive_plots(result: EarthquakeResult) -> dict[str, Plot]:
     """Return plots by the name of the figure that they replace in an HTML page."""
     if not result.runs:
         return {}
-    panels = _Panels(result)
+    plots = _Plots(result)
     force, strain = "force of one bearing [kN]", "shear strain [%]"
+    pier, deck = "pier top relative to its base [mm]", "acceleration of the deck [m/s²]"
+    bent = ("rotation [mrad]", "moment [kN m]")
     found = {
-        "loops": panels._plane("bearing_strain", "bearing_force", 100.0, (strain, force)),
-        "strain": panels._history("bearing_strain", 100.0, strain),
-        "pier": panels._history("pier_displacement", 1.0, "pier top relative to its base [mm]"),
-        "deck": panels._history("deck_acceleration", 1.0, "acceleration of the deck [m/s²]"),
-        "hinge": panels._plane(
-            "pier_rotation", "pier_moment", 1e3, ("rotation [mrad]", "moment [kN m]")
-        ),
-        "temperature": panels._temperatures(),
-        "profiles": panels._profiles(),
+        "loops": plots._curves("bearing_strain", "bearing_force", (strain, force), 100.0, "x"),
+        "strain": plots._curves("time", "bearing_strain", ("time [s]", strain), 100.0, "y"),
+        "pier": plots._curves("time", "pier_displacement", ("time [s]", pier)),
+        "deck": plots._curves("time", "deck_acceleration", ("time [s]", deck)),
+        "hinge": plots._curves("pier_rotation", "pier_moment", bent, 1e3),
+        "temperature": plots._temperatures(),
+        "profiles": plots._through_height(),
     }
     return {name: plot for name, plot in found.items() if plot is not None}
 
 
-class _Panels(RunPanels):
-    """Runs of each menu entry: a bearing and a motion, at all temperatures."""
+class _Plots(EarthquakeFigures):
+    """Interactive plots: each menu entry is a bearing and a motion, at all temperatures."""
 
     def __init__(self, result: EarthquakeResult) -> None:
         super().__init__(result)
@@ -510,81 +508,70 @@ class _Panels(RunPanels):
         air = degrees([float(self._table["ambient_degC"][run])])
         return f"{air}, {self._result.modes[run]}" if len(self._run_modes) > 1 else air
 
-    def _choices(self, make: Callable[[int], list[Trace]]) -> Choices:
-        """Return the traces of every run that has any, by menu entry."""
-        found = {
-            name: [trace for run in runs for trace in make(run)]
-            for name, runs in self.groups.items()
-        }
-        return {name: traces for name, traces in found.items() if traces}
+    def _plot(
+        self,
+        titles: tuple[str, str],
+        make: Callable[[int], list[Trace]],
+        tested: Literal["x", "y"] | None = None,
+        **slider: Any,
+    ) -> Plot | None:
+        """Return the traces of every run that has any; `tested` is the axis of the strain [%].
 
-    def _trace(self, run: int, xy: tuple[Floats, Floats]) -> Trace:
-        """Return a line of a run; that of a pseudo-dynamic test is dashed."""
-        look = "dashed" if self._line(run) == "--" else "line"
-        return Trace(self._label(run), *xy, self._colour(run), look)
-
-    def _plane(self, x: str, y: str, factor: float, titles: tuple[str, str]) -> Plot | None:
-        """Return paths in the plane of two histories."""
-
-        def _make(run: int) -> list[Trace]:
-            a, b = factor * self._values(x, run), self._values(y, run)
-            known = len(a) and np.isfinite(a).all() and np.isfinite(b).all()
-            return [self._trace(run, path(a, b, self.points))] if known else []
-
-        choices = self._choices(_make)
-        if x == "bearing_strain":
-            self._add_tested(choices, along="x")
-        return Plot(*titles, choices) if choices else None
-
-    def _history(self, name: str, factor: float, title: str) -> Plot | None:
-        """Return a history of every run."""
-
-        def _make(run: int) -> list[Trace]:
-            time, values = self._values("time", run), factor * self._values(name, run)
-            known = len(values) and np.isfinite(values).all()
-            return [self._trace(run, history(time, values, self.points))] if known else []
-
-        choices = self._choices(_make)
-        if name == "bearing_strain":
-            self._add_tested(choices, along="y")
-        return Plot("time [s]", title, choices) if choices else None
-
-    def _add_tested(self, choices: Choices, along: Literal["x", "y"]) -> None:
-        """Add dashed lines at the largest tested strain in the panels that go beyond it.
-
-        Bearings are tested to different strains: one band for all entries would be wrong.
+        Dashed lines are at the largest tested strain where an entry goes beyond it: bearings are
+        tested to different strains, and one band for all entries would be wrong.
         """
-        for name, traces in choices.items():
-            end = 100.0 * self._result.tested_to(self.groups[name], "strain")
-            if not np.isfinite(end):
-                continue
-            across = [trace.y if along == "x" else trace.x for trace in traces]
-            low, high = (float(f([f(v) for v in across])) for f in (np.nanmin, np.nanmax))
-            at = np.array([end, end, np.nan, -end, -end])
-            other = np.array([low, high, np.nan, low, high])
-            points = (at, other) if along == "x" else (other, at)
-            traces.append(Trace(f"tested to {end:g} %", *points, UNTESTED, "dashed"))
+        choices = {}
+        for name, runs in self.groups.items():
+            traces = [trace for run in runs for trace in make(run)]
+            end = 100.0 * self._result.tested_to(runs, "strain")
+            if traces and tested and np.isfinite(end):
+                across = [trace.y if tested == "x" else trace.x for trace in traces]
+                low, high = (float(f([f(v) for v in across])) for f in (np.nanmin, np.nanmax))
+                at = np.array([end, end, np.nan, -end, -end])
+                other = np.array([low, high, np.nan, low, high])
+                points = (at, other) if tested == "x" else (other, at)
+                traces.append(Trace(f"tested to {end:g} %", *points, UNTESTED, "dashed"))
+            if traces:
+                choices[name] = traces
+        return Plot(*titles, choices, **slider) if choices else None
+
+    def _curves(
+        self,
+        x: str,
+        y: str,
+        titles: tuple[str, str],
+        factor: float = 1.0,
+        tested: Literal["x", "y"] | None = None,
+    ) -> Plot | None:
+        """Return a history y over time, or over another history x; `factor` is of the latter."""
+
+        def _make(run: int) -> list[Trace]:
+            a, b = self._values(x, run), self._values(y, run)
+            a, b = (a, factor * b) if x == "time" else (factor * a, b)
+            if not len(a) or not np.isfinite([a, b]).all():
+                return []
+            xy = (history if x == "time" else path)(a, b, self.points)
+            look = "dashed" if self._line(run) == "--" else "line"
+            return [Trace(self._label(run), *xy, self._colour(run), look)]
+
+        return self._plot(titles, _make, tested)
 
     def _temperatures(self) -> Plot | None:
         """Return the innermost rubber layer (full) and the lead (dashed) of every run."""
 
         def _make(run: int) -> list[Trace]:
             places, time = self._result.places(run), self._values("time", run)
-            return [
-                Trace(
-                    f"{what}, {self._label(run)}",
-                    *history(time, places[place], self.points // 2),
-                    self._colour(run),
-                    look,
-                )
-                for what, place, look in PLACES
-                if len(places[place]) and np.isfinite(places[place]).all()
-            ]
+            found = []
+            for what, place, look in PLACES:
+                if len(places[place]) and np.isfinite(places[place]).all():
+                    xy = history(time, places[place], self.points // 2)
+                    label = f"{what}, {self._label(run)}"
+                    found.append(Trace(label, *xy, self._colour(run), look))
+            return found
 
-        choices = self._choices(_make)
-        return Plot("time [s]", "temperature [°C]", choices) if choices else None
+        return self._plot(("time [s]", "temperature [°C]"), _make)
 
-    def _profiles(self) -> Plot | None:
+    def _through_height(self) -> Plot | None:
         """Return temperatures through the height, moved through the motion by a slider."""
         if "temperature" not in self._data:
             return None
@@ -603,13 +590,6 @@ class _Panels(RunPanels):
             look = (self._colour(run), "line with points")
             return [Trace(self._label(run), frames[0], level, *look, y, frames)]
 
-        choices = self._choices(_make)
-        if not choices:
-            return None
-        return Plot(
-            "temperature [°C]",
-            "level relative to the upper face [mm]",
-            choices,
-            slider=[f"{moment:.1f} s" for moment in moments],
-            slider_title="time",
-        )
+        titles = "temperature [°C]", "level relative to the upper face [mm]"
+        steps = [f"{moment:.1f} s" for moment in moments]
+        return self._plot(titles, _make, slider=steps, slider_title="time")
