@@ -18,8 +18,8 @@ from thermobearing.earthquake.run import bearing_weather
 from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
 from thermobearing.results import drawing
 from thermobearing.studies.definition.case import load_study
-from thermobearing.studies.run.demand_parameters import COMPLETED
 from thermobearing.studies.run.engine import run_study
+from thermobearing.studies.run.shard import COMPLETED
 from thermobearing.studies.statistics.demand import OUTCOME, counted
 from thermobearing.studies.statistics.fragility import Fragility, fragility_curves
 from thermobearing.studies.statistics.hazard import (

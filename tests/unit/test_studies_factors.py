@@ -15,8 +15,7 @@ from thermobearing.bearing.new import new_bearing
 from thermobearing.climate.generator import generate_weather
 from thermobearing.earthquake.run import Task, build_device, soaked, soaked_hours
 from thermobearing.studies.definition.case import make_study
-from thermobearing.studies.definition.columns import number_paths, value_at, with_numbers
-from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.designs import number_paths, plan, value_at, with_numbers
 from thermobearing.studies.definition.record import Distribution, Study
 from thermobearing.studies.run.prepare import Preparer
 
@@ -175,7 +174,7 @@ def test_distributions_have_the_moments_that_are_told(
     made = study(
         {"kind": "monte-carlo", "samples": 1}, **{"bearing.K_r": {"distribution": kind} | words}
     )
-    from thermobearing.studies.definition.columns import list_columns
+    from thermobearing.studies.definition.designs import list_columns
 
     found = list_columns(made)[-1].distribution
     assert found is not None

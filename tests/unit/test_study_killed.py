@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-import thermobearing.studies.run.demand_parameters as peaks
+import thermobearing.studies.run.shard as peaks
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.studies.run.engine import run_study

@@ -12,7 +12,7 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
-import thermobearing.studies.run.demand_parameters as peaks
+import thermobearing.studies.run.shard as peaks
 import thermobearing.studies.store as stores
 from tests import tolerances as tol
 from tests.unit.studies import kept, small_study
@@ -20,10 +20,9 @@ from thermobearing.border.errors import InputError, OutputError
 from thermobearing.core.lanes.memory import WIDTH
 from thermobearing.earthquake.measures import COLUMNS
 from thermobearing.studies.definition.designs import plan
-from thermobearing.studies.run.demand_parameters import COUNTS, RESULT_COLUMNS, TEXTS
 from thermobearing.studies.run.engine import only_writer, run_study
 from thermobearing.studies.run.prepare import Preparer
-from thermobearing.studies.run.shard import run_shard
+from thermobearing.studies.run.shard import COUNTS, RESULT_COLUMNS, TEXTS, run_shard
 from thermobearing.studies.run.status import Pace, count_failures, say_duration, study_status
 from thermobearing.studies.statistics.demand import worst_runs
 from thermobearing.studies.store import (

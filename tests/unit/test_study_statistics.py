@@ -8,8 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from thermobearing.border.errors import InputError
-from thermobearing.studies.statistics.bootstrap import Draw
-from thermobearing.studies.statistics.demand import counted, demand_against, median_places
+from thermobearing.studies.statistics.demand import Draw, counted, demand_against, median_places
 from thermobearing.studies.statistics.fragility import fragility_curve, fragility_curves, ida_curves
 from thermobearing.studies.statistics.hazard import (
     ClimateFragility,

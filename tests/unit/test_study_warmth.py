@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from numpy.testing import assert_array_equal
 
-import thermobearing.studies.definition.levels as levels
+import thermobearing.studies.definition.designs as levels
 import thermobearing.studies.run.prepare as warmth
 from tests.unit.studies import kept
 from thermobearing.climate.generator import generate_weather

@@ -15,7 +15,7 @@ from thermobearing.earthquake.run import build_device
 from thermobearing.model.options import EndFace, ModelOptions, Side, build_model, outdoors
 from thermobearing.model.stack import film_at_face, through_side
 from thermobearing.studies.definition.case import make_study
-from thermobearing.studies.definition.columns import list_targets, moves_warmth
+from thermobearing.studies.definition.designs import list_targets, moves_warmth
 from thermobearing.studies.options import Question
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.run.prepare import thermal_key

@@ -11,8 +11,8 @@ from thermobearing.border.toml import read_toml
 from thermobearing.climate.generator import generate_weather
 from thermobearing.studies.definition.case import load_study, make_study
 from thermobearing.studies.definition.designs import plan
-from thermobearing.studies.run.demand_parameters import measure
 from thermobearing.studies.run.prepare import Preparer
+from thermobearing.studies.run.shard import measure
 
 DEMANDS = ("pier_rotation_max_rad", "bearing_displacement_max_mm", "bearing_force_max_kN")
 

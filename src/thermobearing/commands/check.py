@@ -32,8 +32,7 @@ from thermobearing.structure.model import DampingKind, Structure, load_structure
 from thermobearing.structure.result import implausible_structure
 from thermobearing.structure.run import prepare_structure
 from thermobearing.studies.definition.case import load_study
-from thermobearing.studies.definition.columns import list_columns
-from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.designs import list_columns, plan
 from thermobearing.studies.definition.motions import with_stand_ins
 from thermobearing.studies.definition.record import Posterior, Study
 from thermobearing.tables.laboratory import Sidecar

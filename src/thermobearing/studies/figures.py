@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from thermobearing.report.content import words
 from thermobearing.results import drawing
 from thermobearing.results.profiles import COLOURS
-from thermobearing.studies.definition.columns import AMBIENT
+from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.options import Question
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics.demand import counted, describe_all, equal_classes

@@ -14,7 +14,7 @@ from thermobearing.report.content import pieces_of_saved
 from thermobearing.report.pieces import Pieces, ReportFigure
 from thermobearing.report.words import counted, joined, number, tidy
 from thermobearing.results.saved import SavedResult
-from thermobearing.studies.definition.columns import AMBIENT
+from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.figures import StudyFigures, column_words, find_unit
 from thermobearing.studies.options import Question
 from thermobearing.studies.result import StudyResult

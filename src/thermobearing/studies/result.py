@@ -14,10 +14,10 @@ from thermobearing.results.base import Result
 from thermobearing.results.directory import RESOLVED, TABLE
 from thermobearing.results.writing import write_csv
 from thermobearing.studies.definition.case import load_study
-from thermobearing.studies.definition.columns import AMBIENT, HOUR, THINGS, list_columns
+from thermobearing.studies.definition.designs import AMBIENT, HOUR, THINGS, list_columns
 from thermobearing.studies.definition.record import COLUMNS, Study
 from thermobearing.studies.options import CLIMATE, Question, kept_asked
-from thermobearing.studies.run.demand_parameters import COMPLETED
+from thermobearing.studies.run.shard import COMPLETED
 from thermobearing.studies.statistics.demand import (
     OUTCOME,
     WORST,

@@ -39,12 +39,10 @@ from thermobearing.earthquake.measures import HISTORIES
 from thermobearing.quantities.register import quantity
 from thermobearing.results.directory import write_directory
 from thermobearing.results.writing import without_formulas, write_dataset
-from thermobearing.studies.definition.columns import THINGS, list_targets
-from thermobearing.studies.definition.designs import in_lockstep
+from thermobearing.studies.definition.designs import THINGS, in_lockstep, list_targets
 from thermobearing.studies.definition.motions import MADE, is_matched, kept_motions_digest
 from thermobearing.studies.definition.record import Study
-from thermobearing.studies.run.demand_parameters import RESULT_COLUMNS
-from thermobearing.studies.run.shard import Done, Kept
+from thermobearing.studies.run.shard import RESULT_COLUMNS, Done, Kept
 
 EXTRA = 'needs pyarrow: pip install "thermobearing[study]"'
 UNIT, MEANING, NOTES = b"unit", b"meaning", b"thermobearing"

@@ -30,10 +30,10 @@ from thermobearing.studies.definition.case import load_study, make_study
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.definition.motions import Progress, is_matched, with_matched
 from thermobearing.studies.definition.record import Study
-from thermobearing.studies.run.demand_parameters import COMPLETED
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.processes import call_on_processes
 from thermobearing.studies.run.shard import (
+    COMPLETED,
     BrokenError,
     Done,
     Work,

@@ -36,24 +36,24 @@ from thermobearing.earthquake.run import (
 )
 from thermobearing.model.constants import with_parameters
 from thermobearing.structure.run import Prepared, prepare_structure
-from thermobearing.studies.definition.columns import (
+from thermobearing.studies.definition.designs import (
     AMBIENT,
     HOUR,
     SAMPLE,
     THINGS,
-    Path,
+    Levels,
+    NumberPath,
+    in_lockstep,
     list_columns,
     list_targets,
     moves_heat,
     moves_warmth,
     with_numbers,
 )
-from thermobearing.studies.definition.designs import in_lockstep
-from thermobearing.studies.definition.levels import Levels
 from thermobearing.studies.definition.record import Study
 
 Key = tuple[Any, ...]
-Changes = dict[Path, float]
+Changes = dict[NumberPath, float]
 MOST_KEPT = 2000  # bearings as models, and their temperatures when rows come one by one
 
 

@@ -12,13 +12,11 @@ import pandas as pd
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.screen import print_facts, say, show_table
-from thermobearing.studies.definition.columns import list_columns
-from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.designs import list_columns, plan
 from thermobearing.studies.definition.motions import with_first_motion
 from thermobearing.studies.definition.record import Study
-from thermobearing.studies.run.demand_parameters import COMPLETED, RESULT_COLUMNS
 from thermobearing.studies.run.prepare import Preparer
-from thermobearing.studies.run.shard import carried_out
+from thermobearing.studies.run.shard import COMPLETED, RESULT_COLUMNS, carried_out
 from thermobearing.studies.store import Store
 
 

@@ -30,22 +30,20 @@ import pandas as pd
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
-from thermobearing.studies.run.demand_parameters import COMPLETED
-from thermobearing.studies.statistics.bootstrap import (
+from thermobearing.studies.run.shard import COMPLETED
+from thermobearing.studies.statistics.demand import (
     LEVEL,
     SAMPLES,
-    Draw,
-    check_level,
-    percentiles,
-    quantile,
-)
-from thermobearing.studies.statistics.demand import (
     Counted,
+    Draw,
     Failed,
+    check_level,
     column,
     counted,
     describe_all,
+    percentiles,
     positive,
+    quantile,
 )
 from thermobearing.studies.statistics.likelihood import (
     FLAT,

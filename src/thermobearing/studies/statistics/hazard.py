@@ -27,7 +27,7 @@ import pandas as pd
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
 from thermobearing.studies.definition.record import INTENSITY_UNITS
-from thermobearing.studies.statistics.bootstrap import LEVEL, percentiles, widened
+from thermobearing.studies.statistics.demand import LEVEL, percentiles, widened
 from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.tables.columns import plain_title, read_columns
 

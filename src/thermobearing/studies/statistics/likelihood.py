@@ -33,9 +33,8 @@ from scipy.special import chdtri, expit, log_expit, log_ndtr, ndtr, ndtri
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats, Ints
-from thermobearing.studies.run.demand_parameters import COMPLETED
-from thermobearing.studies.statistics.bootstrap import Draw, widened
-from thermobearing.studies.statistics.demand import equal_classes
+from thermobearing.studies.run.shard import COMPLETED
+from thermobearing.studies.statistics.demand import Draw, equal_classes, widened
 
 Bools = NDArray[np.bool_]
 Link = Literal["probit", "logit"]

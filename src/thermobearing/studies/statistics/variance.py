@@ -20,20 +20,18 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
-from thermobearing.studies.statistics.bootstrap import (
-    LEVEL,
-    SAMPLES,
-    Draw,
-    check_level,
-    percentiles,
-)
 from thermobearing.studies.statistics.demand import (
+    LEVEL,
     MOST_LEVELS,
+    SAMPLES,
     Counted,
+    Draw,
     Failed,
+    check_level,
     column,
     counted,
     equal_classes,
+    percentiles,
 )
 
 Floats = NDArray[np.float64]
