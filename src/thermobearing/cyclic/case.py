@@ -12,7 +12,6 @@ from typing import Annotated, Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from pydantic import AfterValidator, Field
 
 from thermobearing.bearing.library import BEARINGS, as_bearing, load_bearing
@@ -30,7 +29,7 @@ from thermobearing.border.schema import (
 )
 from thermobearing.border.toml import split_sources, to_table, to_toml
 from thermobearing.climate.readers import read_air
-from thermobearing.core.records import labels
+from thermobearing.core.records import Floats, labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
 from thermobearing.model.earlier import needs_full_stack
@@ -48,7 +47,6 @@ from thermobearing.report.title import case_table
 from thermobearing.results.ranges import Row, compared
 from thermobearing.results.saved import read_dataset
 
-Floats = NDArray[np.float64]
 TEXTS = ("name", "description", "citation")  # of a bearing: nothing that it does
 
 
@@ -194,10 +192,10 @@ def end_state(
 
 
 def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> SpecimenState:
-    """Where a bearing was at the end of an earlier result, in the run at the same ambient.
+    """Return where a bearing was at the end of an earlier result, in the run at the same ambient.
 
-    Results of tests that hold no state (before 0.2) give temperatures only. `bearing` is the name
-    of one of several in an analysis.
+    `bearing` is the name of one of several in an analysis. Results that hold no memory give
+    temperatures only.
     """
     run = _same_run(data, ambient, bearing)
     if "final_temperature" not in data:
@@ -205,23 +203,17 @@ def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> Sp
             "holds no ends of its bearings: they are bilinear, on several lines of a structure, or "
             "of a version that did not keep them"
         )
+
+    def read(name: str) -> Any:
+        values = data[name].values[run]
+        return values[np.isfinite(values)] if np.ndim(values) else values
+
     memory = None
     if PREFIX + MEMORY[0] in data:
-        memory = {
-            key: _there(data[PREFIX + key].values[run]) if PREFIX + key in data else []
-            for key in MEMORY
-        }
-        turns = {key: data[PREFIX + key].values[run] for key in OF_LOOPS if PREFIX + key in data}
-        memory |= {key: _there(values) for key, values in turns.items()}
-    return specimen_state(
-        _there(data["final_temperature"].values[run]),
-        float(data["final_lead_temperature"].values[run]),
-        memory,
-    )
-
-
-def _there(values: Any) -> Any:
-    return values[np.isfinite(values)] if np.ndim(values) else values
+        memory = {key: read(PREFIX + key) if PREFIX + key in data else [] for key in MEMORY}
+        memory |= {key: read(PREFIX + key) for key in OF_LOOPS if PREFIX + key in data}
+    lead = float(data["final_lead_temperature"].values[run])
+    return specimen_state(read("final_temperature"), lead, memory)
 
 
 def _same_run(data: xr.Dataset, ambient: list[float], bearing: str) -> int:
@@ -262,13 +254,13 @@ def initial_temperatures(case: "Case", cells: int, ambient: float) -> Floats:
     given = case.initial_profile
     if case.initial_state is not None:
         given = case.initial_state.temperature
-    if given is not None:
-        if len(given) != cells:
-            raise InputError(
-                f"initial_profile has {len(given)} temperatures, but the stack has {cells} cells"
-            )
-        return np.array(given)
-    return np.full(cells, ambient if case.initial is None else case.initial)
+    if given is None:
+        return np.full(cells, ambient if case.initial is None else case.initial)
+    if len(given) != cells:
+        raise InputError(
+            f"initial_profile has {len(given)} temperatures, but the stack has {cells} cells"
+        )
+    return np.array(given)
 
 
 LIMITS = {  # of a rig: unit, and what is said of a run that exceeds it
@@ -279,19 +271,9 @@ LIMITS = {  # of a rig: unit, and what is said of a run that exceeds it
 
 
 class Rig(Sourced):
-    """Largest force, stroke and speed of an actuator, either way; what is left out has no limit.
+    """Largest force, stroke from the middle and speed of an actuator, either way.
 
-    Attributes
-    ----------
-    name, description, citation : what it is and where its numbers come from.
-    force : [kN], in [0.001, 1e6].
-    stroke : from the middle [mm], in [0.001, 1e5].
-    speed : [mm/s], in [1e-6, 1e6].
-
-    Examples
-    --------
-    >>> load_rig("shen-rig").force
-    400.0
+    What is left out has no limit.
     """
 
     name: Name = "rig"
@@ -312,10 +294,7 @@ RIGS = Library("rig", "rigs")
 
 
 def load_rig(name_or_path: str | Path) -> Rig:
-    """A rig of the library by name, or one of your own from a TOML file.
-
-    `name_or_path`: "shen-rig", that of Shen (2023), Table 3.2, or a path.
-    """
+    """Return a rig of the library by name, such as "shen-rig" (Shen 2023, Table 3.2), or of a file."""
     return RIGS.load(Rig, name_or_path)
 
 
@@ -324,8 +303,7 @@ THINGS = {"bearing": load_bearing, "rig": load_rig}  # that a case names
 
 def rig_demand(rig: Rig | None, run: str, peaks: Sequence[float]) -> list[Row]:
     """Compare a run with the limits of a rig: force [kN], stroke [mm] and speed [mm/s]."""
-    known = {name: getattr(rig, name, None) for name in LIMITS}
-    limits = {name: (0.0, limit) for name, limit in known.items() if limit is not None}
+    limits = {name: (0.0, limit) for name in LIMITS if (limit := getattr(rig, name, None))}
     units = {name: unit for name, (unit, _) in LIMITS.items()}
     return compared(run, dict(zip(LIMITS, peaks, strict=True)), limits, units)
 
@@ -349,27 +327,16 @@ DEFAULT_AMBIENT = (-20.0, 0.0, 23.0)  # the three chamber temperatures of Table 
 
 
 class Analysis(ModelOptions):
-    """How to compute, and what to keep.
+    """How to compute, and what to keep."""
 
-    Attributes
-    ----------
-    keep_every : keep every n-th step; turning points are kept besides.
-    keep : histories besides displacement, force and energy.
-    histories : in files: "thinned", turning points and 200 points a cycle, or "complete".
-    """
-
-    keep_every: Annotated[int, Field(ge=1, le=1_000_000_000)] = 1
-    keep: tuple[Group, ...] = ("rubber", "cells")
-    histories: Histories = "thinned"  # in files (cyclic/thinning.py)
+    keep_every: Annotated[int, Field(ge=1, le=1_000_000_000)] = 1  # besides turning points
+    keep: tuple[Group, ...] = ("rubber", "cells")  # besides displacement, force and energy
+    histories: Histories = "thinned"  # in files: turning points and 200 points a cycle
 
 
 def _each_once(ambient: list[float]) -> list[float]:
-    """The temperatures [degC]; ValueError if one is given twice."""
-    seen: set[float] = set()
-    for value in ambient:
-        if value in seen:
-            raise ValueError(f"{value:g} degC is given more than once")
-        seen.add(value)
+    if twice := [value for k, value in enumerate(ambient) if value in ambient[:k]]:
+        raise ValueError(f"{twice[0]:g} degC is given more than once")
     return ambient
 
 
@@ -377,35 +344,20 @@ Ambients = Annotated[list[Temperature], AfterValidator(_each_once)]
 
 
 class Case(Strict):
-    """Everything `cyclic` needs. Only one of the ways to start may be given.
-
-    Attributes
-    ----------
-    bearing : what is tested: a library name, a TOML file, or a table.
-    test : what is done to it.
-    ambient : ambient temperatures [degC], in [-100, 100]; each is a run of its own.
-    ambient_series : CSV file with time and temperature of the air, instead of `ambient`.
-    initial : uniform temperature at the start [degC]; the ambient temperature by default.
-    initial_lead : of the lead at the start [degC]; the mean of the cells beside it by default.
-    initial_profile : temperature of each cell at the start, upper face first [degC].
-    initial_state : where an earlier test left the bearing; `initial_result` of a file becomes it.
-    rig : limits of a test rig, its name or file; a warning says which a run exceeds.
-    analysis : how to compute, and what to keep.
-    sources : of the numbers of bearing and rig, by name and dotted key, where their own files have
-        some; for documents only.
-    """
+    """Everything that `cyclic` needs. Only one of the ways to start may be given."""
 
     bearing: Bearing
     test: CyclicTest
-    ambient: Annotated[Ambients, Field(min_length=1, max_length=1000)]
-    # CSV with time and temperature, instead of `ambient`
+    ambient: Annotated[Ambients, Field(min_length=1, max_length=1000)]  # each is a run of its own
+    # CSV file with time and temperature of the air, instead of `ambient`
     ambient_series: Annotated[str, Field(min_length=1)] | None = None
     initial: Temperature | None = None  # uniform; None: the ambient temperature
-    initial_lead: Temperature | None = None  # None: the mean of the cells beside it
+    initial_lead: Temperature | None = None  # None: the mean of the cells next to it
     initial_profile: list[Temperature] | None = None  # one per cell, upper face first
-    initial_state: SpecimenState | None = None  # where an earlier test left the bearing
-    rig: Rig | None = None
+    initial_state: SpecimenState | None = None  # what `initial_result` of a file becomes
+    rig: Rig | None = None  # its limits give warnings
     analysis: Analysis = Analysis()
+    # Of the numbers of bearing and rig, by name and dotted key; for documents only
     sources: dict[str, dict[str, str]] | None = None
 
     def to_toml(self) -> str:
@@ -413,7 +365,7 @@ class Case(Strict):
         return to_toml(self, without="" if self.ambient_series is None else "ambient")
 
     def faults(self) -> list[str]:
-        """What the parts do to each other: a test that cannot be done with this bearing, ..."""
+        """Return what the parts do to each other: a test that this bearing cannot do, ..."""
         found, steps = survey(self.test, self.bearing.total_rubber_thickness, self.starts_at)
         found = [f"test.{fault}" for fault in found]
         if self.ambient_series is not None:
@@ -431,8 +383,10 @@ class Case(Strict):
                 f"initial_profile: has {len(self.initial_profile)} temperatures, "
                 f"but the stack has {cells} cells"
             )
-        if self.initial_state is not None and not found:
-            found += self._misfits_of_state()
+        # The constants of a bilinear model come from a test.
+        if self.initial_state is not None and not found and self.analysis.model != "bilinear":
+            fault = misfit(self.initial_state, build_model(self.bearing, self.analysis).constants)
+            found += [f"initial_state: {fault}"] if fault else []
         if not found:  # of a test that cannot be done the steps say nothing
             steps *= len(self.ambient)
             row = len(labels(Books)) + cells * len(self.analysis.keep)
@@ -443,14 +397,6 @@ class Case(Strict):
     def starts_at(self) -> float:
         """Displacement at the start [mm]."""
         return 0.0 if self.initial_state is None else self.initial_state.reads
-
-    def _misfits_of_state(self) -> list[str]:
-        assert self.initial_state is not None
-        if self.analysis.model == "bilinear":  # its constants come from a test
-            return []
-        constants = build_model(self.bearing, self.analysis).constants
-        fault = misfit(self.initial_state, constants)
-        return [f"initial_state: {fault}"] if fault else []
 
 
 def load_case(path: str | Path, **overrides: Any) -> Case:
@@ -487,16 +433,16 @@ def make_case(table: dict[str, Any], where: str, folder: Path = Path(), **overri
     Numbers of the table have a unit as text; those of `overrides`, keys of `Case` or `Analysis`,
     may be plain: in degC, and in s (`dt`, which goes to the test). None leaves the table's value.
     `where` names the file in messages; paths in the table are relative to `folder`.
-
-    >>> case = make_case({"ambient": ["-20 degC"]}, "example", dt=0.01)
-    >>> case.bearing.name, case.test.dt
-    ('shen-hdr-specimen', 0.01)
     """
     dt = overrides.pop("dt", None)
     table = {"bearing": DEFAULT_BEARING} | table
     table, given, faults = load_all(table, overrides, THINGS, folder)
-    for holder, key in _files(table):
-        absolute(holder, key, folder)
+    test = table.get("test")
+    steps = test.get("steps") if isinstance(test, dict) else None
+    for step in steps if isinstance(steps, list) else []:
+        absolute(step, "file", folder)
+    for key in ("ambient_series", "initial_result"):
+        absolute(table, key, folder)
     table = overridden(table, given, Case, {"analysis": Analysis})
     if "ambient" in given:
         table.pop("ambient_series", None)
@@ -518,16 +464,8 @@ def make_case(table: dict[str, Any], where: str, folder: Path = Path(), **overri
     bearing = case.bearing.with_sources(own | case.bearing.sources)
     rig = [(RIGS, case.rig)] if case.rig else []
     sources = sources_to_keep([(BEARINGS, bearing), *rig], case.sources)
-    return case.model_copy(
-        update={"analysis": case.analysis.settled(case.bearing), "sources": sources}
-    )
-
-
-def _files(table: dict[str, Any]) -> list[tuple[Any, str]]:
-    test = table.get("test")
-    steps = test.get("steps") if isinstance(test, dict) else None
-    named = [(step, "file") for step in steps] if isinstance(steps, list) else []
-    return [*named, (table, "ambient_series"), (table, "initial_result")]
+    analysis = case.analysis.settled(case.bearing)
+    return case.model_copy(update={"analysis": analysis, "sources": sources})
 
 
 def _fill_defaults(table: dict[str, Any]) -> None:

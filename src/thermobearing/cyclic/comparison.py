@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.core.records import Floats, Ints
+from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result
@@ -36,12 +36,12 @@ def compare_models(case: Case) -> dict[str, Result]:
 
     All models run it with the conservative scheme and automatic stack.
     """
-    results: dict[str, Result] = {}
+    found: dict[str, Result] = {}
+    changes = {"scheme": "conservative", "stack": "auto"}
     for model in models_that_fit(case.bearing):
-        changes = {"model": model, "scheme": "conservative", "stack": "auto"}
-        analysis = case.analysis.model_copy(update=changes)
-        results[model] = run_case(case.model_copy(update={"analysis": analysis}))
-    return results
+        analysis = case.analysis.model_copy(update=changes | {"model": model})
+        found[model] = run_case(case.model_copy(update={"analysis": analysis}))
+    return found
 
 
 def comparison_table(results: Mapping[str, Result]) -> pd.DataFrame:
@@ -53,13 +53,8 @@ def comparison_table(results: Mapping[str, Result]) -> pd.DataFrame:
     outcome says, is compared as far as it got.
     """
     (_, truth), *others = results.items()
-    return pd.DataFrame(
-        [
-            _errors(truth, other, name, number)
-            for number in range(truth.dataset.sizes["ambient"])
-            for name, other in others
-        ]
-    )
+    runs = range(truth.dataset.sizes["ambient"])
+    return pd.DataFrame([_errors(truth, other, name, k) for k in runs for name, other in others])
 
 
 def _errors(truth: Result, other: Result, name: str, run: int) -> dict[str, Any]:
@@ -70,7 +65,9 @@ def _errors(truth: Result, other: Result, name: str, run: int) -> dict[str, Any]
     if cycles[0].empty:  # nothing to compare
         return row
     kept = np.isfinite(other["force"].values[run])
-    loaded = _loading_rows(truth, run)
+    moving = np.array([about["kind"] != "rest" for about in truth.segments])
+    segment = truth["segment"].values[run]
+    loaded = np.flatnonzero((segment >= 0) & moving[np.maximum(segment, 0)])
     loaded = loaded[loaded < len(kept)]
     loaded = loaded[kept[loaded]]
     for place in compared_places(truth):
@@ -81,13 +78,6 @@ def _errors(truth: Result, other: Result, name: str, run: int) -> dict[str, Any]
     for column, label in (("G_eq_MPa", "G_e"), ("h_eq", "h_eq"), ("energy_kN_mm", "energy")):
         row[f"last {label} %"] = more(last[0][column], last[1][column])
     return row
-
-
-def _loading_rows(result: Result, run: int) -> Ints:
-    """Return the kept steps of a run in which the bearing was being loaded (not at rest)."""
-    kinds = np.array([about["kind"] != "rest" for about in result.segments])
-    segment = result["segment"].values[run]
-    return np.flatnonzero((segment >= 0) & kinds[np.maximum(segment, 0)])
 
 
 def compared_places(result: Result) -> list[str]:
@@ -161,6 +151,5 @@ def _last_cycle(result: Result) -> tuple[float, float, float]:
 
     The energy is 2 pi G_eq h_eq strain^2 a volume.
     """
-    last = result.cycles.iloc[-1]
-    modulus, damping = float(last["G_eq_MPa"]), float(last["h_eq"])
+    modulus, damping = (float(result.cycles[name].iloc[-1]) for name in ("G_eq_MPa", "h_eq"))
     return modulus, modulus * damping, float(result["rubber_temperature"].values[0, -1].max())

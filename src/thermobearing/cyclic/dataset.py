@@ -93,10 +93,7 @@ def labelled(
         "title": f"{bearing.name}, {case.test.name}",
         "command": "cyclic",
         "bearing": bearing.name,
-        "model": options.model,
-        "scheme": options.scheme,
-        "integrator": options.integrator,
-        "heat_source": options.heat_source,
+        **{key: getattr(options, key) for key in ("model", "scheme", "integrator", "heat_source")},
         "lead_capacity_kN_mm_per_K": lead_capacity if bearing.lead else 0.0,
         "version": thermobearing.__version__,
         "case": case.to_toml(),
@@ -173,9 +170,9 @@ def _build_dataset(
     for own, variable in dataset.variables.items():
         if not variable.attrs:
             about = quantity(str(own))
-            variable.attrs = {
-                k: v for k, v in about.attributes.items() if k != "units" or about.stored
-            }
+            variable.attrs = dict(about.attributes)
+            if not about.stored:
+                del variable.attrs["units"]
     return dataset
 
 
@@ -185,7 +182,7 @@ def _memories(runs: list[History]) -> dict[str, Any]:
     for key in memories[0]:
         values, also = np.array([memory[key] for memory in memories]), memory_dimension(key)
         if values.size:  # no empty variables
-            dims = ("ambient",) if also is None else ("ambient", also)
+            dims = ("ambient", *([] if also is None else [also]))
             found[PREFIX + key] = (dims, values, memory_attributes(key))
     return found
 
@@ -247,12 +244,11 @@ def _compared_rows(
     x = np.concatenate([[case.starts_at], *(segment.x for segment in segments)])
     dt = np.concatenate([segment.dt for segment in segments])
     speed = float((np.abs(np.diff(x)) / dt).max())
-    rig: list[Row] = []
-    tested: list[Row] = []
+    found: dict[str, list[Row]] = {"rig": [], "tested_range": []}
     for climate, history in zip(climates, histories, strict=False):
         books, name = history.rows.books, run_name(climate.at(0.0))
         peaks = [float(np.abs(books[one]).max()) for one in ("force", "displacement")]
-        rig += rig_demand(case.rig, name, [*peaks, speed])
+        found["rig"] += rig_demand(case.rig, name, [*peaks, speed])
         reached = reached_by(
             books["clock"],
             books["displacement"],
@@ -261,8 +257,8 @@ def _compared_rows(
             ambient=(float(climate.temperature.min()), float(climate.temperature.max())),
             lead=books["lead_temperature"] if case.bearing.lead else None,
         )
-        tested += asked_of_tests(name, reached, calibration_ranges(case.bearing))
-    return {"rig": rig, "tested_range": tested}
+        found["tested_range"] += asked_of_tests(name, reached, calibration_ranges(case.bearing))
+    return found
 
 
 POINTS = 200  # of a cycle, a ramp, a rest
@@ -282,60 +278,46 @@ def written_part(result: Result) -> Result:
     if "clock" not in data:  # one clock for all
         data = data.isel(time=np.unique(np.concatenate(rows)))
     else:
-        found = {
-            str(name): (
-                values.dims,
-                _stacked(
-                    [values.values[run, mine] for run, mine in enumerate(rows)],
-                    PADDING.get(str(name), np.nan),
-                ),
-                values.attrs,
-            )
-            for name, values in data.data_vars.items()
-            if values.dims[:2] == ("ambient", "time")
-        }
+        found = {}
+        for name, values in data.data_vars.items():
+            if values.dims[:2] == ("ambient", "time"):
+                kept = [values.values[run, mine] for run, mine in enumerate(rows)]
+                stacked = _stacked(kept, PADDING.get(str(name), np.nan))
+                found[str(name)] = (values.dims, stacked, values.attrs)
         data = data.drop_vars(list(found)).assign(found)
-    cycles = result.cycles
     measures = {
         f"{CYCLES}_{name}": (
             CYCLES,
-            cycles[name].to_numpy(),
-            {"units": column_quantity(name).stored},
+            values.to_numpy(),
+            {"units": column_quantity(str(name)).stored},
         )
-        for name in cycles.columns
+        for name, values in result.cycles.items()
     }
     return Result(data.assign(measures).assign_attrs({ROWS: THINNED}))
 
 
 def _rows_worth(result: Result, run: int) -> Ints:
-    """Return the rows of a run to write: of each cycle its ends, its extremes, 200 between."""
+    """Return the rows of a run to write: of each cycle its ends, its extremes, 200 between.
+
+    A step without cycles counts as one.
+    """
     data = result.dataset
-    x, force = data["displacement"].values[run], data["force"].values[run]
+    names = ("segment", "cycle", "displacement", "force")
+    segment, cycle, x, force = (data[name].values[run] for name in names)
+    count = int((segment >= 0).sum())
+    change = np.diff(segment[:count]) | np.diff(cycle[:count])
+    bounds = {0, count, *(1 + np.flatnonzero(change)).tolist()}
+    parts = np.searchsorted(segment[:count], np.arange(len(result.segments) + 1)).tolist()
+    for about, (first, end) in zip(result.segments, pairwise(parts), strict=True):
+        if about["kind"] == "recorded" and first < end:
+            bounds |= {first + place + 1 for pair in find_cycles(x[first:end]) for place in pair}
     kept = [np.array([0])]
-    for first, end in _blocks(result, run):
+    for first, end in pairwise(sorted(place for place in bounds if place <= count)):
         block = slice(first, end)
         even = np.linspace(0, end - first - 1, min(end - first, POINTS)).round()
         ends = [turn(values[block]) for values in (x, force) for turn in (np.argmax, np.argmin)]
         kept.append(first + np.concatenate([even, ends]).astype(np.int64))
     return np.unique(np.concatenate(kept))
-
-
-def _blocks(result: Result, run: int) -> list[tuple[int, int]]:
-    """Return the first row and the end of each cycle of a run, and of each step without cycles."""
-    segment = result.dataset["segment"].values[run]
-    cycle = result.dataset["cycle"].values[run]
-    x = result.dataset["displacement"].values[run]
-    count = int((segment >= 0).sum())
-    change = np.diff(segment[:count]) | np.diff(cycle[:count])
-    bounds = {0, count, *(1 + np.flatnonzero(change)).tolist()}
-    parts = np.searchsorted(segment[:count], np.arange(len(result.segments) + 1))
-    for number, about in enumerate(result.segments):
-        first, end = int(parts[number]), int(parts[number + 1])
-        if about["kind"] == "recorded" and first < end:
-            found = find_cycles(x[first:end])
-            bounds |= {first + int(place) + 1 for pair in found for place in pair}
-    ordered = sorted(place for place in bounds if place <= count)
-    return [(a, b) for a, b in pairwise(ordered) if a < b]
 
 
 DOUBLE, SINGLE = 8, 4  # [bytes] of a number in result.nc; those of cells are single
@@ -346,21 +328,16 @@ COUNTERS = 8  # [bytes] of the numbers of segment and cycle
 
 def expected_size(case: Case) -> float:
     """Return an upper bound of result.nc without compression and history.csv [bytes]."""
-    keep = case.analysis.keep
-    stack = case.analysis.build_stack(case.bearing)
-    layers = sum(part == "rubber" for part in stack.part) // max(case.bearing.cells.rubber, 1)
-    layers = max(layers, 1)
+    keep, stack = case.analysis.keep, case.analysis.build_stack(case.bearing)
+    layers = max(stack.part.count("rubber") // max(case.bearing.cells.rubber, 1), 1)
     wide = sum(layers for name in keep if name != "cells")
     row = DOUBLE * (len(labels(Books)) + 2 + wide) + COUNTERS
     row += SINGLE * len(stack.part) if "cells" in keep else 0
     row += TEXT * (CSV_COLUMNS + (layers if "rubber" in keep else 0))
-    return float(row) * _most_rows(case) * len(case.ambient)
-
-
-def _most_rows(case: Case) -> float:
     _, steps = survey(case.test, case.bearing.total_rubber_thickness, case.starts_at)
     steps = 1.0 + steps / case.analysis.keep_every
-    if case.analysis.histories == COMPLETE or any(s.step == "recorded" for s in case.test.steps):
-        return steps
-    parts = sum(step.count + 1 if isinstance(step, Cycles) else 1 for step in case.test.steps)
-    return min(steps, parts * (POINTS + 4.0))
+    recorded = any(step.step == "recorded" for step in case.test.steps)
+    if case.analysis.histories != COMPLETE and not recorded:
+        parts = sum(step.count + 1 if isinstance(step, Cycles) else 1 for step in case.test.steps)
+        steps = min(steps, parts * (POINTS + 4.0))
+    return float(row) * steps * len(case.ambient)

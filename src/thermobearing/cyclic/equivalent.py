@@ -34,11 +34,6 @@ class PostYieldRatio(Strict):
     source: str
     unverified: bool
 
-    @property
-    def ratio(self) -> float:
-        """K_2/K_1."""
-        return self.K_2_over_K_1
-
 
 @cache
 def post_yield_ratio(kind: str) -> PostYieldRatio:
@@ -56,29 +51,9 @@ def bilinear_parameters(
 ) -> BilinearParameters:
     """Return the bilinear model with the equivalent stiffness and the loop area of a bearing.
 
-    The third cycle of a test without heating: Q_d, K_2 and K_1 in the ratio of the bearing's kind
-    (data/equivalent) such that peak force and energy are those of the bearing.
-
-    Parameters
-    ----------
-    bearing : Bearing, str or Path
-        A Bearing, a library name, or a TOML file.
-    strain : float
-        Shear strain amplitude, > 0.
-    speed : float
-        Mean loading rate [mm/s]; matters with rate dependence only.
-    temperature : float, optional
-        Of the whole bearing [degC]; the reference temperature of the rubber by default.
-
-    Returns
-    -------
-    BilinearParameters
-
-    Examples
-    --------
-    >>> cold, warm = (bilinear_parameters("shen-hdr-bridge", temperature=t) for t in (-20, 23))
-    >>> bool(cold.strength > warm.strength)
-    True
+    The third cycle of a test without heating at a strain amplitude, a mean speed [mm/s] and a
+    temperature [degC] (that of the law of the rubber by default): Q_d, K_2 and K_1 in the ratio of
+    the bearing's kind (data/equivalent) such that peak force and energy are those of the bearing.
     """
     bearing = as_bearing(bearing)
     measured = isothermal_cycle(bearing, strain, speed, temperature)
@@ -94,7 +69,7 @@ def isothermal_cycle(
 ) -> CycleMeasures:
     """Return the measures of the third cycle of a bearing that does not warm.
 
-    Arguments are those of `bilinear_parameters`.
+    Units and default of the temperature are those of `bilinear_parameters`.
     """
     bearing = as_bearing(bearing)
     adiabatic = EndFace(eta=1.0)
@@ -112,14 +87,9 @@ def isothermal_cycle(
         groups=(),
     )
     third = np.flatnonzero(history.cycle == CYCLE)
-    rows = slice(third[0] - 1, third[-1] + 1)
-    books = history.rows.books[rows]
-    return measure_cycle(
-        books["displacement"],
-        books["force"],
-        area=bearing.area,
-        total_rubber_thickness=rubber,
-    )
+    books = history.rows.books[slice(third[0] - 1, third[-1] + 1)]
+    x, force = books["displacement"], books["force"]
+    return measure_cycle(x, force, area=bearing.area, total_rubber_thickness=rubber)
 
 
 def backbone(
@@ -131,7 +101,7 @@ def backbone(
     needs: with K_1 = 6.5 K_2 no bilinear loop has more than 28 % of damping.
     """
     damping = energy / (2.0 * math.pi * stiffness * amplitude**2)
-    ratio = 1.0 / post_yield_ratio(kind).ratio
+    ratio = 1.0 / post_yield_ratio(kind).K_2_over_K_1
     if not damping < FATTEST:
         raise InputError(f"no bilinear loop has a damping ratio of {damping:.2f}")
     while (found := solve_backbone(stiffness, damping, amplitude, 1.0 / ratio)) is None:
@@ -155,8 +125,5 @@ def solve_backbone(
         return None
     share = (1.0 + target - math.sqrt(discriminant)) / (2.0 * (1.0 + ratio))
     post_yield = stiffness * (1.0 - share)
-    return BilinearParameters(
-        strength=share * stiffness * amplitude,
-        post_yield=post_yield,
-        initial=post_yield / stiffness_ratio,
-    )
+    strength = share * stiffness * amplitude
+    return BilinearParameters(strength, post_yield, post_yield / stiffness_ratio)

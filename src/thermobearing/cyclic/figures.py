@@ -4,7 +4,8 @@ The numbers are those of `Result`; nothing is computed here but where to draw th
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from itertools import groupby, zip_longest
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,7 @@ SHOWN_CYCLES = (1, 2, 5)  # of Fig. 4.8
 KJ = 1e-3  # kN mm -> kN m = kJ
 STRAIN, STRESS = "shear strain [%]", "shear stress [MPa]"
 PEAK = "peak stress"
+Line = tuple[Floats, drawing.Look]  # values by run and time, and how they are drawn
 # Variable, label, colour: safe for colour-blind readers.
 SHARES = (
     ("rubber_force", "rubber f_r", "#0072B2"),
@@ -53,15 +55,19 @@ ENERGIES = (
 )
 CYCLE_LOOKS = (("-", "o"), ("--", "s"), (":", "^"))  # line and marker
 POINTS = ("none", "o")
+FORCE: drawing.Look = {"color": drawing.INK, "linewidth": 0.9, "linestyle": "--"}
 LEAD, INNER, OUTER = "#222222", "#D55E00", "#56B4E9"
-FILES = {  # of the figures, by method
-    "displacement": "imposed_displacement",
-    **{name: name for name in ("loops", "measures", "layer_temperatures", "lead_temperature")},
-    **{name: name for name in ("force_shares", "profiles", "layer_shear")},
-    "energy": "energy_balance",
-    "comparison": "comparison",
-}
+METHODS = "displacement loops measures layer_temperatures lead_temperature force_shares profiles"
+METHODS += " layer_shear energy comparison"
+FILES = {"displacement": "imposed_displacement", "energy": "energy_balance"}  # else the method
+KEPT = (  # figure, variable that it needs, group of it
+    ("layer_temperatures", "rubber_temperature", "rubber"),
+    ("lead_temperature", "rubber_temperature", "rubber"),
+    ("profiles", "temperature", "cells"),
+    ("layer_shear", "layer_displacement", "layer_displacement"),
+)
 NOT_KEPT = 'the result holds no {}; run with keep=["{}", ...]'
+NOTHING = slice(0, 0)
 
 
 class NothingToDrawError(InputError):
@@ -110,63 +116,44 @@ class TimeAxis(DrawnAxis):
     def inside(self, run: int, first: int, last: int) -> slice:
         """Return the rows of segments first to last of a run, with the row where they start."""
         a, b = np.searchsorted(self._numbers[run], [first, last + 1])
-        return slice(max(int(a) - 1, 0), int(b)) if b > a else slice(0, 0)
+        return slice(max(int(a) - 1, 0), int(b)) if b > a else NOTHING
 
     def moving_rows(self, run: int) -> list[slice]:
         """Return the rows of each stretch of a run in which the bearing moves."""
         found = [self.inside(run, s.first, s.last) for s in self.stretches if not s.rest]
-        return [inside for inside in found if inside != slice(0, 0)]
+        return [inside for inside in found if inside != NOTHING]
 
-    def loading_ends(self, most: int) -> list[tuple[int, str]]:
+    def loading_ends(self) -> list[tuple[int, str]]:
         """Return number and name of some segments whose ends are shown: loadings, if any."""
         found: list[int] = []
         for kinds in ({"cycles", "recorded"}, {"ramp"}, {"rest", "closing cycle"}):
             found = found or [i for i, kind in enumerate(self._kinds) if kind in kinds]
         names = [self._labels[i] for i in found]
-        names = [
-            name if names.count(name) == 1 else f"{name} (step {i + 1})"
-            for i, name in zip(found, names, strict=True)
+        chosen = np.unique(np.linspace(0, len(found) - 1, MOST_PROFILES).round().astype(int))
+        return [
+            (found[k], names[k] + (f" (step {found[k] + 1})" if names.count(names[k]) > 1 else ""))
+            for k in chosen
         ]
-        chosen = np.unique(np.linspace(0, len(found) - 1, most).round().astype(int))
-        return [(found[k], names[k]) for k in chosen]
 
     def _grouped(self) -> Iterator[Stretch]:
         """Yield the stretches that any run reached, not yet placed."""
-        rests = [kind == "rest" for kind in self._kinds]
-        starts = [i for i, rest in enumerate(rests) if i == 0 or rest != rests[i - 1]]
-        for first, after in zip(starts, [*starts[1:], len(rests)], strict=True):
-            spans = [
-                float(np.ptp(time[inside]))
-                for run, time in enumerate(self.times)
-                if (inside := self.inside(run, first, after - 1)) != slice(0, 0)
-            ]
+        for rest, same in groupby(range(len(self._kinds)), lambda i: self._kinds[i] == "rest"):
+            first, *_, last = [*same] * 2
+            reached = [(t, self.inside(run, first, last)) for run, t in enumerate(self.times)]
+            spans = [float(np.ptp(time[rows])) for time, rows in reached if rows != NOTHING]
             if spans:
-                yield Stretch(first, after - 1, rests[first], min(spans), max(spans))
+                yield Stretch(first, last, rest, min(spans), max(spans))
 
     def trace(self, run: int, values: Floats) -> tuple[Floats, Floats]:
         """Return places and thinned values of a history of a run; NaN between stretches."""
         pieces = []
         for s in self.stretches:
             inside = self.inside(run, s.first, s.last)
-            if inside == slice(0, 0) or (self.cut and s.shortened):
-                continue
-            y, time = values[inside], self.times[run][inside]
-            kept = drawing.thin(y, math.ceil(MOST_POINTS * s.width / self.end))
-            pieces.append((s.place(time[kept] - time[0]), y[kept]))
+            if inside != NOTHING and not (self.cut and s.shortened):
+                y, time = values[inside], self.times[run][inside]
+                kept = drawing.thin(y, math.ceil(MOST_POINTS * s.width / self.end))
+                pieces.append((s.place(time[kept] - time[0]), y[kept]))
         return _joined(pieces)
-
-    def rows_of_panels(self, title: str, titles: list[str]) -> tuple[Figure, list[Axes]]:
-        """Return a panel per run, one below the other, with loadings and rests marked."""
-        count = len(titles)
-        figure, axes = drawing.panels(count, 1, (9.5, 1.4 + 2.2 * count), title)
-        for run, ax in enumerate(axes):
-            self.set_ticks(ax, labels=run == count - 1)
-            self.shade_rests(ax, labels=run == 0)
-            if run == 0:
-                self.label_loadings(ax)
-            drawing.name_axes(ax, title=titles[run], pad=17.0 if ax.texts else 5.0)
-        drawing.name_axes(axes[-1], self.caption())
-        return figure, axes
 
     def label_loadings(self, ax: Axes) -> None:
         """Write what is imposed above each loading that is wide enough for its label."""
@@ -175,11 +162,10 @@ class TimeAxis(DrawnAxis):
             start = self.times[run][self.inside(run, s.first, s.last)]
             for number in range(s.first, s.last + 1):
                 time, name = self.times[run][self.inside(run, number, number)], self._labels[number]
-                if self._kinds[number] not in ("cycles", "recorded") or len(time) == 0:
-                    continue
-                if time[-1] - time[0] > BOLD_LETTER * len(name) * self.end:
+                if self._kinds[number] in ("cycles", "recorded") and len(time):
                     middle = s.left + 0.5 * (time[0] + time[-1]) - start[0]
-                    write_above(ax, middle, name, drawing.INK, "bold")
+                    if time[-1] - time[0] > BOLD_LETTER * len(name) * self.end:
+                        write_above(ax, middle, name, drawing.INK, "bold")
 
 
 class Figures(drawing.Figures):
@@ -200,27 +186,24 @@ class Figures(drawing.Figures):
         """Return why a figure cannot be drawn, by name of the figure."""
         result, data = self._result, self._data
         kinds = {about["kind"] for about in result.segments}
-        layers = NOT_KEPT.format("rubber_temperature", "rubber")
-        groups = {"profiles": ("temperature", "cells"), "layer_shear": ("layer_displacement",) * 2}
-        reasons = {
-            "loops": "" if kinds - {"rest"} else "the bearing does not move in this test",
-            "measures": "" if len(result.cycles) else "the result has no closed cycle",
-            "layer_temperatures": "" if "rubber_temperature" in data else layers,
-            "lead_temperature": "" if "rubber_temperature" in data else layers,
-            "force_shares": "" if "cycles" in kinds else "the test has no cycles",
-            "comparison": "" if result.compared else "no other models were run",
-            **{k: "" if v[0] in data else NOT_KEPT.format(*v) for k, v in groups.items()},
+        needs = {
+            "loops": (kinds - {"rest"}, "the bearing does not move in this test"),
+            "measures": (len(result.cycles), "the result has no closed cycle"),
+            "force_shares": ("cycles" in kinds, "the test has no cycles"),
+            "comparison": (result.compared, "no other models were run"),
         }
+        for name, variable, group in KEPT:
+            needs[name] = (variable in data, NOT_KEPT.format(variable, group))
         if not result.has_lead:
-            reasons |= dict.fromkeys(
-                ("lead_temperature", "force_shares"), "the bearing has no lead"
+            needs |= dict.fromkeys(
+                ("lead_temperature", "force_shares"), (False, "the bearing has no lead")
             )
-        return {name: reason for name, reason in reasons.items() if reason}
+        return {name: reason for name, (there, reason) in needs.items() if not there}
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return what draws each figure that the result holds data for, by name of its file."""
         absent = self.absent()
-        return {file: getattr(self, name) for name, file in FILES.items() if name not in absent}
+        return {FILES.get(n, n): getattr(self, n) for n in METHODS.split() if n not in absent}
 
     def _require(self, name: str) -> None:
         if reason := self.absent().get(name):
@@ -233,11 +216,37 @@ class Figures(drawing.Figures):
         """Return the ambient temperatures, and what ended the runs that did not complete."""
         rows, found = self._result.tested_range.to_dict("records"), []
         for air, end in zip(self._ambient, self._data["outcome"].values, strict=True):
-            untested = "ambient" in limits_passed(rows, [run_name(air)])[0].split()
+            title = f"ambient {drawing.degrees(air)}"
+            if "ambient" in limits_passed(rows, [run_name(air)])[0].split():
+                title += " (not tested)"
             ended = "" if end == "completed" else f" ({str(end).replace('_', ' ')})"
-            mark = " (not tested)" if untested else ""
-            found.append(f"ambient {drawing.degrees(air)}{mark}{ended}")
+            found.append(title + ended)
         return found
+
+    def _draw_in_time(
+        self, what: str, y: str, lines: Sequence[Line], notes: Sequence[str] | None = None
+    ) -> tuple[Figure, list[Axes]]:
+        """Draw histories, a panel for each run, with loadings and rests marked.
+
+        Without `notes`, which follow the titles, they are temperatures: with the ambient one.
+        """
+        time, count = TimeAxis(self._result), len(self._ambient)
+        titles = [a + b for a, b in zip_longest(self._run_titles(), notes or (), fillvalue="")]
+        figure, axes = drawing.panels(count, 1, (9.5, 1.4 + 2.2 * count), self._title(what))
+        for run, ax in enumerate(axes):
+            time.set_ticks(ax, labels=run == count - 1)
+            time.shade_rests(ax, labels=run == 0)
+            if run == 0:
+                time.label_loadings(ax)
+            drawing.name_axes(ax, y=y, title=titles[run], pad=17.0 if ax.texts else 5.0)
+            for values, look in lines:
+                ax.plot(*time.trace(run, values[run]), **look)
+            if notes is None:
+                ax.axhline(self._ambient[run], color=drawing.GREY, linewidth=0.8, linestyle=":")
+        drawing.name_axes(axes[-1], time.caption())
+        handles = [Line2D([], [], **look) for _, look in lines]
+        drawing.legend_below(figure, handles + [drawing.ambient_handle()] * (notes is None))
+        return figure, axes
 
     def displacement(self) -> Figure:
         """Draw the imposed displacement [mm] and strain [%] against time; rests are cut out."""
@@ -314,8 +323,9 @@ class Figures(drawing.Figures):
         """
         self._require("measures")
         cycles, shown = self._result.cycles, self._shown_cycles()
-        title = self._title("equivalent modulus and damping")
-        figure, axes = drawing.panels(1, 2, (9.0, 4.2), title)
+        figure, axes = drawing.panels(
+            1, 2, (9.0, 4.2), self._title("equivalent modulus and damping")
+        )
         for ax, name in zip(axes, ("G_eq_MPa", "h_eq"), strict=True):
             for ambient, colour in zip(self._ambient, self._colours, strict=True):
                 for _, table, look in shown:
@@ -325,14 +335,12 @@ class Figures(drawing.Figures):
             drawing.name_axes(ax, quantity("amplitude_strain").label, quantity(name).label)
             ax.set_xlim(0.0, 108.0 * float(cycles["amplitude_strain"].max()))
             ax.set_ylim(0.0, 1.08 * float(cycles[name].max()))
-        handles = [
-            Line2D([], [], color=colour, linewidth=3.0, label=name)
-            for name, colour in zip(self._run_titles(), self._colours, strict=True)
+        looks = [
+            *({"color": colour, "linewidth": 3.0} for colour in self._colours),
+            *(_cycle_look(*look, drawing.GREY) for _, _, look in shown),
         ]
-        handles += [
-            Line2D([], [], label=name, **_cycle_look(*look, drawing.GREY))
-            for name, _, look in shown
-        ]
+        names = [*self._run_titles(), *(name for name, _, _ in shown)]
+        handles = [Line2D([], [], label=n, **k) for n, k in zip(names, looks, strict=True)]
         drawing.legend_below(figure, handles)
         return figure
 
@@ -343,10 +351,8 @@ class Figures(drawing.Figures):
             return [("every cycle", cycles, POINTS)]
         last = min(int(cycles["cycle"].max()), max(SHOWN_CYCLES))
         numbers = sorted({n for n in SHOWN_CYCLES if n <= last} | {last})
-        return [
-            (f"cycle {n}", cycles[cycles["cycle"] == n], look)
-            for n, look in zip(numbers, CYCLE_LOOKS, strict=False)
-        ]
+        looks = zip(numbers, CYCLE_LOOKS, strict=False)
+        return [(f"cycle {n}", cycles[cycles["cycle"] == n], look) for n, look in looks]
 
     def layer_temperatures(self) -> Figure:
         """Draw the temperature of each rubber layer in time, as Fig. 4.9.
@@ -355,52 +361,40 @@ class Figures(drawing.Figures):
         drawn to scale; rests (shaded) start to scale and turn logarithmic.
         """
         self._require("layer_temperatures")
-        time = TimeAxis(self._result)
-        title = self._title("temperature of the rubber layers")
-        figure, axes = time.rows_of_panels(title, self._run_titles())
+        rubber = self._data["rubber_temperature"].values
         names = drawing.layer_names(self._data.sizes["layer"], bool(self._data.attrs["half_stack"]))
         colours = drawing.ordered_colours(len(names), "plasma")
-        lows, highs = [], []
-        for run, ax in enumerate(axes):
-            values = self._data["rubber_temperature"].values[run, : time.rows[run]]
-            for j, (name, colour) in enumerate(zip(names, colours, strict=True)):
-                x, y = time.trace(run, values[:, j])
-                # Later layers are thinner: where two agree, both are seen.
-                ax.plot(x, y, color=colour, label=name, linewidth=2.0 - 1.2 * j / len(names))
-            ax.axhline(self._ambient[run], color=drawing.GREY, linewidth=0.8, linestyle=":")
-            drawing.name_axes(ax, y="rubber temperature [°C]")
-            lows.append(min(float(values.min()), self._ambient[run]))
-            highs.append(max(float(values.max()), self._ambient[run]))
-        span = max(float(np.max(np.subtract(highs, lows))), 0.1)
+        widths = 2.0 - 1.2 * np.arange(len(names)) / len(names)  # where two agree, both are seen
+        lines: list[Line] = [
+            (rubber[:, :, j], {"color": colours[j], "label": name, "linewidth": widths[j]})
+            for j, name in enumerate(names)
+        ]
+        what = "temperature of the rubber layers"
+        figure, axes = self._draw_in_time(what, "rubber temperature [°C]", lines)
+        lows = np.fmin(np.nanmin(rubber, axis=(1, 2)), self._ambient)
+        highs = np.fmax(np.nanmax(rubber, axis=(1, 2)), self._ambient)
+        span = max(float(np.max(highs - lows)), 0.1)
         for ax, low in zip(axes, lows, strict=True):
             ax.set_ylim(low - 0.05 * span, low + 1.08 * span)
-        drawing.legend_below(figure, [*axes[0].get_lines()[: len(names)], drawing.ambient_handle()])
         return figure
 
     def lead_temperature(self) -> Figure:
         """Draw the temperatures of lead, innermost and outermost layer in time, as Fig. 5.8."""
         self._require("lead_temperature")
-        time = TimeAxis(self._result)
-        figure, axes = time.rows_of_panels(
-            self._title("temperature of the lead"), self._run_titles()
-        )
         rubber = self._data["rubber_temperature"].values
+        last = "innermost" if self._data.attrs["half_stack"] else "last"
+        lines: list[Line] = [
+            (values, {"color": colour, "label": label, "linewidth": width})
+            for values, colour, label, width in (
+                (self._data["lead_temperature"].values, LEAD, "lead core", 1.6),
+                (rubber[:, :, -1], INNER, f"{last} rubber layer", 1.2),
+                (rubber[:, :, 0], OUTER, "outermost rubber layer", 1.2),
+            )
+        ]
+        figure, axes = self._draw_in_time("temperature of the lead", "temperature [°C]", lines)
         for run, ax in enumerate(axes):
-            rows = time.rows[run]
-            for values, colour, width in (
-                (self._data["lead_temperature"].values[run, :rows], LEAD, 1.6),
-                (rubber[run, :rows, -1], INNER, 1.2),
-                (rubber[run, :rows, 0], OUTER, 1.2),
-            ):
-                ax.plot(*time.trace(run, values), color=colour, linewidth=width)
-            ax.axhline(self._ambient[run], color=drawing.GREY, linewidth=0.8, linestyle=":")
-            drawing.name_axes(ax, y="temperature [°C]")
             tested = self._result.tested_to(run, "lead_temperature")
             drawing.mark_tested(ax, tested, "lead tested to here")
-        last = "innermost" if self._data.attrs["half_stack"] else "last"
-        names = {"lead core": LEAD, f"{last} rubber layer": INNER, "outermost rubber layer": OUTER}
-        handles = [Line2D([], [], color=c, linewidth=1.6, label=name) for name, c in names.items()]
-        drawing.legend_below(figure, [*handles, drawing.ambient_handle()])
         return figure
 
     def force_shares(self) -> Figure:
@@ -425,8 +419,7 @@ class Figures(drawing.Figures):
                 drawing.name_axes(ax, y=y, title=f"{titles[run]}, cycle {number}")
         for ax in axes[count:]:
             drawing.name_axes(ax, "time in the cycle [s]")
-        look: drawing.Look = {"color": drawing.INK, "linewidth": 0.9, "linestyle": "--"}
-        handles = [Line2D([], [], label="bearing force f", **look)]
+        handles = [Line2D([], [], label="bearing force f", **FORCE)]
         handles += [Line2D([], [], color=colour, label=label) for _, label, colour in SHARES]
         drawing.legend_below(figure, handles)
         return figure
@@ -435,9 +428,8 @@ class Figures(drawing.Figures):
         """Draw all branches over one cycle, with their shares of the force at its peak."""
         time = self._result.time(run)[rows]
         force = self._data["force"].values[run, rows]
-        ax.plot(time - time[0], force, color=drawing.INK, linewidth=0.9, linestyle="--")
-        peak = int(np.argmax(force))
-        shares = []
+        ax.plot(time - time[0], force, **FORCE)
+        peak, shares = int(np.argmax(force)), []
         for name, _, colour in SHARES:
             values = self._data[name].values[run, rows]
             ax.plot(time - time[0], values, color=colour, linewidth=1.3)
@@ -454,31 +446,29 @@ class Figures(drawing.Figures):
         """
         self._require("profiles")
         data, time, cored = self._data, TimeAxis(self._result), self._result.has_lead
-        shown = time.loading_ends(MOST_PROFILES)
-        panels = []
+        shown, panels = time.loading_ends(), []
         for run, title in enumerate(self._run_titles()):
             lines = []
             for place, (number, _) in enumerate(shown):
                 inside = time.inside(run, number, number)
-                if inside != slice(0, 0):
+                if inside != NOTHING:
                     row = inside.stop - 1
                     lead = data["lead_temperature"].values[run, row] if cored else None
                     lines.append((place, data["temperature"].values[run, row], lead))
             panels.append(ProfilePanel(title, float(self._ambient[run]), data, lines))
-        count = len(panels)
+        size = (max(5.5, 1.9 + 2.5 * len(panels)), 5.2)
         title = self._title("temperature at the end of each loading")
-        size = (max(5.5, 1.9 + 2.5 * count), 5.2)
-        return draw_profile_panels(title, size, count, panels, [name for _, name in shown])
+        return draw_profile_panels(title, size, len(panels), panels, [name for _, name in shown])
 
     def layer_shear(self) -> Figure:
         """Draw the displacement of each layer [mm] at the last peak of each amplitude."""
         self._require("layer_shear")
         data, time, titles = self._data, TimeAxis(self._result), self._run_titles()
-        shown, count = time.loading_ends(MOST_PROFILES), len(titles)
+        shown, count, depth = time.loading_ends(), len(titles), _layer_depths(data)
         colours = drawing.ordered_colours(len(shown), "viridis")
         size = (max(5.5, 1.9 + 2.5 * count), 5.2)
         figure, axes = drawing.panels(1, count, size, self._title("shear of the layers"))
-        depth = _layer_depths(data)
+        look: drawing.Look = {"marker": "o", "markersize": 3.5, "linewidth": 1.1}
         for run, ax in enumerate(axes):
             for (number, _), colour in zip(shown, colours, strict=True):
                 rows = np.arange(time.rows[run])[time.inside(run, number, number)]
@@ -486,7 +476,7 @@ class Figures(drawing.Figures):
                     moved = np.abs(data["displacement"].values[run, rows])
                     peak = rows[np.flatnonzero(moved >= AT_PEAK * moved.max())[-1]]
                     layers = np.abs(data["layer_displacement"].values[run, peak])
-                    ax.plot(layers, depth, color=colour, marker="o", markersize=3.5, linewidth=1.1)
+                    ax.plot(layers, depth, color=colour, **look)
             draw_stack(ax, data, names=run == count - 1)
             ax.tick_params(labelleft=run == 0)
             y = "distance from the upper face [mm]" if run == 0 else ""
@@ -501,22 +491,22 @@ class Figures(drawing.Figures):
 
         The titles give the residuals of the balances, relative to the work.
         """
-        time = TimeAxis(self._result)
         residuals = self._result.energy[["mechanical_residual", "thermal_residual"]].to_numpy()
-        titles = [
-            f"{title}; relative residual of the balance: mechanical "
-            f"{_residual(mechanical)}, thermal {_residual(thermal)}"
-            for title, (mechanical, thermal) in zip(self._run_titles(), residuals, strict=True)
+        notes = [
+            "; relative residual of the balance: mechanical {}, thermal {}".format(
+                *map(_residual, both)
+            )
+            for both in residuals
         ]
-        figure, axes = time.rows_of_panels(self._title("energy balance"), titles)
-        for run, ax in enumerate(axes):
-            for name, colour, line, width in ENERGIES:
-                look: drawing.Look = {"color": colour, "linestyle": line, "linewidth": width}
-                look["label"] = quantity(f"{name}_kN_mm").head
-                ax.plot(*time.trace(run, KJ * self._data[name].values[run]), **look)
-            drawing.name_axes(ax, y="energy [kJ = kN m]")
-        drawing.legend_below(figure, axes[0].get_lines()[: len(ENERGIES)])
-        return figure
+        lines: list[Line] = [
+            (
+                KJ * self._data[name].values,
+                {"color": colour, "linestyle": line, "linewidth": width}
+                | {"label": quantity(f"{name}_kN_mm").head},
+            )
+            for name, colour, line, width in ENERGIES
+        ]
+        return self._draw_in_time("energy balance", "energy [kJ = kN m]", lines, notes)[0]
 
     def comparison(self) -> Figure:
         """Draw the errors of other models at the end of each cycle of the test.

@@ -73,18 +73,16 @@ def _cycles(step: Cycles, rubber: float, dt: float) -> list[Segment]:
     segments = []
     for (size, count, kind, name), quarter in zip(parts, step.quarters(rubber), strict=True):
         steps = max(FEWEST_STEPS, _equal_steps(quarter, dt))
-        shape = _cycle_shape(step.wave, steps)
-        turning = np.zeros(4 * steps, dtype=bool)
-        turning[steps - 1 :: steps] = True
+        x = np.tile(size * _cycle_shape(step.wave, steps), count)
         numbers = np.repeat(np.arange(1, count + 1, dtype=np.int32), 4 * steps)
         segments.append(
             Segment(
                 kind=kind,
                 label=name,
-                x=np.tile(size * shape, count),
-                dt=np.broadcast_to(quarter / steps, 4 * steps * count),
+                x=x,
+                dt=np.broadcast_to(quarter / steps, len(x)),
                 cycle=numbers if kind == "cycles" else np.zeros_like(numbers),
-                turning=np.tile(turning, count),
+                turning=np.arange(1, len(x) + 1) % steps == 0,
                 amplitude_strain=size / rubber,
             )
         )
@@ -116,8 +114,7 @@ def _rest(step: Rest, dt: float, start: float) -> Segment:
 
 
 def _plain(kind: str, label: str, x: Floats, dt: Floats, settle: float = 0.0) -> Segment:
-    turning = np.zeros(len(x), dtype=bool)
-    turning[-1] = True
+    turning = np.arange(len(x)) == len(x) - 1
     return Segment(kind, label, x, dt, np.zeros(len(x), dtype=np.int32), turning, settle=settle)
 
 
@@ -125,12 +122,10 @@ def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment
     gaps, displacement, assumed = step.points(start)
     counts = np.maximum(1, np.ceil(gaps / dt - TINY).astype(np.int64))
     steps = np.repeat(gaps / counts, counts)
-    ends = np.cumsum(counts) - 1
-    x = np.interp(np.arange(counts.sum()) + 1, np.concatenate([[0], ends + 1]), displacement)
-    turns = np.zeros(len(x), dtype=bool)
-    turns[ends] = True
-    cycle = np.zeros(len(x), dtype=np.int32)
-    peak = float(np.abs(displacement).max()) / rubber
+    ends = np.concatenate([[0], np.cumsum(counts)])
+    numbers = np.arange(counts.sum()) + 1
+    x, turns = np.interp(numbers, ends, displacement), np.isin(numbers, ends)
+    cycle, peak = np.zeros(len(x), dtype=np.int32), float(np.abs(displacement).max()) / rubber
     said = tuple(f"{step.name}: {text}" for text in assumed)
     return Segment("recorded", step.name, x, steps, cycle, turns, peak, assumed=said)
 
@@ -143,17 +138,17 @@ def build_segments(
     if faults:
         raise InputError(faults, test.name)
     segments: list[Segment] = []
-    at = start
+    at, rubber = start, total_rubber_thickness
     for step in test.steps:
         match step:
             case Cycles():
-                segments += _cycles(step, total_rubber_thickness, test.dt)
+                segments += _cycles(step, rubber, test.dt)
             case Ramp():
-                segments.append(_ramp(step, total_rubber_thickness, test.dt, at))
+                segments.append(_ramp(step, rubber, test.dt, at))
             case Rest():
                 segments.append(_rest(step, test.dt, at))
             case _:
-                segments.append(_recorded(step, total_rubber_thickness, test.dt, at))
+                segments.append(_recorded(step, rubber, test.dt, at))
         at = float(segments[-1].x[-1])
     return segments
 
@@ -260,20 +255,15 @@ def run_segments(
                 break
     except KeyboardInterrupt:
         run.outcome = INTERRUPTED
-    _keep_end(constants, run)
+    last = run.kept - 1
+    if run.rows.books[last].clock != run.state.books[0].clock:
+        # The run was cut off: its last row is kept too, so that energies and profiles agree.
+        keep_row(constants, run.state, run.rows, run.kept)
+        run.segment[run.kept], run.cycle[run.kept] = run.segment[last], run.cycle[last]
+        run.kept += 1
     run.rows = run.rows.part(0, run.kept)
     run.segment, run.cycle = run.segment[: run.kept], run.cycle[: run.kept]
     return run
-
-
-def _keep_end(constants: Constants, run: History) -> None:
-    """Keep the last row of a run that was cut off, so that its energies and profiles agree."""
-    last = run.kept - 1
-    if run.rows.books[last].clock == run.state.books[0].clock:
-        return
-    keep_row(constants, run.state, run.rows, run.kept)
-    run.segment[run.kept], run.cycle[run.kept] = run.segment[last], run.cycle[last]
-    run.kept += 1
 
 
 def _run_segment(
@@ -294,17 +284,15 @@ def _run_segment(
         air = ambient.means(run.state.books[0].clock, dt)
         path = Path(segment.x[part], dt, air, keep[part], segment.settle)
         room = run.rows.part(run.kept, len(run.segment))
-        done, kept, outcome, softened, mismatch = march(
-            constants, work, run.state, spare, path, room
-        )
+        found = march(constants, work, run.state, spare, path, room)
+        done, kept, outcome, softened, mismatch = found
         run.steps += done
         run.softened_steps += softened
         run.mismatch = max(run.mismatch, mismatch)
-        end = run.kept + kept
-        run.segment[run.kept : end] = number
+        run.segment[run.kept : run.kept + kept] = number
         cycle = segment.cycle[part][:done][keep[part][:done]]
         run.cycle[run.kept : run.kept + len(cycle)] = cycle
-        run.kept = end
+        run.kept += kept
         if progress:
             progress(int(np.diff(np.searchsorted(ends, [first, first + done]))[0]))
         if outcome not in (COMPLETED, SOFTENED):

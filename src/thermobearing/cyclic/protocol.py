@@ -34,34 +34,26 @@ def checked_history(
         displacement = number_list(displacements, "displacement [mm]")
     except InputError as error:
         raise InputError(error.problems, where) from None
+    fault, gaps = "", np.diff(time)
+    largest = max(1.0, float(np.abs(displacement).max())) if len(displacement) else 1.0
     if len(time) != len(displacement) or len(time) < 2:
-        raise InputError(
-            f"{len(time)} times and {len(displacement)} displacements; two equally long lists of "
-            "at least 2 are needed",
-            where,
-        )
-    gaps = np.diff(time)
-    if not (gaps > 0).all():
+        fault = f"{len(time)} times and {len(displacement)} displacements; two equally long lists "
+        fault += "of at least 2 are needed"
+    elif not (gaps > 0).all():
         k = int(np.argmin(gaps > 0))
-        raise InputError(
-            f"time does not increase from {time[k]:g} to {time[k + 1]:g} s "
-            f"(rows {k + 1} and {k + 2} of the numbers)",
-            where,
-        )
-    if start is not None:
-        largest = max(1.0, float(np.abs(displacement).max()))
-        if abs(displacement[0] - start) > START * largest:
-            raise InputError(
-                f"starts at {displacement[0]:g} mm but the bearing is at {start:g} mm; "
-                "put a ramp before it",
-                where,
-            )
+        fault = f"time does not increase from {time[k]:g} to {time[k + 1]:g} s "
+        fault += f"(rows {k + 1} and {k + 2} of the numbers)"
+    elif start is not None and abs(displacement[0] - start) > START * largest:
+        fault = f"starts at {displacement[0]:g} mm but the bearing is at {start:g} mm; "
+        fault += "put a ramp before it"
+    if fault:
+        raise InputError(fault, where)
     return gaps, displacement
 
 
 Wave = Literal["triangular", "sine"]
 LONGEST = 1e8  # three years [s]
-# What a laboratory or an earthquake does, with a factor of ten or more on either side.
+# Ranges are those of laboratories and earthquakes, with a factor of ten or more on either side.
 Seconds = Annotated[float, in_unit("s"), Field(ge=1e-6, le=LONGEST)]
 Strain = Annotated[float, Field(ge=1e-6, le=5)]
 Amplitude = Annotated[float, in_unit("mm"), Field(ge=1e-6, le=1e5)]
@@ -107,16 +99,15 @@ class Cycles(Strict):
 
     def size(self, total_rubber_thickness: float) -> float:
         """Amplitude [mm]."""
-        by_strain = (self.strain or 0.0) * total_rubber_thickness
-        return self.amplitude if self.amplitude is not None else by_strain
+        return self.amplitude or (self.strain or 0.0) * total_rubber_thickness
 
     def quarters(self, total_rubber_thickness: float) -> list[float]:
         """Duration of a quarter of the cycles, and of the closing cycle if there is one [s]."""
-        size = self.size(total_rubber_thickness)
+        sizes = [self.size(total_rubber_thickness)]
         period = self.period or (1.0 / self.frequency if self.frequency else None)
-        speed = (self.speed or 1.0) if period is None else 4.0 * size / period
-        closing = self.closing_strain
-        sizes = [size] if closing is None else [size, closing * total_rubber_thickness]
+        speed = (self.speed or 1.0) if period is None else 4.0 * sizes[0] / period
+        if self.closing_strain is not None:
+            sizes.append(self.closing_strain * total_rubber_thickness)
         return [size / speed for size in sizes]
 
 
@@ -135,8 +126,7 @@ class Ramp(Strict):
 
     def target(self, total_rubber_thickness: float) -> float:
         """Displacement at the end [mm]."""
-        by_strain = (self.to_strain or 0.0) * total_rubber_thickness
-        return self.to if self.to is not None else by_strain
+        return (self.to_strain or 0.0) * total_rubber_thickness if self.to is None else self.to
 
     def seconds(self, distance: float) -> float:
         """Time that the move takes [s]."""
@@ -231,30 +221,29 @@ def _step_faults(
 ) -> tuple[float, float | None, list[str]]:
     """Return number of time steps, displacement at the end and faults of one step."""
     faults, steps, end, peak, where = [], 0.0, at, 0.0, ""
-    if isinstance(step, Cycles):
-        steps = sum(
-            4.0 * count * max(FEWEST_STEPS, quarter / dt)
-            for count, quarter in zip((step.count, 1), step.quarters(rubber), strict=False)
-        )
-        end, peak = 0.0, step.size(rubber)
-        if at is not None and abs(at) > TINY:
-            faults.append(
-                f"cycles start from zero, but the bearing is at {at:g} mm; "
-                "put a ramp to 0 mm before them"
-            )
-    elif isinstance(step, Ramp):
-        end = step.target(rubber)
-        steps, peak = step.seconds(abs(end - (at or 0.0))) / dt, abs(end)
-    elif isinstance(step, Rest):
-        steps = step.count(dt)
-    else:
-        where = f"{step.file or step.name}: "
-        try:
-            gaps, x, _ = step.points(at)
-        except InputError as error:
-            return 0.0, None, error.lines()
-        end, peak = float(x[-1]), float(np.abs(x).max())
-        steps = float(np.maximum(1.0, gaps / dt).sum())
+    match step:
+        case Cycles():
+            parts = zip((step.count, 1), step.quarters(rubber), strict=False)
+            steps = sum(4.0 * n * max(FEWEST_STEPS, quarter / dt) for n, quarter in parts)
+            end, peak = 0.0, step.size(rubber)
+            if at is not None and abs(at) > TINY:
+                faults.append(
+                    f"cycles start from zero, but the bearing is at {at:g} mm; "
+                    "put a ramp to 0 mm before them"
+                )
+        case Ramp():
+            end = step.target(rubber)
+            steps, peak = step.seconds(abs(end - (at or 0.0))) / dt, abs(end)
+        case Rest():
+            steps = step.count(dt)
+        case Recorded():
+            where = f"{step.file or step.name}: "
+            try:
+                gaps, x, _ = step.points(at)
+            except InputError as error:
+                return 0.0, None, error.lines()
+            end, peak = float(x[-1]), float(np.abs(x).max())
+            steps = float(np.maximum(1.0, gaps / dt).sum())
     if peak > LARGEST_STRAIN * rubber * (1.0 + TINY):
         faults.append(
             f"{where}reaches {peak:g} mm, more than {LARGEST_STRAIN:.0%} of the total rubber "
@@ -270,9 +259,8 @@ def survey(
 
     The bearing is at `start` [mm] when it begins. Recordings are read; nothing is sampled.
     """
-    faults: list[str] = []
+    faults, total = [], 0.0
     at: float | None = start
-    total = 0.0
     for number, step in enumerate(test.steps):
         steps, at, found = _step_faults(step, test.dt, total_rubber_thickness, at)
         total += steps
@@ -336,15 +324,14 @@ def cyclic_test(
     levels = np.atleast_1d(np.asarray(strain, dtype=object)).ravel().tolist()
     if not levels:
         raise InputError("strain: give at least one amplitude", "cyclic_test()")
-    rate: dict[str, object] = {"speed": speed, "frequency": frequency, "period": period}
-    rate = {key: value for key, value in rate.items() if value is not None} or {"speed": SPEED}
+    rates = {"speed": speed, "frequency": frequency, "period": period}
+    rate = {key: value for key, value in rates.items() if value is not None} or {"speed": SPEED}
     common = {"count": cycles, "wave": wave, "closing_strain": closing_strain, **rate}
     steps: list[dict[str, object]] = []
     for level in levels:
         if steps and rest is not None:
             steps.append({"step": "rest", "duration": rest})
         steps.append({"step": "cycles", "strain": level, **common})
-    levels_34 = [0.5, 1.0, 1.5, 2.0, 2.5]
-    printed = (levels, cycles, rate) == (levels_34, 5, {"speed": SPEED}) and rest
+    printed = (levels, cycles, rate) == ([0.5, 1.0, 1.5, 2.0, 2.5], 5, {"speed": SPEED}) and rest
     data = {"name": "Table 3.4" if printed else "cyclic test", "dt": dt, "steps": steps}
     return validated(CyclicTest, data, "cyclic_test()", from_file=False)

@@ -84,18 +84,10 @@ def build_pieces(result: Result) -> Pieces:
 
 
 def words_of_test(test: Case) -> str:
-    """Return what is done in a test of a resolved case, as a sentence without its full stop.
-
-    Examples
-    --------
-    >>> cycles = {"step": "cycles", "wave": "sine", "frequency": "0.5 Hz", "count": 11}
-    >>> words_of_test({"name": "mine", "steps": [cycles | {"strain": 1.75}]})
-    'mine: 11 cycles of 175 % shear strain (sine, 0.5 Hz)'
-    """
-    steps: Sequence[Step] = test["steps"]
-    moving = [step for step in steps if step["step"] != "rest"]
+    """Return what is done in a test of a resolved case, as a sentence without its full stop."""
+    moving = [step for step in test["steps"] if step["step"] != "rest"]
     found = [_alike_words(list(same)) for _, same in groupby(moving, key=_alike)]
-    if rests := [step for step in steps if step["step"] == "rest"]:
+    if rests := [step for step in test["steps"] if step["step"] == "rest"]:
         found.append(f"{counted(len(rests), 'rest') if found else 'rest'} ({_course(rests)})")
     return f"{test.get('name', 'test')}: {joined(found)}"
 
@@ -123,9 +115,7 @@ def _alike_words(steps: Sequence[Step]) -> str:
 def _size(step: Step) -> str:
     """Return the strain or displacement of a step; nothing of a rest or a recording."""
     strain, way = step.get("strain", step.get("to_strain")), step.get("amplitude", step.get("to"))
-    if strain is not None:
-        return percent(float(strain))
-    return "" if way is None else quantity(way)
+    return percent(float(strain)) if strain is not None else "" if way is None else quantity(way)
 
 
 def _course(steps: Sequence[Step]) -> str:
@@ -159,10 +149,10 @@ def _table_of_test(test: Case) -> Table:
             row["cycles"] = str(step["count"])
             row["closing_cycle"] = percent(float(closing)) if closing is not None else "none"
         rows.append(row)
-    left = len(test["steps"]) - len(rows)
     note = f"Largest time step {quantity(test['dt'])}. Sizes are shear strains of the total rubber "
     note += "thickness, or displacements."
-    note += f" {counted(left, 'more step')}: see case.resolved.toml." if left else ""
+    if left := len(test["steps"]) - len(rows):
+        note += f" {counted(left, 'more step')}: see case.resolved.toml."
     return make_table(pd.DataFrame(rows), caption=f"Test: {test.get('name', 'test')}", note=note)
 
 
@@ -194,17 +184,15 @@ def _answer(result: Result) -> list[str]:
         f"{number(force, '.4g')} kN at {percent(strain)} ({degrees([air])})"
         for air, force, strain in _peaks(result)
     )
-    heated = f"; the test warms {told}" if (told := _warmest(result)) else ""
-    none = f"No cycle was closed; the largest force and shear strain are {peaks}{heated}."
-    return [*early, none]
+    heated = f"; the test warms {warmed}" if (warmed := _warmest(result)) else ""
+    return [*early, f"No cycle was closed; the largest force and shear strain are {peaks}{heated}."]
 
 
 def _peaks(result: Result) -> list[tuple[float, float, float]]:
     """Return ambient temperature [degC], largest |force| [kN] and largest |strain| of each run."""
     force, strain = (np.nanmax(np.abs(result[n].values), axis=1) for n in ("force", "strain"))
-    return list(
-        zip(result["ambient"].values.tolist(), force.tolist(), strain.tolist(), strict=True)
-    )
+    columns = (result["ambient"].values, force, strain)
+    return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
 def _governing(result: Result, rows: pd.DataFrame, largest: float) -> str:
@@ -275,12 +263,10 @@ def _input_tables(result: Result, case: Case) -> dict[str, Table]:
 def rig_table(rig: Case, own: Mapping[str, str] | None = None) -> Table:
     """Return the limits of a rig of a resolved case; `own` are the sources of its file, by key."""
     limits = {key: rig[key] for key in RIG if key in rig}
-    about = [str(rig[key]).rstrip(".") for key in ("description", "citation") if rig.get(key)]
-    note = ". ".join(about) + "." if about else ""
-    sources = {
-        f"rig.{key}": text for key, text in (RIGS.sources(Rig, rig) | dict(own or {})).items()
-    }
-    title = f"Rig: {rig.get('name', 'rig')}"
+    about = [str(rig[key]).rstrip(".") + "." for key in ("description", "citation") if rig.get(key)]
+    given = RIGS.sources(Rig, rig) | dict(own or {})
+    sources = {f"rig.{key}": text for key, text in given.items()}
+    title, note = f"Rig: {rig.get('name', 'rig')}", " ".join(about)
     return input_table(title, {"rig": limits}, sources, otherwise="not stated", note=note)
 
 
@@ -308,14 +294,14 @@ def _checks(result: Result, case: Case) -> list[Check]:
 
 def _residuals(result: Result, case: Case) -> list[tuple[str, float, float, str]]:
     """Return the largest residuals of the energy balance with their limits."""
-    found, analysis = [], case["analysis"]
-    gaps = analysis["scheme"] == "published" or analysis["model"] in BLIND
-    for name in ("mechanical", "thermal"):
-        value = float(result.energy[f"{name}_residual"].abs().max())
-        limit = float("nan") if gaps and name == "thermal" else BOOKS_CLOSE
-        source = "energy balance" if limit == limit else "no limit: this model's balance has gaps"
-        found.append((f"{name} residual", value, limit, source))
-    return found
+    gaps = case["analysis"]["scheme"] == "published" or case["analysis"]["model"] in BLIND
+    source = "no limit: this model's balance has gaps" if gaps else "energy balance"
+    limits = {"mechanical": (BOOKS_CLOSE, "energy balance")}
+    limits["thermal"] = (float("nan") if gaps else BOOKS_CLOSE, source)
+    return [
+        (f"{name} residual", float(result.energy[f"{name}_residual"].abs().max()), *limit)
+        for name, limit in limits.items()
+    ]
 
 
 def _figures(result: Result) -> dict[str, ReportFigure]:
@@ -366,19 +352,17 @@ def _temperature_plot(result: Result) -> Plot:
     data = result.dataset
     names = drawing.layer_names(data.sizes["layer"], bool(data.attrs["half_stack"]))
     colours = drawing.ordered_colours(len(names), "plasma")
-    time, choices = TimeAxis(result, cut=True), {}
+    rubber, time = data["rubber_temperature"].values, TimeAxis(result, cut=True)
+    choices: dict[str, list[Trace]] = {}
+    lines = [(name, rubber[:, :, j], colours[j], "line") for j, name in enumerate(names)]
+    if result.has_lead:
+        lines.append(("lead", data["lead_temperature"].values, drawing.INK, "dashed"))
     for run, ambient, _ in _runs(result):
-        count = time.rows[run]
-        values = result["rubber_temperature"].values[run, :count]
-        lines = [(name, values[:, j], colours[j], "line") for j, name in enumerate(names)]
-        if result.has_lead:
-            lead = result["lead_temperature"].values[run, :count]
-            lines.append(("lead", lead, drawing.INK, "dashed"))
-        traces = [(name, time.trace(run, t), colour, look) for name, t, colour, look in lines]
-        choices[ambient] = [
-            Trace(name, rounded(x / time.unit), rounded(y), colour, look)
-            for name, (x, y), colour, look in traces
-        ]
+        choices[ambient] = []
+        for name, values, colour, look in lines:
+            x, y = time.trace(run, values[run])
+            trace = Trace(name, rounded(x / time.unit), rounded(y), colour, look)
+            choices[ambient].append(trace)
     cut = ", long rests cut out" if time.shortened else ""
     return Plot(f"time{cut} [{time.unit_name}]", "temperature [°C]", choices)
 
@@ -395,10 +379,5 @@ def _profile_plot(result: Result) -> Plot:
         frames = rounded(values[at])
         y = np.tile(-depth, (len(moments), 1))
         traces.append(Trace(name, frames[0], -depth, colour, "line with points", y, frames))
-    return Plot(
-        "temperature [°C]",
-        "level relative to the upper face [mm]",
-        {"all": traces},
-        slider=[duration(float(moment)) for moment in moments],
-        slider_title="time",
-    )
+    y_label, slider = "level relative to the upper face [mm]", [duration(float(t)) for t in moments]
+    return Plot("temperature [°C]", y_label, {"all": traces}, slider=slider, slider_title="time")

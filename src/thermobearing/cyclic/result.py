@@ -93,10 +93,7 @@ class Result(DatasetResult):
             f"{len(self.cycles)} cycles, {self.outcome}"
         )
 
-    @property
-    def table(self) -> pd.DataFrame:
-        """The measures of the closed cycles; see `cycles`."""
-        return self.cycles
+    table = property(lambda self: self.cycles, doc="The measures of the closed cycles.")
 
     def sel(self, *, ambient: float | list[float]) -> "Result":
         """Return the runs at some ambient temperatures.
@@ -174,31 +171,24 @@ class Result(DatasetResult):
             return np.asarray(self.dataset["clock"].values[run])
         return np.asarray(self.dataset["time"].values)
 
-    def _cycle_rows(self, run: int) -> list[tuple[int, int, slice]]:
-        """Return (segment, cycle, rows from the closing point of the cycle before) of a run."""
-        segment = self.dataset["segment"].values[run]
-        cycle = self.dataset["cycle"].values[run]
-        x = self.dataset["displacement"].values[run]
-        found: list[tuple[int, int, slice]] = []
+    def _cycle_rows(self, run: int) -> Iterator[tuple[int, int, slice]]:
+        """Yield (segment, cycle, rows from the closing point of the cycle before) of a run."""
+        names = ("segment", "cycle", "displacement")
+        segment, cycle, x = (self.dataset[name].values[run] for name in names)
         # Numbers of segments and cycles only grow, up to the padding of -1.
         parts = np.searchsorted(segment[segment >= 0], np.arange(len(self.segments) + 1))
         for number, (first, end) in enumerate(pairwise(parts.tolist())):
-            if first == end:
-                continue
-            if self.segments[number]["kind"] == "recorded":
+            kind = self.segments[number]["kind"]
+            if first < end and kind == "recorded":
                 first = max(first - 1, 0)
-                found += [
-                    (number, k, slice(first + a, first + b + 1))
-                    for k, (a, b) in enumerate(find_cycles(x[first:end]), 1)
-                ]
-            elif self.segments[number]["kind"] == "cycles":
+                for k, (a, b) in enumerate(find_cycles(x[first:end]), 1):
+                    yield number, k, slice(first + a, first + b + 1)
+            elif first < end and kind == "cycles":
                 numbers = np.arange(1, int(cycle[end - 1]) + 2)
                 ends = first + np.searchsorted(cycle[first:end], numbers)
                 for k, (a, b) in enumerate(pairwise(ends.tolist()), 1):
-                    closed = a < b and x[b - 1] == 0.0 and x[a:b].min() < 0.0
-                    if closed:  # else cut off on its way
-                        found.append((number, k, slice(a - 1, b)))
-        return found
+                    if a < b and x[b - 1] == 0.0 and x[a:b].min() < 0.0:  # else cut off on its way
+                        yield number, k, slice(a - 1, b)
 
     @cached_property
     def cycles(self) -> pd.DataFrame:
@@ -217,14 +207,9 @@ class Result(DatasetResult):
         for run, ambient in enumerate(data["ambient"].values):
             for number, k, where in self._cycle_rows(run):
                 last = where.stop - 1
-                m = measure_cycle(
-                    x[run, where],
-                    f[run, where],
-                    area=area,
-                    total_rubber_thickness=rubber,
-                    # of every step, not only the kept ones
-                    work=float(work[run, last] - work[run, where.start]),
-                )
+                done = float(work[run, last] - work[run, where.start])  # in all steps
+                size = {"area": area, "total_rubber_thickness": rubber}
+                m = measure_cycle(x[run, where], f[run, where], **size, work=done)
                 about = self.segments[number]
                 imposed = about["amplitude_strain"] if about["kind"] == "cycles" else None
                 row = {
@@ -294,21 +279,17 @@ class Result(DatasetResult):
 
     def tables(self) -> dict[str, Table]:
         """Tables for readers: cycles, energy balance, and other models if they were run."""
-        found: dict[str, Table] = self._view("tables").result_tables(self)
-        return found
+        return dict(self._view("tables").result_tables(self))
 
     def notes(self) -> list[str]:
         """Sentences on softened layers and on other models that ended early."""
-        found = []
-        for run, ambient in enumerate(self.dataset["ambient"].values):
-            steps, softened, mismatch = (
-                self.dataset[name].values[run]
-                for name in ("steps", "softened_steps", "layer_force_mismatch_max")
-            )
+        data, found = self.dataset, []
+        names = ("ambient", "steps", "softened_steps", "layer_force_mismatch_max")
+        for ambient, steps, softened, most in zip(*(data[n].values for n in names), strict=True):
             if softened:
                 found.append(
                     f"{ambient:g} degC: softened layers in {softened} of {steps} steps, layer law "
-                    f"at most {mismatch:.3g} kN from the force"
+                    f"at most {most:.3g} kN from the force"
                 )
         for name, other in self.compared.items():
             outcomes = zip(other["ambient"].values, other["outcome"].values, strict=True)
@@ -321,13 +302,13 @@ class Result(DatasetResult):
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json; see docs/files.md."""
-        attrs = self.dataset.attrs
+        attrs, runs = self.dataset.attrs, range(self.dataset.sizes["ambient"])
         return {
             **{key: attrs[key] for key in ("command", "bearing", "scheme", "version")},
             "outcome": self.outcome,
             "warnings": self.warnings,
             **self._limits_summary(),
-            "runs": [self._run_summary(run) for run in range(self.dataset.sizes["ambient"])],
+            "runs": [self._run_summary(run) for run in runs],
         }
 
     def _run_summary(self, run: int) -> dict[str, Any]:
@@ -335,7 +316,7 @@ class Result(DatasetResult):
         ambient, outcome = float(data["ambient"].values[run]), str(data["outcome"].values[run])
         softened = int(data["softened_steps"].values[run])
         sharing = "softened_layers" if softened else "equal_layer_forces"
-        cycles = []
+        cycles, energy = [], self.energy.iloc[run].drop("ambient_degC")
         for row in self.cycles.to_dict("records"):
             if row.pop("ambient_degC") == ambient:
                 layers = [row.pop(name) for name in list(row) if str(name).startswith("rubber")]
@@ -352,9 +333,7 @@ class Result(DatasetResult):
                 "steps": int(data["steps"].values[run]),
             },
             "cycles": cycles,
-            "energy": {
-                k: float(v) for k, v in self.energy.iloc[run].items() if k != "ambient_degC"
-            },
+            "energy": {name: float(value) for name, value in energy.items()},
         }
 
     def _write(self, folder: Path) -> None:

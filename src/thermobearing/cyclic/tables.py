@@ -8,7 +8,7 @@ import pandas as pd
 
 from thermobearing.cyclic.comparison import comparison_table
 from thermobearing.cyclic.result import Result, column_quantity, run_name
-from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import MARKED, beyond_mark
 from thermobearing.results.metrics import CycleMeasures
@@ -65,16 +65,11 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
         *heat,
         "lead_degC",
     ]
-    rows = result.tested_range.to_dict("records")
-    runs = [run_name(float(air)) for air in cycles["ambient_degC"]]
-    marked = {
-        name: [
-            beyond_mark(rows, run, limit, float(v))
-            for run, v in zip(runs, cycles[name], strict=True)
-        ]
-        for name, limit in LIMITED.items()
-        if name in cycles
-    }
+    rows, marked = result.tested_range.to_dict("records"), {}
+    for name, limit in LIMITED.items():
+        if name in cycles:
+            pairs = zip(cycles["ambient_degC"], cycles[name], strict=True)
+            marked[name] = [beyond_mark(rows, run_name(t), limit, float(v)) for t, v in pairs]
     note = f"{MEANINGS} {MARKED}." if any(map(any, marked.values())) else MEANINGS
     frame = cycles.assign(peak_force_kN=peak)
     return make_table(frame, columns, f"Measures of {whole}", keys=3, marked=marked, note=note)
@@ -104,22 +99,16 @@ def ratio_table(result: Result) -> Table | None:
     warmest = float(last["ambient_degC"].max())
     warm = last[last["ambient_degC"] == warmest].reset_index(drop=True).reindex(place)
     names = ["G_eq_MPa", "h_eq", "energy_kN_mm", "characteristic_strength_kN"]
-    ratios = last[list(LABELS)].assign(
-        **{n: last[n].to_numpy() / warm[n].to_numpy() for n in names}
-    )
+    ratios = last.assign(**{n: last[n].to_numpy() / warm[n].to_numpy() for n in names})
     same = last["cycle"].to_numpy() == warm["cycle"].to_numpy()
     ratios = ratios[same & (last["ambient_degC"] != warmest).to_numpy()]
     if not len(ratios):
         return None
-    columns = [
-        quantity(name, head=f"{quantity(name).head} ratio", unit="", factor=1.0, form=".2f")
-        for name in names
-    ]
-    caption = "Last cycle of each amplitude over that at "
-    caption += f"{warmest:g} °C".replace("-", "\N{MINUS SIGN}")
-    return make_table(
-        ratios.sort_values("ambient_degC", kind="stable"), [*LABELS, *columns], caption, keys=3
-    )
+    changes: dict[str, Any] = {"unit": "", "factor": 1.0, "form": ".2f"}
+    columns = [quantity(n, head=f"{quantity(n).head} ratio", **changes) for n in names]
+    caption = f"Last cycle of each amplitude over that at {warmest:g} °C"
+    ratios = ratios.sort_values("ambient_degC", kind="stable")
+    return make_table(ratios, [*LABELS, *columns], caption.replace("-", MINUS), keys=3)
 
 
 def warming(result: Result) -> pd.DataFrame:
@@ -141,12 +130,10 @@ def warming(result: Result) -> pd.DataFrame:
         histories = {names[place]: rubber[:, place] for place in places}
         if result.has_lead:
             histories["lead"] = data["lead_temperature"].values[run, kept]
-        rows += [
-            {"ambient_degC": float(ambient), "part": name, "highest_degC": float(values.max())}
-            | {"rise_K": float(values.max() - values[0])}
-            for name, values in histories.items()
-        ]
-    return pd.DataFrame(rows)
+        for name, values in histories.items():
+            most = float(values.max())
+            rows.append((float(ambient), name, most, float(values.max() - values[0])))
+    return pd.DataFrame(rows, columns=["ambient_degC", "part", "highest_degC", "rise_K"])
 
 
 def energy_table(result: Result) -> Table:
@@ -166,5 +153,5 @@ def measured_table(
         K_eq_kN_mm=[m.stiffness_kN_mm for m in cycles],
         ends=list(ends),
     )
-    strain: Quantity = quantity("amplitude_strain", form=".1f")
-    return make_table(frame, ["cycle", strain, *MEASURES, *BACKBONE, "ends"], "")
+    strain: list[str | Quantity] = ["cycle", quantity("amplitude_strain", form=".1f")]
+    return make_table(frame, [*strain, *MEASURES, *BACKBONE, "ends"], "")

@@ -141,7 +141,7 @@ def print_factors(report: FactorReport) -> None:
             f"{row['Q_d_kN']:.1f} kN, K_1 {row['K_1_kN_mm']:.2f}, K_2 {row['K_2_kN_mm']:.3f} kN/mm"
         )
     ratio = post_yield_ratio(report.bearings[0].kind)
-    say(f"K_2/K_1 {ratio.ratio:.3g}: {ratio.source}{marked(ratio)}")
+    say(f"K_2/K_1 {ratio.K_2_over_K_1:.3g}: {ratio.source}{marked(ratio)}")
     say(BOUNDS_NOTE)
     for sentence in report.coldest:
         say(sentence)
