@@ -294,7 +294,7 @@ RIGS = Library("rig", "rigs")
 
 
 def load_rig(name_or_path: str | Path) -> Rig:
-    """Return a rig of the library by name, such as "shen-rig" (Shen 2023, Table 3.2), or of a file."""
+    """Return a rig of the library by name, "shen-rig" (Shen 2023, Table 3.2), or of a file."""
     return RIGS.load(Rig, name_or_path)
 
 
