@@ -36,7 +36,7 @@ from thermobearing.results.directory import seal
 from thermobearing.results.metrics import measure_history
 from thermobearing.structure.model import load_structure
 from thermobearing.studies.definition.case import load_study
-from thermobearing.studies.definition.motions import read_made
+from thermobearing.studies.definition.motions import _read_made
 from thermobearing.tables import columns, text
 
 LOADERS: list[Callable[[Path], Any]] = [
@@ -355,7 +355,7 @@ def test_motions_of_which_a_bit_was_changed_are_made_again(tmp_path: Path) -> No
     for at in range(0, len(whole), 3):
         for bit in (1, 8, 64):
             path.write_bytes(whole[:at] + bytes([whole[at] ^ bit]) + whole[at + 1 :])
-            assert read_made(path) == {}
+            assert _read_made(path) == {}
 
 
 def test_output_on_a_full_disk_is_noted_and_not_raised() -> None:

@@ -15,7 +15,7 @@ from thermobearing.bearing.new import new_bearing
 from thermobearing.climate.generator import generate_weather
 from thermobearing.earthquake.run import Task, build_device, soaked, soaked_hours
 from thermobearing.studies.definition.case import make_study
-from thermobearing.studies.definition.designs import number_paths, plan, value_at, with_numbers
+from thermobearing.studies.definition.designs import _number_paths, _value_at, plan, with_numbers
 from thermobearing.studies.definition.record import Distribution, Study
 from thermobearing.studies.run.prepare import Preparer
 
@@ -41,12 +41,12 @@ def alike(first: Any, second: Any) -> bool:
 def test_every_number_of_a_bearing_goes_where_it_belongs() -> None:
     """One by one a little larger: what is made quickly is what is made whole."""
     before = tb.load_bearing(LHDR)
-    paths = number_paths(before)
+    paths = _number_paths(before)
     assert len(paths) > 30
     for name, (path, _) in paths.items():
         made = study(bearing=LHDR, **{f"bearing.{name}": {"levels": [1.001]}})
         (task,) = tasks(made)[1]
-        changed = with_numbers(before, {path: 1.001 * value_at(before, path)})
+        changed = with_numbers(before, {path: 1.001 * _value_at(before, path)})
         own = build_device(made.case, changed)
         assert alike(task.device.constants, own.constants), name
 

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from thermobearing.border.errors import InputError
 from thermobearing.commands.study import app
-from thermobearing.studies.options import Asked, asked_over, keep_asked, kept_asked, make_asked
+from thermobearing.studies.options import Asked, _make_asked, asked_over, keep_asked, kept_asked
 from thermobearing.studies.report import build_pieces
 from thermobearing.studies.result import StudyResult, study_result
 
@@ -64,7 +64,7 @@ def test_a_question_is_kept_and_read_back(directory: Path) -> None:
 )
 def test_bad_questions(table: dict[str, Any], said: str, tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
-        make_asked(table, "question.toml", tmp_path)
+        _make_asked(table, "question.toml", tmp_path)
     assert said in str(caught.value)
 
 
@@ -128,6 +128,6 @@ def test_the_question_of_the_docs_can_be_asked(tmp_path: Path) -> None:
     text = (Path(__file__).parents[2] / "docs" / "files" / "study.md").read_text(encoding="utf-8")
     block = text.split("## Post-processing")[1].split("```")[1].removeprefix("text\n")
     (tmp_path / "site.csv").write_text(SITE)
-    asked = make_asked(tomllib.loads(block), "question.toml", tmp_path)
+    asked = _make_asked(tomllib.loads(block), "question.toml", tmp_path)
     assert set(tomllib.loads(block)) == set(Asked.model_fields)
     assert asked.question().capacity == 1.0

@@ -103,7 +103,7 @@ def test_a_changed_bit_is_never_taken_for_a_result(
         changed = bytearray(content)
         changed[place] ^= 1 << place % 8
         file.write_bytes(changed)
-        assert not Store(out).is_done(3), place
+        assert not Store(out)._is_done(3), place
     assert study_status(out).done == 7
     assert Store(out).table()["run"].tolist() == [0, 1, 2, 4, 5, 6, 7]
     plan = bytearray((out / "plan.parquet").read_bytes())

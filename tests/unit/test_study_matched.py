@@ -26,8 +26,8 @@ from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.definition.motions import (
     MADE,
     Recipe,
+    _read_made,
     factor_motions,
-    read_made,
     recipes,
     with_matched,
 )
@@ -123,7 +123,7 @@ def test_made_once_and_kept_in_the_directory(
     one, out = tmp_path / "one", tmp_path / "out"
     run_study(matched(), one, jobs=1, size=1)
     whole = kept(one)
-    assert set(read_made(one / MADE)) == {recipe.key for recipe in recipes(_factor(FITS))}
+    assert set(_read_made(one / MADE)) == {recipe.key for recipe in recipes(_factor(FITS))}
     run_study(matched(), out, jobs=1, size=1, shard="1/2")
     assert study_status(out).done == 2
     monkeypatch.setattr(made, "cache_directory", lambda: None)  # another machine
@@ -136,7 +136,7 @@ def test_made_once_and_kept_in_the_directory(
     assert [row["id"] for row in rows] == Store(out).table()["id"].tolist()
     (motion,) = Preparer(study).make_task(rows[3]).case.motions
     assert motion.load().name == NAMES[1]
-    stored = read_made(out / MADE)[recipes(_factor(FITS))[1].key].motion
+    stored = _read_made(out / MADE)[recipes(_factor(FITS))[1].key].motion
     assert_array_equal(motion.acceleration, stored.acceleration)
     assert repeat_run(study, 3).table["motion"].tolist() == [NAMES[1]]
     assert fits == dict.fromkeys(NAMES, 1)
@@ -188,7 +188,7 @@ def test_a_damaged_copy_is_made_again(tmp_path: Path, fits: "Counter[str]") -> N
     raw = (out / MADE).read_bytes()
     for content in (raw[: len(raw) // 2], b"", b"nothing", raw[:-400] + bytes(400)):
         (out / MADE).write_bytes(content)
-        assert read_made(out / MADE) == {}
+        assert _read_made(out / MADE) == {}
         assert run_study(matched(), out, jobs=1).outcome == "completed"
     assert fits == dict.fromkeys(NAMES, 1)
 

@@ -20,7 +20,7 @@ from thermobearing.border.errors import InputError, OutputError
 from thermobearing.core.lanes.memory import WIDTH
 from thermobearing.earthquake.measures import COLUMNS
 from thermobearing.studies.definition.designs import plan
-from thermobearing.studies.run.engine import only_writer, run_study
+from thermobearing.studies.run.engine import _only_writer, run_study
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.shard import COUNTS, RESULT_COLUMNS, TEXTS, run_shard
 from thermobearing.studies.run.status import Pace, count_failures, say_duration, study_status
@@ -29,10 +29,10 @@ from thermobearing.studies.store import (
     FEWEST,
     MOST,
     Store,
-    parquet_bytes,
-    read_labels,
-    read_notes,
-    shard_size,
+    _parquet_bytes,
+    _read_labels,
+    _read_notes,
+    _shard_size,
 )
 
 ROUNDING = {"structure_residual", "mechanical_residual", "thermal_residual"}
@@ -65,7 +65,7 @@ def test_every_column_says_what_it_is(tmp_path: Path) -> None:
     study = small_study(**{"bearing.K_r": {"distribution": "uniform", "low": 0.9, "high": 1.1}})
     study = study.model_copy(update={"design": study.design.model_copy(update={"samples": 1})})
     run_study(study, tmp_path / "out", jobs=1)
-    told = read_labels(tmp_path / "out" / "shards" / "00000.parquet")
+    told = _read_labels(tmp_path / "out" / "shards" / "00000.parquet")
     assert all(meaning for _, meaning in told.values())
     assert told["bearing_force_max_kN"] == ("kN", "largest force of one bearing")
     assert told["bearing.K_r"] == ("1", "factor of bearing.K_r")
@@ -249,9 +249,9 @@ def test_two_writers(tmp_path: Path, small_files: dict[str, bytes]) -> None:
     run_study(small_study(), tmp_path / "out", jobs=1, shard="1/3", size=1)
     found = Store(tmp_path / "out").table()
     assert found["run"].tolist() == [0, 3, 6]
-    with only_writer(tmp_path / "out"), pytest.raises(OutputError, match="another process"):
+    with _only_writer(tmp_path / "out"), pytest.raises(OutputError, match="another process"):
         run_study(small_study(), tmp_path / "out", jobs=1)
-    with only_writer(tmp_path / "out", "2-of-3"):
+    with _only_writer(tmp_path / "out", "2-of-3"):
         for part in (None, "2/3"):
             with pytest.raises(OutputError, match="another process is writing this study"):
                 run_study(small_study(), tmp_path / "out", jobs=1, shard=part)
@@ -287,7 +287,7 @@ def test_a_part_counts_and_clears_away_its_own(tmp_path: Path) -> None:
 def test_a_part_that_cannot_be_marked_as_taken_is_told(tmp_path: Path) -> None:
     """As of a directory on a disk that is only to be read."""
     (tmp_path / ".part-1-of-3").symlink_to(tmp_path / "nowhere" / "file")
-    with pytest.raises(OutputError, match="cannot be written"), only_writer(tmp_path, "1-of-3"):
+    with pytest.raises(OutputError, match="cannot be written"), _only_writer(tmp_path, "1-of-3"):
         pass
 
 
@@ -318,11 +318,11 @@ def test_without_pyarrow_one_sentence(tmp_path: Path, monkeypatch: pytest.Monkey
 def test_equal_tables_make_equal_files(tmp_path: Path) -> None:
     table = pd.DataFrame({"x": [1.0, np.nan], "n": [1, 2], "name": pd.Categorical(["a", "b"])})
     for name in ("one", "two"):
-        content = parquet_bytes(table, {"x": ("mm", "way")}, {"k": 1})
+        content = _parquet_bytes(table, {"x": ("mm", "way")}, {"k": 1})
         (tmp_path / name).write_bytes(content)
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
-    assert read_notes(tmp_path / "one") == ({"k": 1}, 2)
-    assert read_notes(tmp_path / "none") is None
+    assert _read_notes(tmp_path / "one") == ({"k": 1}, 2)
+    assert _read_notes(tmp_path / "none") is None
     assert pq.read_table(tmp_path / "one").column("x").null_count == 1  # NaN would spoil means
     assert_array_equal(pd.read_parquet(tmp_path / "one")["x"], table["x"])
 
@@ -338,8 +338,8 @@ def test_pace_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_sizes_of_shards() -> None:
-    assert [shard_size(runs) for runs in (1, 1600, 1601, 50_000, 10**6)] == [16, 16, 32, 512, 1008]
-    assert [shard_size(runs, lockstep=True) for runs in (1, 5000, 10**6)] == [16, 208, 1008]
+    assert [_shard_size(runs) for runs in (1, 1600, 1601, 50_000, 10**6)] == [16, 16, 32, 512, 1008]
+    assert [_shard_size(runs, lockstep=True) for runs in (1, 5000, 10**6)] == [16, 208, 1008]
     assert FEWEST % WIDTH == MOST % WIDTH == 0  # whole companies
 
 

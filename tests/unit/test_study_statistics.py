@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from thermobearing.border.errors import InputError
-from thermobearing.studies.statistics.demand import Draw, counted, demand_against, median_places
+from thermobearing.studies.statistics.demand import Draw, _median_places, counted, demand_against
 from thermobearing.studies.statistics.fragility import fragility_curve, fragility_curves, ida_curves
 from thermobearing.studies.statistics.hazard import (
     ClimateFragility,
@@ -17,7 +17,7 @@ from thermobearing.studies.statistics.hazard import (
     load_hazard,
     shares_of_time,
 )
-from thermobearing.studies.statistics.likelihood import MOST_STRIPES, classes, cloud, fit_curves
+from thermobearing.studies.statistics.likelihood import MOST_STRIPES, _fit_curves, classes, cloud
 from thermobearing.studies.statistics.variance import sobol_table, variance_shares
 
 HAZARD = Hazard(np.array([0.1, 1.0, 10.0]), np.array([1.0, 1e-2, 1e-4]))
@@ -81,7 +81,7 @@ def test_one_mixed_intensity_is_passed_on_the_side_of_the_half() -> None:
     """With less than half beyond there, the half comes between it and the next intensity."""
     yes = np.array([[0.0, 1.0, 4.0], [0.0, 2.0, 4.0], [0.0, 3.0, 4.0], [0.0, 0.0, 1.0]])
     no = np.array([[4.0, 3.0, 0.0], [4.0, 2.0, 0.0], [4.0, 1.0, 0.0], [4.0, 4.0, 3.0]])
-    found = fit_curves(np.array([1.0, 2.0, 4.0]), yes, no)
+    found = _fit_curves(np.array([1.0, 2.0, 4.0]), yes, no)
     assert np.isinf(found.slope).all()
     assert_allclose(np.exp(found.place), [np.sqrt(8.0), 2.0, np.sqrt(2.0), 4.0])
     table = two_levels([0.1, 0.1, 0.1, 3.0], [3.0] * 4)
@@ -153,7 +153,7 @@ def test_demand_classes_and_failures() -> None:
 @pytest.mark.parametrize(("count", "level"), [(5, 0.95), (6, 0.95), (40, 0.9), (1, 0.95)])
 def test_band_of_a_median_holds_it_as_often_as_it_says(count: int, level: float) -> None:
     """Of n values k are below the median with the chance of n throws of a coin."""
-    low, high = median_places(count, level)
+    low, high = _median_places(count, level)
     throws = np.array([1.0])
     for _ in range(count):
         throws = np.convolve(throws, [0.5, 0.5])

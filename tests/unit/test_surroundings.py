@@ -18,7 +18,7 @@ from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import list_targets, moves_warmth
 from thermobearing.studies.options import Question
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.run.prepare import thermal_key
+from thermobearing.studies.run.prepare import _thermal_key
 
 FILM = EndFace(film=12.0)
 OPEN = (FILM, FILM, Side(film=12.0, cover=10.0))
@@ -158,7 +158,7 @@ def test_side_is_part_of_how_a_bearing_takes_on_warmth(night: str) -> None:
     cases = [
         case_of(weather=night, analysis={"side": {"film": f"{film} W/(m^2 K)"}}) for film in (5, 6)
     ]
-    keys = [thermal_key(build_device(case, case.bearings[0]), case) for case in cases]
+    keys = [_thermal_key(build_device(case, case.bearings[0]), case) for case in cases]
     assert keys[0] != keys[1]
     drawn = {"distribution": "uniform", "low": "8 W/(m^2 K)", "high": "25 W/(m^2 K)", "of": "value"}
     ambient = TOWN | {"history": "10 d"}

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.optimize import minimize
+from scipy.stats import _sobol_indices as of_scipy
 from scipy.stats import binom, chi2, linregress, norm, qmc
-from scipy.stats import sobol_indices as of_scipy
 
 from tests import tolerances
 from thermobearing.studies.statistics.fragility import (
@@ -24,8 +24,8 @@ from thermobearing.studies.statistics.hazard import (
     ratio,
     shares_of_time,
 )
-from thermobearing.studies.statistics.likelihood import Curves, Estimate, fit_curves
-from thermobearing.studies.statistics.variance import sobol_indices, sobol_table, variance_shares
+from thermobearing.studies.statistics.likelihood import Curves, Estimate, _fit_curves
+from thermobearing.studies.statistics.variance import _sobol_indices, sobol_table, variance_shares
 
 MEDIAN, DISPERSION = 1.0, 0.4
 LEVELS = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])
@@ -55,7 +55,7 @@ def test_stripes_are_the_likeliest_by_another_search() -> None:
 
 def test_stripes_of_exact_shares_give_the_curve_itself() -> None:
     share = norm.cdf(np.log(LEVELS / 0.8) / 0.3)
-    found = fit_curves(LEVELS, 1e6 * share[None, :], 1e6 * (1.0 - share[None, :]))
+    found = _fit_curves(LEVELS, 1e6 * share[None, :], 1e6 * (1.0 - share[None, :]))
     assert np.exp(found.place[0]) == pytest.approx(0.8, rel=tolerances.LIKELIEST)
     assert 1.0 / found.slope[0] == pytest.approx(0.3, rel=tolerances.LIKELIEST)
 
@@ -454,7 +454,7 @@ def as_table(values: list[np.ndarray]) -> pd.DataFrame:
 
 def test_ishigami() -> None:
     a, b, *swapped = arranged(2**14, np.random.default_rng(1), sobol=True)
-    first, total = sobol_indices(a, b, np.array(swapped))
+    first, total = _sobol_indices(a, b, np.array(swapped))
     assert first == pytest.approx(FIRST, abs=tolerances.SOBOL_INDEX)
     assert total == pytest.approx(TOTAL, abs=tolerances.SOBOL_INDEX)
 
@@ -463,7 +463,7 @@ def test_the_estimators_of_scipy() -> None:
     a, b, *swapped = arranged(256, np.random.default_rng(2), sobol=True)
     given = {"f_A": a[None], "f_B": b[None], "f_AB": np.array(swapped)[:, None, :]}
     theirs = of_scipy(func=given, n=256)
-    first, total = sobol_indices(a, b, np.array(swapped))
+    first, total = _sobol_indices(a, b, np.array(swapped))
     assert first == pytest.approx(theirs.first_order.ravel(), abs=tolerances.SAME_ESTIMATOR)
     assert total == pytest.approx(theirs.total_order.ravel(), abs=tolerances.SAME_ESTIMATOR)
 
@@ -486,7 +486,7 @@ def test_a_failed_run_leaves_all_matrices() -> None:
     table.loc[[5, 64 + 7], "outcome"] = "not_converged"
     kept = ~np.isin(np.arange(64), [5, 7])
     found = sobol_table(table, "drift", samples=10)
-    first, total = sobol_indices(values[0][kept], values[1][kept], np.array(values[2:])[:, kept])
+    first, total = _sobol_indices(values[0][kept], values[1][kept], np.array(values[2:])[:, kept])
     assert found["first"].to_numpy() == pytest.approx(first)
     assert found["total"].to_numpy() == pytest.approx(total)
     assert found[["rows", "left_out"]].iloc[0].tolist() == [62, 2]

@@ -143,7 +143,7 @@ class SiteHazard(Strict):
         both = [name for name in ("rate", "return_period") if name in given]
         return [] if len(both) == 1 else ["give rate, or return_period"]
 
-    def curve(self) -> Hazard:
+    def _curve(self) -> Hazard:
         """Return the curve; InputError for what is none."""
         unit = INTENSITY_UNITS[self.measure]
         intensity = [parse_quantity(text, unit) for text in self.intensity]
@@ -179,7 +179,7 @@ class Asked(Strict):
             capacity=self.capacity,
             method=self.method,
             failed=self.failed,
-            hazard=None if self.hazard is None else self.hazard.curve(),
+            hazard=None if self.hazard is None else self.hazard._curve(),
             temperatures=None if self.weather is None else _site_temperatures(self.weather),
         )
 
@@ -192,7 +192,7 @@ def _site_temperatures(weather: str) -> Hourly:
     return read_weather(weather)
 
 
-def make_asked(table: Mapping[str, Any], where: str, folder: Path = Path()) -> Asked:
+def _make_asked(table: Mapping[str, Any], where: str, folder: Path = Path()) -> Asked:
     """Return checked options from the table of a file, or of the command line.
 
     None stands for an option that was not given; `where` names the file in messages, and names of
@@ -231,7 +231,7 @@ def _of_file(path: Path) -> dict[str, Any]:
 def kept_asked(directory: Path) -> Asked:
     """Return the options in `question.toml` of a study; the defaults without one."""
     file = directory / QUESTION
-    return make_asked(read_toml(file), str(file), directory) if is_file(file) else Asked()
+    return _make_asked(read_toml(file), str(file), directory) if is_file(file) else Asked()
 
 
 def keep_asked(directory: Path, asked: Asked) -> None:
@@ -248,5 +248,5 @@ def keep_asked(directory: Path, asked: Asked) -> None:
 def asked_over(kept: Asked, options: Mapping[str, Any], folder: Path = Path()) -> Asked:
     """Return options of a directory, with those that are given now over them."""
     new = {name: value for name, value in options.items() if value is not None}
-    made = make_asked(new, "options", folder)
+    made = _make_asked(new, "options", folder)
     return kept.model_copy(update={name: getattr(made, name) for name in new})

@@ -62,7 +62,7 @@ def _the_parquet() -> Any:
     return pyarrow, pyarrow.parquet
 
 
-def parquet_bytes(table: pd.DataFrame, labels: Labels, notes: Mapping[str, Any]) -> bytes:
+def _parquet_bytes(table: pd.DataFrame, labels: Labels, notes: Mapping[str, Any]) -> bytes:
     """Return a table as the content of a file; equal tables make equal bytes, and NaN is null."""
     arrow, parquet = _the_parquet()
     fields, arrays = [], []
@@ -106,7 +106,7 @@ def _read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -
     return pd.DataFrame(whole.to_pandas())
 
 
-def read_labels(path: Path) -> dict[str, tuple[str, str]]:
+def _read_labels(path: Path) -> dict[str, tuple[str, str]]:
     """Return unit and meaning of the columns of a file."""
     schema = _the_parquet()[1].read_schema(path)
     marks = {field.name: field.metadata or {} for field in schema}
@@ -115,7 +115,7 @@ def read_labels(path: Path) -> dict[str, tuple[str, str]]:
     }
 
 
-def read_notes(path: Path, *, sealed: bool = True) -> tuple[dict[str, Any], int] | None:
+def _read_notes(path: Path, *, sealed: bool = True) -> tuple[dict[str, Any], int] | None:
     """Return notes and number of rows of a file; None if there is none, or it is damaged.
 
     Its digest must be right if it is `sealed`; files of directories of format 1 are not.
@@ -206,7 +206,7 @@ SAME = ("thermobearing", "kernels")  # versions that must not change half-way
 LIBRARIES = ("numpy", "scipy", "numba", "pandas", "pyarrow")
 
 
-def shard_size(runs: int, lockstep: bool = False) -> int:
+def _shard_size(runs: int, lockstep: bool = False) -> int:
     """Return the runs of a shard: enough to be worth a process, few enough to lose little.
 
     A multiple of 16, so that runs of one shape fill their lockstep; in lockstep, where they take a
@@ -253,29 +253,29 @@ class Store:
     def _file(self, shard: int) -> Path:
         return self.directory / SHARDS / f"{shard:05d}.parquet"
 
-    def is_done(self, shard: int) -> bool:
+    def _is_done(self, shard: int) -> bool:
         """Return whether its file exists, belongs to this study, and is as it was written."""
         sealed = int(self.manifest["format"]) > 1
-        found = read_notes(self._file(shard), sealed=sealed)
+        found = _read_notes(self._file(shard), sealed=sealed)
         return found == (self._notes(shard), self.count([shard]))
 
     def done(self) -> list[int]:
         """Return all shards that are done."""
-        return [shard for shard in range(self.shards) if self.is_done(shard)]
+        return [shard for shard in range(self.shards) if self._is_done(shard)]
 
     def write(self, shard: int, done: Done) -> None:
         """Keep the results of a shard; its table comes last, and marks it as done."""
         if done.histories:
             self.write_histories(f"{shard:05d}.nc", done.histories)
-        labels = read_labels(self.directory / PLAN) | {
+        labels = _read_labels(self.directory / PLAN) | {
             name: _label(name) for name in RESULT_COLUMNS
         }
-        with self.writing():
-            write_whole(self._file(shard), parquet_bytes(done.table, labels, self._notes(shard)))
+        with self._writing():
+            write_whole(self._file(shard), _parquet_bytes(done.table, labels, self._notes(shard)))
 
     def write_histories(self, name: str, kept: Sequence[Kept]) -> None:
         """Keep histories of runs in a file; OutputError as of `write`."""
-        with self.writing():
+        with self._writing():
             _write_histories(self.directory / HISTORIES_FOLDER / name, kept)
 
     def table(
@@ -290,7 +290,7 @@ class Store:
         return _read_parquet(files, columns)
 
     @contextmanager
-    def writing(self) -> Iterator[None]:
+    def _writing(self) -> Iterator[None]:
         """Raise one OutputError where the system refuses to write."""
         try:
             yield
@@ -321,18 +321,18 @@ class Store:
 def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | None) -> Store:
     """Return the directory of a study and its plan: a new one, or the one that was begun.
 
-    `size` is that of a shard in a new directory; None for that of `shard_size`.
+    `size` is that of a shard in a new directory; None for that of `_shard_size`.
     """
     _the_parquet()
     digest = _input_digest(study, runs)
-    planned = parquet_bytes(runs, label_plan(study, list(map(str, runs))), {"input": digest})
+    planned = _parquet_bytes(runs, label_plan(study, list(map(str, runs))), {"input": digest})
     if not (directory / MANIFEST).exists():
         manifest = {
             "kind": "study",
             "format": FORMAT,
             "name": study.name,
             "runs": len(runs),
-            "shard_size": size or shard_size(len(runs), in_lockstep(study)),
+            "shard_size": size or _shard_size(len(runs), in_lockstep(study)),
             "histories": study.keep.histories,
             "input": digest,
             "versions": _versions(),
@@ -345,20 +345,20 @@ def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | 
         if is_matched(study):
             whole[MADE] = kept_motions_digest(study)
 
-        def fill(folder: Path) -> None:
+        def _fill(folder: Path) -> None:
             (folder / SHARDS).mkdir()
             for name, content in whole.items():
                 (folder / name).write_bytes(content)
 
         try:
-            write_directory(directory, fill)
+            write_directory(directory, _fill)
         except OutputError:
             if not (directory / MANIFEST).exists():  # else another part of it was quicker
                 raise
     store = Store(directory)
     _refuse_others(store, study, digest)
-    if read_notes(directory / PLAN) is None:  # damaged
-        with store.writing():
+    if _read_notes(directory / PLAN) is None:  # damaged
+        with store._writing():
             write_whole(directory / PLAN, planned)
     return store
 

@@ -74,7 +74,7 @@ class Target:
         path = self.paths[level]
         if path is None:
             return {}
-        return {path: number * value_at(record, path) if self.of == "factor" else number}
+        return {path: number * _value_at(record, path) if self.of == "factor" else number}
 
 
 def _find_target(name: str, of: str, levels: Mapping[str, Sequence[Strict]]) -> Target:
@@ -82,7 +82,7 @@ def _find_target(name: str, of: str, levels: Mapping[str, Sequence[Strict]]) -> 
     if part not in levels:
         raise InputError(f'factors: no part "{part}" in "{name}"; known: {", ".join(levels)}')
     without = OF_FACTORS if part == "case" else ()
-    known = [number_paths(level, without) for level in levels[part]]
+    known = [_number_paths(level, without) for level in levels[part]]
     found = [paths.get(key) for paths in known]
     units = [place[1] for place in found if place is not None]
     if not units:
@@ -104,7 +104,7 @@ def _nearest(name: str, names: set[str]) -> str:
     return nearest(name, within or {one.rpartition(".")[0] + ".…" for one in names})
 
 
-def number_paths(
+def _number_paths(
     record: Strict, without: Sequence[str] = ()
 ) -> dict[str, tuple[NumberPath, str | None]]:
     """Return path and unit of all numbers of a record that are no counts, by dotted name.
@@ -146,7 +146,7 @@ def spelled(name: str) -> tuple[str, str]:
     return part, ALIASES.get(key, key) if part == "bearing" else key
 
 
-def value_at(record: Any, path: NumberPath) -> float:
+def _value_at(record: Any, path: NumberPath) -> float:
     """Return the number at a path."""
     for step in path:
         record = record[step] if isinstance(step, int) else getattr(record, step)
@@ -215,20 +215,20 @@ class Column:
         """Whether each sample draws it; else its levels meet those of all others."""
         return self.share or self.distribution is not None or self.chances is not None
 
-    def of(self, places: Ints) -> Any:
+    def _of(self, places: Ints) -> Any:
         """Return numbers at places of the levels; the places themselves of things."""
         if self.levels and isinstance(self.levels[0], str):
             return places
         return np.array(self.levels, dtype=np.float64)[places]
 
-    def at(self, probability: Floats) -> Any:
+    def _at(self, probability: Floats) -> Any:
         """Return numbers (or places) at probabilities, for a factor that is drawn."""
         if self.share:
             return probability
         if self.distribution is not None:
             return self.distribution.at(probability)
         ends: Floats = np.cumsum(np.array(self.chances))[:-1]
-        return self.of(np.searchsorted(ends, probability, side="right"))
+        return self._of(np.searchsorted(ends, probability, side="right"))
 
 
 def list_columns(study: Study) -> list[Column]:
@@ -300,7 +300,7 @@ def reach_faults(study: Study) -> list[str]:
     return _faults(study, ends, drawn)
 
 
-def check_numbers(study: Study, numbers: Mapping[str, Floats]) -> None:
+def _check_numbers(study: Study, numbers: Mapping[str, Floats]) -> None:
     """Raise InputError where drawn numbers, by name of their column, leave what is allowed."""
     known = {name: values[~np.isnan(values)] for name, values in numbers.items()}
     ends = {name: (float(v.min()), float(v.max())) for name, v in known.items() if len(v)}
@@ -349,7 +349,7 @@ def _target_faults(
             except InputError as error:
                 what, more = f"{number:g}", ""
                 if target.of == "factor":
-                    what, more = f"{number:g} of it", f" (it is {value_at(record, path):g})"
+                    what, more = f"{number:g} of it", f" (it is {_value_at(record, path):g})"
                 text = f"factors.{target.name}: {drawn.get(target.name, '')}{what}: "
                 text += "; ".join(error.problems) + more
                 return [text + (CUT if target.name in drawn else "")]
@@ -385,7 +385,7 @@ class Levels:
         return [bearing for level in self._each for bearing in level]
 
     @cached_property
-    def counts(self) -> Ints:
+    def _counts(self) -> Ints:
         """Number of samples of each level of the bearing; 0 of a single one."""
         levels = zip(self._each, self.study.factors.bearing.levels, strict=True)
         counts = [len(each) if isinstance(one, Posterior) else 0 for each, one in levels]
@@ -393,7 +393,7 @@ class Levels:
 
     def place(self, level: Ints, sample: Ints) -> Ints:
         """Return places in `bearings` of samples (-1: none) of levels."""
-        taken = np.maximum(self.counts, 1)
+        taken = np.maximum(self._counts, 1)
         return np.asarray((np.cumsum(taken) - taken)[level] + np.maximum(sample, 0))
 
     @cached_property
@@ -561,9 +561,9 @@ def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], li
     )
     picked: dict[str, Any] = {}
     for number, column in enumerate(crossed):
-        picked[column.name] = column.of(np.repeat(places[:, number], rows))
+        picked[column.name] = column._of(np.repeat(places[:, number], rows))
     for number, column in enumerate(drawn):
-        found = [column.at(draws.values[:, number]) for draws in each]
+        found = [column._at(draws.values[:, number]) for draws in each]
         picked[column.name] = np.tile(np.concatenate(found), cells // own)
     return picked, each, cells
 
@@ -623,7 +623,7 @@ def _settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, 
     """Return what was picked, with samples and hours for shares, NaN for missing numbers."""
     found = dict(picked)
     if SAMPLE in found:
-        counts = levels.counts[found["bearing"]]
+        counts = levels._counts[found["bearing"]]
         found[SAMPLE] = np.where(counts > 0, (found[SAMPLE] * counts).astype(np.int64), -1)
     if levels.weather is not None:
         history = study.factors.ambient.history or 0.0
@@ -649,7 +649,7 @@ def _with_ids(
     intensities = found["scale"] if given else found["scale"] * strength
     if given:
         found["scale"] = intensities / strength
-    check_numbers(study, {name: found[name] for name in found if name not in THINGS})
+    _check_numbers(study, {name: found[name] for name in found if name not in THINGS})
     none = np.full(len(frame), -1, dtype=np.int64)
     places = {name: found[name] for name in THINGS}
     places["bearing"] = levels.place(places["bearing"], found.get(SAMPLE, none))

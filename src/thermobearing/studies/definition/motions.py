@@ -141,7 +141,7 @@ def _cache_file(recipe: Recipe) -> Path | None:
 
 def _cached(recipe: Recipe) -> Fitted | None:
     file = _cache_file(recipe)
-    return None if file is None else read_made(file).get(recipe.key)
+    return None if file is None else _read_made(file).get(recipe.key)
 
 
 def _keep(recipe: Recipe, one: Fitted) -> None:
@@ -173,7 +173,7 @@ def _made_bytes(wanted: Sequence[Recipe], found: Sequence[Fitted]) -> bytes:
     return stream.getvalue()
 
 
-def read_made(path: Path) -> dict[str, Fitted]:
+def _read_made(path: Path) -> dict[str, Fitted]:
     """Return the motions of a file by key of their recipe; none if it is damaged or missing."""
     found = {}
     try:
@@ -235,7 +235,7 @@ def with_matched(
         return study
     known = {recipe.key: one for recipe, one in _known(factor)}
     if directory is not None:
-        known |= read_made(directory / MADE)
+        known |= _read_made(directory / MADE)
     wanted = recipes(factor)
     found = _made(wanted, known, jobs or os.cpu_count() or 1, progress)
     return _with(study, _checked(factor, wanted, found))
@@ -245,7 +245,7 @@ def with_kept(study: Study, directory: Path) -> Study:
     """Return a study with the motions of its directory, if it has all of them."""
     if not is_matched(study) or not (directory / MADE).is_file():
         return study
-    kept = read_made(directory / MADE)
+    kept = _read_made(directory / MADE)
     wanted = recipes(study.factors.motion)
     if not all(recipe.key in kept for recipe in wanted):
         return study
@@ -266,7 +266,7 @@ def missing_motions(study: Study, directory: Path | None = None) -> list[Recipe]
     factor = study.factors.motion
     if factor.matched is None or factor.made is not None:
         return []
-    kept = {} if directory is None else read_made(directory / MADE)
+    kept = {} if directory is None else _read_made(directory / MADE)
     return [one for one in recipes(factor) if one.key not in kept and _cached(one) is None]
 
 

@@ -70,13 +70,13 @@ class Distribution:
         return stats.triang((self.centre - self.low) / width, self.low, width)
 
     @cached_property
-    def ends(self) -> tuple[float, float]:
+    def _ends(self) -> tuple[float, float]:
         """Probabilities below `low` and below `high`, if it were not truncated."""
         return float(self._whole.cdf(self.low)), float(self._whole.cdf(self.high))
 
     def at(self, probability: Floats) -> Floats:
         """Return the values that are not exceeded with a probability, in [0, 1]."""
-        below, above = self.ends
+        below, above = self._ends
         inside = below + np.asarray(probability, dtype=np.float64) * (above - below)
         return np.clip(np.asarray(self._whole.ppf(inside), np.float64), self.low, self.high)
 
@@ -119,7 +119,7 @@ class Drawn(Strict):
     low: Number = None
     high: Number = None
 
-    def read(self, unit: str | None, key: str) -> Distribution:
+    def _read(self, unit: str | None, key: str) -> Distribution:
         """Return the distribution of a number with this unit (None: pure); InputError at `key`."""
         kind = self.distribution
         assert kind is not None
@@ -172,7 +172,7 @@ def _distribution(kind: Kind, numbers: dict[str, float], key: str) -> Distributi
             raise InputError(f"{key}: mode = {mode:g} must be between low and high")
         return Distribution(kind, mode, 0.0, low, high)
     made = Distribution(kind, centre, spread, low, high)
-    if not made.ends[1] - made.ends[0] > RARE:
+    if not made._ends[1] - made._ends[0] > RARE:
         raise InputError(f"{key}: next to nothing of the distribution is between low and high")
     return made
 
@@ -420,7 +420,7 @@ def list_numbers(
     if factor.levels is None:
         if factor.random:
             raise InputError(f"{key}.random: only of levels; a distribution is always drawn")
-        return factor.read(unit, key)
+        return factor._read(unit, key)
     if isinstance(factor, AmbientFactor):
         return list(factor.levels)
     numbers, faults = [], []

@@ -56,7 +56,7 @@ Finished = Generator[tuple[Work, Done | None]]
 
 
 @contextmanager
-def only_writer(directory: Path, part: str = "") -> Iterator[None]:
+def _only_writer(directory: Path, part: str = "") -> Iterator[None]:
     """Keep others from writing the study, or a part of it such as "3-of-8"."""
     with ExitStack() as stack:
         _lock(stack, directory, directory, shared=bool(part))
@@ -95,7 +95,7 @@ def run_study(
     directory = Path(directory)
     part = check_start(directory, executor, jobs, address, shard, size)
     study, runs, store = _opened(study, directory, size, jobs)
-    with only_writer(directory, "" if part is None else f"{part[0]}-of-{part[1]}"):
+    with _only_writer(directory, "" if part is None else f"{part[0]}-of-{part[1]}"):
         try:
             _do_missing(store, study, runs, part, (executor, jobs, address), progress)
         except KeyboardInterrupt:

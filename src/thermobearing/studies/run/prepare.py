@@ -66,7 +66,7 @@ class Warm:
     weather: Hourly | None = None  # where each run has a thermal key of its own
 
 
-def thermal_key(device: Device, case: EarthquakeCase) -> Key:
+def _thermal_key(device: Device, case: EarthquakeCase) -> Key:
     """Return the properties of a bearing that its temperature at rest depends on."""
     bearing = device.bearing
     assert isinstance(bearing, Bearing)
@@ -97,16 +97,16 @@ class Warmth:
         self._weights: dict[Key, Floats] = {}
 
     @property
-    def weather(self) -> Hourly:
+    def _weather(self) -> Hourly:
         """Of the study, as it was sent or read here."""
         found = self.known.weather or self.levels.weather
         assert found is not None
         return found
 
-    def before(self, hour: int) -> Ambient:
+    def _before(self, hour: int) -> Ambient:
         """Return the ambient temperature of the history of an hour."""
         assert self.history is not None
-        return self.weather.before(hour, self.history)
+        return self._weather.before(hour, self.history)
 
     def foresee(self, wanted: Iterable[tuple[Key, Device, Ints]]) -> None:
         """Find all temperatures that are needed, of devices by thermal key and hours."""
@@ -119,11 +119,11 @@ class Warmth:
         for key, device in devices.items():
             every = np.unique(np.concatenate(hours[key]))
             found[key] = every, self._soaked(key, device, every)
-        self.known = Warm(found, self.weather if self.own else None)
+        self.known = Warm(found, self._weather if self.own else None)
 
-    def at(self, device: Device, case: EarthquakeCase, hour: int) -> tuple[Floats, float | None]:
+    def _at(self, device: Device, case: EarthquakeCase, hour: int) -> tuple[Floats, float | None]:
         """Return temperatures of cells and lead of a bearing at an hour; found here if unknown."""
-        key = thermal_key(device, case)
+        key = _thermal_key(device, case)
         hours, soaked = self.known.soaked.get(key, (np.zeros(0, dtype=np.int64), None))
         place = int(np.searchsorted(hours, hour))
         if soaked is not None and place < len(hours) and hours[place] == hour:
@@ -133,13 +133,13 @@ class Warmth:
     def _soaked(self, key: Key, device: Device, hours: Ints) -> Soaked:
         """Return a bearing at some hours: after its history, or after all the weather before."""
         if self.history is None:
-            return soaked_hours(device, self.weather, hours)
+            return soaked_hours(device, self._weather, hours)
         if key not in self._weights:
             _make_room(self._weights)
-            full = self.weather.full_hours(self.history)
+            full = self._weather.full_hours(self.history)
             self._weights[key] = history_weights(device.constants, full)
         each = [
-            soaked_history(device.constants, self._weights[key], self.before(int(h)).temperature)
+            soaked_history(device.constants, self._weights[key], self._before(int(h)).temperature)
             for h in hours
         ]
         lead = None if each[0][1] is None else np.array([one for _, one in each])
@@ -280,15 +280,15 @@ class Preparer:
         if not isinstance(device.bearing, Bearing):
             return one_line(case, device, air, None)
         if self.warmth.own:  # another run could not use it
-            return one_line(case, device, air, self.warmth.before(hour))
-        return OneLine(device, *self.warmth.at(device, case, hour), air)
+            return one_line(case, device, air, self.warmth._before(hour))
+        return OneLine(device, *self.warmth._at(device, case, hour), air)
 
     def foresee(self, rows: pd.DataFrame) -> None:
         """Go through the weather once, for all rows of the plan that will be needed."""
         if HOUR in rows:
             case = self.study.case
             self.warmth.foresee(
-                (thermal_key(device, case), device, hours) for device, hours in self._warmed(rows)
+                (_thermal_key(device, case), device, hours) for device, hours in self._warmed(rows)
             )
 
     def foreseen_temperatures(self, rows: pd.DataFrame) -> Warm | None:
@@ -297,7 +297,7 @@ class Preparer:
             return None
         wanted: dict[Key, list[Ints]] = {}
         for device, hours in self._warmed(rows):
-            wanted.setdefault(thermal_key(device, self.study.case), []).append(hours)
+            wanted.setdefault(_thermal_key(device, self.study.case), []).append(hours)
         found = {}
         for key, each in wanted.items():
             every, soaked = self.warmth.known.soaked[key]

@@ -96,22 +96,14 @@ class Measured(NamedTuple):
     traces: Mapping[str, Any] | None = None
 
 
-def measure(task: Task) -> dict[str, Any]:
-    """Carry out one run and return a value for each of `RESULT_COLUMNS`.
-
-    A failed analysis does not raise: its outcome says what ended it, and the numbers are those
-    until then.
-    """
-    return next(measure_all([task])).numbers
-
-
 def measure_all(
     tasks: Sequence[Task], *, traces: bool = False, lockstep: bool = False
 ) -> Iterator[Measured]:
-    """Carry out some runs, each as `measure` does; with `traces` keep their histories.
+    """Carry out some runs; with `traces` keep their histories.
 
-    With `lockstep` those of one shape run side by side; the result of each depends on its own
-    input only, and differs from `measure` by rounding.
+    A failed analysis does not raise: its outcome says what ended it, and the numbers are those
+    until then. With `lockstep` those of one shape run side by side; the result of each depends on
+    its own input only, and differs by rounding.
     """
     if lockstep and not traces:
         for task, peaks in zip(tasks, run_lanes([_to_shake(task) for task in tasks]), strict=True):
@@ -258,13 +250,13 @@ def _hottest(values: Iterable[float]) -> float:
     return max((float(value) for value in values if value == value), default=np.nan)
 
 
-def not_run(outcome: str, sentence: str) -> dict[str, Any]:
+def _not_run(outcome: str, sentence: str) -> dict[str, Any]:
     """Return a value for each of `RESULT_COLUMNS` of a run that could not be carried out."""
     found = {name: 0 if name in COUNTS else np.nan for name in RESULT_COLUMNS}
     return found | {"outcome": outcome, "sentence": sentence}
 
 
-def error_outcome(error: Exception) -> tuple[str, str]:
+def _error_outcome(error: Exception) -> tuple[str, str]:
     """Return outcome and sentence of a run that raised instead of ending."""
     if isinstance(error, InputError):
         return BAD_INPUT, " ".join(str(error).split())
@@ -349,7 +341,7 @@ def _batch(preparer: Preparer, rows: list[dict[Any, Any]], every: int) -> list[M
         try:
             ready[number] = preparer.make_task(row)
         except Exception as error:  # any fault is the outcome of its row: the others go on
-            found[number] = Measured(not_run(*error_outcome(error)))
+            found[number] = Measured(_not_run(*_error_outcome(error)))
     done = _measured(list(ready.values()), every, preparer.lockstep)
     found |= dict(zip(ready, done, strict=False))
     return [found[number] for number in sorted(found)] if len(found) == len(rows) else []
@@ -371,7 +363,7 @@ def _measured(tasks: list[Task], every: int, lockstep: bool) -> list[Measured]:
                 break
     except Exception as error:  # likewise
         if len(tasks) == 1:
-            return [Measured(not_run(*error_outcome(error)))]
+            return [Measured(_not_run(*_error_outcome(error)))]
         for one in tasks[len(done) :]:  # the others do not depend on it
             done += _measured([one], every, lockstep)
     return done
@@ -455,24 +447,24 @@ def _on_client(
     # As a task, and not as data: a worker that dies with it takes nothing away.
     study = client.submit(tuple, shared, pure=False)
 
-    def answers() -> bool:
+    def _answers() -> bool:
         return bool(client.status == "running")
 
-    def check() -> None:
-        if not answers():
+    def _check() -> None:
+        if not _answers():
             raise OutputError(f"the Dask scheduler is gone ({client.status}); {KEPT}")
 
-    def send(work: Work) -> None:
-        check()
+    def _send(work: Work) -> None:
+        _check()
         future = client.submit(carry_out, study, work, pure=False)
         running[future] = work
         future.add_done_callback(ready.put)
 
     try:
         while True:
-            threads = sum(client.nthreads().values()) if answers() else 0
+            threads = sum(client.nthreads().values()) if _answers() else 0
             for work in islice(works, max(max(FEWEST, AHEAD * threads) - len(running), 0)):
-                send(work)
+                _send(work)
             if not running:
                 return
             future = None
@@ -480,10 +472,10 @@ def _on_client(
                 try:
                     future = ready.get(timeout=LOOK)
                 except queue.Empty:
-                    check()
+                    _check()
             work = running.pop(future)
             if future.status in LOST:
-                send(work)
+                _send(work)
                 continue
             try:
                 done = future.result()
@@ -494,5 +486,5 @@ def _on_client(
                 ) from None
             yield work, done
     finally:
-        if answers():
+        if _answers():
             client.cancel([*running, study])

@@ -301,7 +301,7 @@ def _spread(known: Floats, shares: Sequence[float], level: float) -> dict[str, f
     names = [f"{share:g}" for share in shares]
     if len(known) == 0:
         return dict.fromkeys(["mean", *names, "median_low", "median_high"], np.nan)
-    low, high = median_places(len(known), level)
+    low, high = _median_places(len(known), level)
     return {
         "mean": float(known.mean()),
         **{name: quantile(known, share) for name, share in zip(names, shares, strict=True)},
@@ -310,10 +310,10 @@ def _spread(known: Floats, shares: Sequence[float], level: float) -> dict[str, f
     }
 
 
-def median_places(count: int, level: float) -> tuple[int, int]:
+def _median_places(count: int, level: float) -> tuple[int, int]:
     """Return places of ordered values between which the median lies with that confidence.
 
-    >>> median_places(20, 0.95)  # the 6th and the 15th
+    >>> _median_places(20, 0.95)  # the 6th and the 15th
     (5, 14)
     """
     from scipy.stats import binom  # takes a second to read; starting a study does without

@@ -71,7 +71,7 @@ class IdaCurve(NamedTuple):
     demand: Floats  # at each, beginning with 0; infinite where a run failed and counts as collapse
     first: int  # place of its first run among the runs that count
 
-    def at(self, intensity: Floats) -> Floats:
+    def _at(self, intensity: Floats) -> Floats:
         """Return the demand at intensities; NaN beyond the last run.
 
         It is infinite beyond the last run before a collapse: what collapsed does not stand up
@@ -84,7 +84,7 @@ class IdaCurve(NamedTuple):
         found[inside] = np.interp(intensity[inside], self.intensity[:first], self.demand[:first])
         return found
 
-    def crossing(self, capacity: float) -> float:
+    def _crossing(self, capacity: float) -> float:
         """Return the lowest intensity with a demand at the capacity; infinite without one.
 
         Towards a collapse it is the largest intensity of a completed run (that of the collapse,
@@ -120,7 +120,7 @@ class Ida(NamedTuple):
         """
         if intensity is None:
             intensity = np.unique(np.concatenate([curve.intensity[1:] for curve in self.curves]))
-        values = np.array([curve.at(intensity) for curve in self.curves])
+        values = np.array([curve._at(intensity) for curve in self.curves])
         rows = []
         for place, at in zip(values.T, intensity, strict=True):
             known = place[~np.isnan(place)]
@@ -137,7 +137,7 @@ class Ida(NamedTuple):
         rows = []
         for curve in self.curves:
             name = dict(zip(self.by, curve.name, strict=True))
-            found = {"capacity": curve.crossing(capacity), "largest": float(curve.intensity[-1])}
+            found = {"capacity": curve._crossing(capacity), "largest": float(curve.intensity[-1])}
             rows.append({**name, **found})
         return pd.DataFrame(rows)
 

@@ -143,13 +143,13 @@ def annual_rate(curve: "Fragility | ClimateFragility", hazard: Hazard) -> Rate:
     at, weights = hazard.points()
     start, stop, last = hazard.intensity[:1], hazard.intensity[-1:], float(hazard.rate[-1])
 
-    def total(probability: Callable[[Any], Floats]) -> Floats:
+    def _total(probability: Callable[[Any], Floats]) -> Floats:
         inner: Floats = probability(at) @ weights
         return np.asarray(inner + last * probability(stop)[..., 0])
 
-    rate = float(total(curve.probability))
-    low, high = curve.ends(total(curve.family)[:, None])
-    family = total(partial(curve.family, drawn=True))
+    rate = float(_total(curve.probability))
+    low, high = curve.ends(_total(curve.family)[:, None])
+    family = _total(partial(curve.family, drawn=True))
     unit = INTENSITY_UNITS.get(hazard.measure, "").replace("^2", "\N{SUPERSCRIPT TWO}")
     begins, ends = (f"{float(im):.4g} {unit}".strip() for im in hazard.intensity[[0, -1]])
     notes = []

@@ -82,7 +82,7 @@ class Curves:
 
 
 def _terms(score: Floats, link: Link) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
-    """Return ln P and ln(1 - P), their first and (negative) second derivatives in the score."""
+    """Return ln P and ln(1 - P), their first and (negative) second _derivatives in the score."""
     if link == "logit":
         yes, p = log_expit(score), expit(score)
         return yes, log_expit(-score), 1.0 - p, -p, p * (1.0 - p), p * (1.0 - p)
@@ -98,7 +98,7 @@ def _likelihood(score: Floats, yes: Floats, no: Floats, link: Link = "probit") -
     return np.asarray((np.where(yes > 0, yes * above, 0) + np.where(no > 0, no * below, 0)).sum(-1))
 
 
-def fit_curves(im: Floats, yes: Floats, no: Floats, link: Link = "probit") -> Curves:
+def _fit_curves(im: Floats, yes: Floats, no: Floats, link: Link = "probit") -> Curves:
     """Return the likeliest curve of each row of counts.
 
     `im` are intensities > 0, each once; `yes` and `no` the runs beyond and not beyond, shape
@@ -167,19 +167,19 @@ def _newton(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Flo
     def value(a: Floats, b: Floats) -> Floats:
         return _likelihood(a[:, None] + b[:, None] * x, yes, no, link)
 
-    def derivatives(a: Floats, b: Floats) -> tuple[Floats, ...]:
+    def _derivatives(a: Floats, b: Floats) -> tuple[Floats, ...]:
         _, _, up, down, bend_up, bend_down = _terms(a[:, None] + b[:, None] * x, link)
         slope = yes * up + no * down
         weight = yes * bend_up + no * bend_down
         rise = slope.sum(-1), (slope * x).sum(-1)
         return *rise, weight.sum(-1), (weight * x).sum(-1), (weight * x**2).sum(-1)
 
-    return _climb(value, derivatives, np.asarray(ndtri(share)), np.zeros(len(yes)))
+    return _climb(value, _derivatives, np.asarray(ndtri(share)), np.zeros(len(yes)))
 
 
 def _climb(
     value: Callable[[Floats, Floats], Floats],
-    derivatives: Callable[[Floats, Floats], tuple[Floats, ...]],
+    _derivatives: Callable[[Floats, Floats], tuple[Floats, ...]],
     a: Floats,
     b: Floats,
     *,
@@ -191,7 +191,7 @@ def _climb(
     A step is halved as long as the likelihood would fall; with `positive` b stays above zero.
     """
     for _ in range(MOST_ROUNDS):
-        g0, g1, h0, h1, h2 = derivatives(a, b)
+        g0, g1, h0, h1, h2 = _derivatives(a, b)
         area = np.maximum(h0 * h2 - h1**2, 1e-300)
         da, db = (h2 * g0 - h1 * g1) / area, (h0 * g1 - h1 * g0) / area
         step = np.ones(len(b))
@@ -265,16 +265,16 @@ def _likelihood_edge(im: Floats, yes: Floats, no: Floats, best: Curves, drop: fl
     ray = turned @ np.array([np.cos(angle), np.sin(angle)])
     least = _likelihood(b * x, yes, no) - drop
 
-    def inside(far: Floats) -> Bools:
+    def _inside(far: Floats) -> Bools:
         score = (far * ray[0])[:, None] + (b + far * ray[1])[:, None] * x
         return np.asarray(_likelihood(score, yes, no) >= least)
 
     near, far = np.zeros(RAYS), np.full(RAYS, np.sqrt(2.0 * drop))
-    while (still := inside(far)).any():
+    while (still := _inside(far)).any():
         near, far = np.where(still, far, near), np.where(still, 2.0 * far, far)
     for _ in range(BISECTIONS):
         middle = 0.5 * (near + far)
-        still = inside(middle)
+        still = _inside(middle)
         near, far = np.where(still, middle, near), np.where(still, far, middle)
     slope = np.maximum(b + near * ray[1], FLAT)
     return Curves(best.place[0] - near * ray[0] / slope, slope)
@@ -321,7 +321,7 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
             n * np.log(b) - 0.5 * (n * a**2 + 2.0 * a * b * first + b**2 * second) + tail
         )
 
-    def derivatives(a: Floats, b: Floats) -> tuple[Floats, ...]:
+    def _derivatives(a: Floats, b: Floats) -> tuple[Floats, ...]:
         score = a[:, None] + b[:, None] * c
         rate = np.exp(-0.5 * score**2 - ROOT_TWO_PI - log_ndtr(-score))
         bend = v * rate * (rate - score)
@@ -330,7 +330,7 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
         h1 = first + (bend * c).sum(-1)
         return g0, g1, n + bend.sum(-1), h1, n / b**2 + second + (bend * c**2).sum(-1)
 
-    a, b = _climb(value, derivatives, -mean * b, b, positive=True)
+    a, b = _climb(value, _derivatives, -mean * b, b, positive=True)
     return centre - a / b, b
 
 
@@ -421,12 +421,12 @@ def stripes(at: Floats, beyond: Bools, draw: Draw, level: float | None = None) -
     instead of the bootstrap.
     """
     levels, yes, no, again, but = _counted(at, beyond, draw)
-    best = fit_curves(levels, yes, no)
+    best = _fit_curves(levels, yes, no)
     outcome, sentence = _why_not(levels, yes[0], no[0], best)
     if level is not None and outcome == COMPLETED:
         others = _likelihood_edge(levels, yes[0], no[0], best, 0.5 * float(chdtri(1, 1.0 - level)))
     else:
-        others = fit_curves(levels, again, but)
+        others = _fit_curves(levels, again, but)
     return Estimate(best, others, outcome=outcome, sentence=sentence)
 
 
@@ -495,8 +495,10 @@ def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
     if stood.all():
         return Estimate(best, others, outcome=outcome, sentence=sentence)
     levels, yes, no, again, but = _counted(at, ~stood, draw)
-    share = fit_curves(levels, yes, no, "logit")
-    return Estimate(best, others, share, fit_curves(levels, again, but, "logit"), outcome, sentence)
+    share = _fit_curves(levels, yes, no, "logit")
+    return Estimate(
+        best, others, share, _fit_curves(levels, again, but, "logit"), outcome, sentence
+    )
 
 
 def _line(sums: Floats, x_mean: float, y_mean: float) -> Curves:

@@ -3,7 +3,7 @@
 From Saltelli's arrangement (matrices A and B, and A with one column of B): Sobol' indices of first
 order by Saltelli, Annoni, Azzini, Campolongo, Ratto & Tarantola (2010, Computer Physics
 Communications 181(2): 259-270, Table 2 b) and total ones by Jansen (1999; the same table, f). They
-are those of `scipy.stats.sobol_indices`, which takes whole powers of two only; here a row with a
+are those of `scipy.stats._sobol_indices`, which takes whole powers of two only; here a row with a
 failed run leaves all matrices. The bootstrap draws rows.
 
 From any other design: the correlation ratio of each factor by itself, the variance of the means
@@ -42,7 +42,7 @@ MOST_CLASSES = 60
 MOST_LOTS = 2000  # of runs that the bootstrap draws as one
 
 
-def sobol_indices(
+def _sobol_indices(
     a: Floats, b: Floats, swapped: Floats, draw: Draw | None = None
 ) -> tuple[Floats, Floats]:
     """Return first-order and total indices; with `draw` a row of them for each sample.
@@ -109,8 +109,8 @@ def sobol_table(
     if np.ptp(values[:2]) == 0.0:
         raise InputError(f'"{demand}" is the same in all runs: there is no variance')
     draw = Draw.of_labels(None, values.shape[1], samples, seed)
-    first, total = sobol_indices(values[0], values[1], values[2:])
-    firsts, totals = sobol_indices(values[0], values[1], values[2:], draw)
+    first, total = _sobol_indices(values[0], values[1], values[2:])
+    firsts, totals = _sobol_indices(values[0], values[1], values[2:], draw)
     (low, high), (least, most) = percentiles(firsts, level), percentiles(totals, level)
     found: dict[str, Any] = {"factor": factors, "first": first, "first_low": low}
     found |= {"first_high": high, "total": total, "total_low": least, "total_high": most}
