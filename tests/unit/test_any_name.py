@@ -14,8 +14,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.text_file import file_names
 from thermobearing.cyclic.case import Rig
 from thermobearing.cyclic.result import Result
-from thermobearing.design.bounds import BoundModel, opensees_text
-from thermobearing.model.earlier import BilinearParameters
+from thermobearing.design.bounds import opensees_text
 from thermobearing.results.writing import json_line, without_formulas
 
 SOURCE = Path(tb.__file__).parent / "data" / "bearings" / "shen-hdr-specimen.toml"
@@ -72,12 +71,14 @@ def test_names_of_other_things_are_lines(what: str) -> None:
 
 
 def test_generated_scripts_hold_no_line_of_a_name() -> None:
-    model = BoundModel("lower", 1.75, "first", 23.0, BilinearParameters(100.0, 2.0, 10.0))
+    row = {"bound": "lower", "strain": 1.75, "basis": "first", "ambient_degC": 23.0}
+    row |= {"Q_d_kN": 100.0, "K_1_kN_mm": 10.0, "K_2_kN_mm": 2.0, "Q_y_kN": 125.0}
+    models = pd.DataFrame([row])
     for language in ("python", "tcl"):
-        text = opensees_text([model], "x\nimport os\r\x0b; puts \\", language)
+        text = opensees_text(models, "x\nimport os\r\x0b; puts \\", language)
         assert text.splitlines()[0].startswith("# x import os")
-        assert text.splitlines()[1:] == opensees_text([model], "x", language).splitlines()[1:]
-    tree = ast.parse(opensees_text([model], "x\nimport os", "python"))
+        assert text.splitlines()[1:] == opensees_text(models, "x", language).splitlines()[1:]
+    tree = ast.parse(opensees_text(models, "x\nimport os", "python"))
     imported = [node.names[0].name for node in ast.walk(tree) if isinstance(node, ast.Import)]
     assert imported == ["openseespy.opensees"]
 

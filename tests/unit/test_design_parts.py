@@ -11,9 +11,10 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
+from thermobearing.cyclic.equivalent import backbone
 from thermobearing.design import bounds, run
 from thermobearing.design import sizing as equal
-from thermobearing.design.bounds import bound_models, bounds_table, opensees_text
+from thermobearing.design.bounds import bound_models, opensees_text
 from thermobearing.design.case import make_design_case
 from thermobearing.design.result import Design
 from thermobearing.design.sizing import (
@@ -328,7 +329,12 @@ def test_layers_and_sides_of_equal_bearings(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """17 mm layers at 175 %, sides to the nearest 5 mm; a stiffness of 1 % of the side."""
-    monkeypatch.setattr(equal, "_stiffness", lambda template, side, layers, strain: 0.01 * side)
+
+    def cycle(bearing: tb.Bearing, _: float) -> Any:
+        side = bearing.geometry.plan.model_dump()["side"]
+        return SimpleNamespace(stiffness_kN_mm=0.01 * side, h_eq=0.1)
+
+    monkeypatch.setattr(equal, "isothermal_cycle", cycle)
     found = equal.equal_bearing("shen-hdr-bridge", stiffness, displacement).bearing
     assert (found.area**0.5, found.geometry.rubber_layers) == (side, layers)
 
@@ -349,23 +355,24 @@ def factor_table() -> pd.DataFrame:
 
 def test_bounds_are_the_softest_and_stiffest_of_single_cycles() -> None:
     """Means of cycles do not count."""
-    lower, upper = bound_models(factor_table(), 1.75, 102.0)
-    assert (lower.name, lower.basis, lower.temperature) == ("lower", "heated", 23.0)
-    assert (upper.name, upper.basis, upper.temperature) == ("upper", "first", -20.0)
+    models = bound_models(factor_table(), 1.75, 102.0)
+    found = models[["bound", "basis", "ambient_degC"]].to_numpy().tolist()
+    assert found == [["lower", "heated", 23.0], ["upper", "first", -20.0]]
     u = 1.75 * 102.0
-    for model, stiffness in ((lower, 1.8), (upper, 5.0)):
-        p = model.parameters
-        assert p.strength + p.post_yield * u == pytest.approx(stiffness * u)
-        loop = 4.0 * p.strength * (u - p.strength / (p.initial - p.post_yield))
+    for row, stiffness in zip(models.to_dict("records"), (1.8, 5.0), strict=True):
+        strength, initial, post_yield = (row[k] for k in ("Q_d_kN", "K_1_kN_mm", "K_2_kN_mm"))
+        assert initial > post_yield
+        assert strength + post_yield * u == pytest.approx(stiffness * u)
+        loop = 4.0 * strength * (u - strength / (initial - post_yield))
         assert loop == pytest.approx(1000.0 * stiffness)
     with pytest.raises(tb.InputError, match=r"the table has 1\.75"):
         bound_models(factor_table(), 1.0, 102.0)
 
 
 def test_tables_and_texts_of_bounds_keep_the_stiffnesses_apart() -> None:
-    lower, _ = bound_models(factor_table(), 1.75, 102.0)
-    p = lower.parameters
-    row = bounds_table([lower]).iloc[0]
+    lower = bound_models(factor_table(), 1.75, 102.0).head(1)
+    row = lower.iloc[0]
+    p = backbone(1.8, 1800.0, 1.75 * 102.0, "LRB")
     assert (row["Q_d_kN"], row["K_1_kN_mm"], row["K_2_kN_mm"]) == (
         p.strength,
         p.initial,
@@ -374,7 +381,7 @@ def test_tables_and_texts_of_bounds_keep_the_stiffnesses_apart() -> None:
     knee = p.strength / (p.initial - p.post_yield)
     assert row["Q_y_kN"] == pytest.approx(p.initial * knee)
     for language in ("tcl", "python"):
-        last = opensees_text([lower], "b", language).splitlines()[-1]
+        last = opensees_text(lower, "b", language).splitlines()[-1]
         numbers = last.replace(",", " ").replace(")", " ").split()[-3:]
         assert_allclose(
             [float(n) for n in numbers], [p.initial * knee, p.initial, p.post_yield / p.initial]

@@ -10,7 +10,7 @@ import thermobearing as tb
 from tests.unit.inputs import command, summary
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.equivalent import backbone, bilinear_parameters, post_yield_ratio
-from thermobearing.design.factors import coldest_factors, published_codes, published_tables
+from thermobearing.design.factors import coldest_factors, published
 from thermobearing.identify.uncertainty.samples import posterior_bearings
 
 NAME = "shen-hdr-specimen"
@@ -124,8 +124,8 @@ def test_the_ratio_is_that_of_the_kind() -> None:
 
 
 def test_codes_and_published_factors_say_their_source() -> None:
-    assert len(published_codes()) == 3
-    lead = next(item for item in published_tables() if "MVBR" in item.name)
+    assert len(published().codes) == 3
+    lead = next(item for item in published().tables if "MVBR" in item.name)
     assert not lead.unverified
     assert_allclose(lead.factors, 1.086 - 0.004278 * np.array(lead.temperatures))
     table = tb.temperature_factors(

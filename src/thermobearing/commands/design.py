@@ -39,7 +39,7 @@ def design(
     """Size isolation bearings: assume a displacement, size, analyse, compare, repeat."""
     from thermobearing.bearing.library import load_bearing
     from thermobearing.design.case import load_design_case, make_design_case
-    from thermobearing.design.output import print_head, print_round
+    from thermobearing.design.result import print_head, print_round
     from thermobearing.design.run import run_design
 
     groups = [{"lines": [name.strip() for name in text.split(",")]} for text in group or []]

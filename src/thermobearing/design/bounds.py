@@ -1,7 +1,6 @@
 """Bilinear models of a bearing and the bounds analysis with them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +13,9 @@ from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.errors import InputError, printable
 from thermobearing.border.toml import to_table
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN, backbone, bilinear_parameters
-from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
+from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
-from thermobearing.model.earlier import BilinearParameters
 from thermobearing.motions.library import list_motions
 
 DEMANDS = {  # column of the study's table: title of the panel
@@ -41,7 +39,7 @@ def first_motions() -> list[str]:
     return [name for name in list_motions() if name.split("-")[2] == "i"]
 
 
-def bound(bearing: Bearing, name: str, temperature: float, strain: float) -> BilinearBearing:
+def _bound(bearing: Bearing, name: str, temperature: float, strain: float) -> BilinearBearing:
     """Return the bilinear model of a bearing soaked at a temperature, without heating."""
     model = bilinear_parameters(bearing, strain=strain, temperature=temperature)
     return BilinearBearing(
@@ -93,7 +91,7 @@ def bounds_study(
     """
     bearing = as_bearing(bearing)
     cold, warm = min(ambient), max(ambient)
-    bounds = [bound(bearing, "lower", warm, strain), bound(bearing, "upper", cold, strain)]
+    bounds = [_bound(bearing, "lower", warm, strain), _bound(bearing, "upper", cold, strain)]
     common: dict[str, Any] = {"motions": motion, **options}
     simple = make_earthquake_case(
         {"command": "bridge"}, "bounds", bearings=bounds, ambient=[warm], **common
@@ -103,7 +101,10 @@ def bounds_study(
     )
     studies = run_earthquake(simple), run_earthquake(whole)
     coupled = studies[1].table
-    left = {m: _joined(mine["beyond_tested"]) for m, mine in coupled.groupby("motion")}
+    left = {
+        motion: " ".join(dict.fromkeys(" ".join(texts).split()))
+        for motion, texts in coupled.groupby("motion")["beyond_tested"]
+    }
     bounded, many = (_demanded(study) for study in studies)
     whose = ["motion", "demand", "part"]
     ends = bounded.set_index([*whose, "bearing"])["value"]
@@ -134,17 +135,13 @@ def bounds_study(
     found.attrs["ended"] = [study.outcome for study in studies if study.outcome != "completed"]
     found.attrs["sentences"] = [study.sentence for study in studies if study.outcome != "completed"]
     found.attrs["ranges"] = calibration_ranges(bearing)
-    found.attrs["inputs"] = _inputs(whole, bearing, strain)
-    found.attrs["inputs"]["bounds"] = [to_table(model) for model in bounds]
+    resolved = to_table(whole)
+    found.attrs["inputs"] = {
+        **{name: resolved[name] for name in ("structure", "motions", "ambient", "analysis")},
+        **{"strain": strain, "bearing": to_table(bearing), "sources": bearing.sources},
+        "bounds": [to_table(model) for model in bounds],
+    }
     return found
-
-
-def _inputs(case: EarthquakeCase, bearing: Bearing, strain: float) -> dict[str, Any]:
-    """Return what went in, for documents: tables as in a resolved case."""
-    whole = to_table(case)
-    inputs = {name: whole[name] for name in ("structure", "motions", "ambient", "analysis")}
-    inputs["strain"] = strain
-    return inputs | {"bearing": to_table(bearing), "sources": bearing.sources}
 
 
 def _demanded(study: EarthquakeResult) -> pd.DataFrame:
@@ -169,11 +166,6 @@ def least_safe(table: pd.DataFrame) -> pd.DataFrame:
     kept: pd.DataFrame = lowest.sort_index()
     kept.attrs = dict(table.attrs)
     return kept
-
-
-def _joined(several: pd.Series) -> str:
-    """Return the words of several texts, each once."""
-    return " ".join(dict.fromkeys(word for text in several for word in text.split()))
 
 
 def verdict(ratio: float) -> str:
@@ -209,7 +201,6 @@ def paragraph(table: pd.DataFrame, name: str) -> str:
     )
 
 
-UNITS = "kN, mm, s"
 BOUNDS_NOTE = (
     "Each bound has the peak force and the loop area of its cycle, with a chosen K_2/K_1; its Q_d "
     "is therefore not that of the factors, which is half the difference of the forces at zero "
@@ -217,37 +208,13 @@ BOUNDS_NOTE = (
 )
 
 
-@dataclass(frozen=True)
-class BoundModel:
-    """One bound.
-
-    Attributes
-    ----------
-    name : "lower" or "upper".
-    strain, basis, temperature : where in the table of factors it comes from [degC].
-    parameters : Q_d [kN], K_1, K_2 [kN/mm] of one bearing.
-    """
-
-    name: str
-    strain: float
-    basis: str
-    temperature: float
-    parameters: BilinearParameters
-
-    @property
-    def yield_force(self) -> float:
-        """Q_d K_1/(K_1 - K_2) [kN]."""
-        p = self.parameters
-        return p.strength * p.initial / (p.initial - p.post_yield)
-
-
 def bound_models(
     table: pd.DataFrame, strain: float, total_rubber_thickness: float, kind: str = "LRB"
-) -> list[BoundModel]:
+) -> pd.DataFrame:
     """Return the softest and the stiffest cycle of a table of factors as bilinear models.
 
     Softest and stiffest by K_eq over all temperatures and over first and heated cycles; peak
-    force and loop area are those of that cycle.
+    force and loop area are those of that cycle. A row each, of one bearing [kN], [kN/mm].
     """
     rows = table[(table["strain"] == strain) & table["basis"].isin(["first", "heated"])]
     if rows.empty:
@@ -258,52 +225,42 @@ def bound_models(
     found = []
     for name, row in (("lower", ordered[0]), ("upper", ordered[-1])):
         amplitude = strain * total_rubber_thickness
-        model = backbone(float(row["K_eq"]), float(row["energy"]), amplitude, kind)
-        temperature = float(row["ambient_degC"])
-        found.append(BoundModel(name, strain, str(row["basis"]), temperature, model))
-    return found
-
-
-def bounds_table(models: list[BoundModel]) -> pd.DataFrame:
-    """Return numbers of the bounds, one row each."""
-    return pd.DataFrame(
-        [
+        p = backbone(float(row["K_eq"]), float(row["energy"]), amplitude, kind)
+        found.append(
             {
-                "bound": m.name,
-                "strain": m.strain,
-                "basis": m.basis,
-                "ambient_degC": m.temperature,
-                "Q_d_kN": m.parameters.strength,
-                "K_1_kN_mm": m.parameters.initial,
-                "K_2_kN_mm": m.parameters.post_yield,
-                "Q_y_kN": m.yield_force,
+                "bound": name,
+                "strain": strain,
+                "basis": str(row["basis"]),
+                "ambient_degC": float(row["ambient_degC"]),
+                "Q_d_kN": p.strength,
+                "K_1_kN_mm": p.initial,
+                "K_2_kN_mm": p.post_yield,
+                "Q_y_kN": p.strength * p.initial / (p.initial - p.post_yield),
             }
-            for m in models
-        ]
-    )
+        )
+    return pd.DataFrame(found)
 
 
-def opensees_text(models: list[BoundModel], name: str, language: str) -> str:
-    """Materials for a zeroLength element of OpenSees, in Tcl or Python."""
+def opensees_text(models: pd.DataFrame, name: str, language: str) -> str:
+    """Return materials for a zeroLength element of OpenSees, in Tcl or Python."""
     shown = " ".join(printable(name).split("\n"))  # a second line would be carried out
     lines = [
-        f"# {shown}: bilinear bounds of ONE bearing, units {UNITS}.",
+        f"# {shown}: bilinear bounds of ONE bearing, units kN, mm, s.",
         "# Use one of the materials in a zeroLength element, direction 1, per bearing.",
         f"# {BOUNDS_NOTE}.",
     ]
     if language == "python":
         lines.append("import openseespy.opensees as ops")
-    for tag, m in enumerate(models, 1):
-        p = m.parameters
+    for tag, row in enumerate(models.to_dict("records"), 1):
+        initial, post_yield = row["K_1_kN_mm"], row["K_2_kN_mm"]
         lines.append(
-            f"# {m.name} bound: {m.basis} cycle at {m.temperature:g} degC, {m.strain:.0%} strain; "
-            f"Q_d {p.strength:.6g} kN, K_1 {p.initial:.6g}, K_2 {p.post_yield:.6g} kN/mm"
+            f"# {row['bound']} bound: {row['basis']} cycle at {row['ambient_degC']:g} degC, "
+            f"{row['strain']:.0%} strain; Q_d {row['Q_d_kN']:.6g} kN, "
+            f"K_1 {initial:.6g}, K_2 {post_yield:.6g} kN/mm"
         )
-        values = (m.yield_force, p.initial, p.post_yield / p.initial)
+        numbers = [repr(value) for value in (row["Q_y_kN"], initial, post_yield / initial)]
         if language == "python":
-            numbers = ", ".join(f"{value!r}" for value in values)
-            lines.append(f'ops.uniaxialMaterial("Steel01", {tag}, {numbers})')
+            lines.append(f'ops.uniaxialMaterial("Steel01", {tag}, {", ".join(numbers)})')
         else:
-            numbers = " ".join(f"{value!r}" for value in values)
-            lines.append(f"uniaxialMaterial Steel01 {tag} {numbers}")
+            lines.append(f"uniaxialMaterial Steel01 {tag} {' '.join(numbers)}")
     return "\n".join(lines) + "\n"

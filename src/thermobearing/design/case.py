@@ -22,14 +22,7 @@ Weight = Annotated[float, in_unit("kN"), Field(ge=0.1, le=1e6)]
 
 
 class LineGroup(Strict):
-    """Bearing lines that get bearings of one size.
-
-    Attributes
-    ----------
-    lines : their names in the structure.
-    name : of the group in tables; by default the names of its lines.
-    weight : vertical load of one bearing [kN], in [0.1, 1e6], instead of that of the case.
-    """
+    """Bearing lines that get bearings of one size; `weight` of one [kN] instead of the case's."""
 
     lines: Annotated[list[Name], Field(min_length=1, max_length=8)]
     name: Annotated[str, Field(max_length=600), OneLine] = ""

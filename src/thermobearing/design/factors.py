@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
@@ -334,20 +334,12 @@ def scale_study(
 FOOTNOTE = "*: from memory or chosen, no source read"
 
 
-class Cited(Protocol):
-    """Anything that says whether its source was read."""
-
-    @property
-    def unverified(self) -> bool:
-        """Whether no printed source was read."""
-
-
-def marked(item: Cited) -> str:
-    """Return the mark of the footnote where no source was read, else nothing."""
+def marked(item: Any) -> str:
+    """Return the mark of the footnote where `unverified`: no printed source was read."""
     return "*" if item.unverified else ""
 
 
-class PublishedTable(Strict):
+class _PublishedTable(Strict):
     """Factors from elsewhere; `unverified` ones are from memory."""
 
     name: str
@@ -364,7 +356,7 @@ class PublishedTable(Strict):
         return f"{self.name}{marked(self)}"
 
 
-class PublishedCode(Strict):
+class _PublishedCode(Strict):
     """What a code asks about temperature; `unverified`: its text was not read."""
 
     code: str
@@ -376,24 +368,13 @@ class PublishedCode(Strict):
 class Published(Strict):
     """What data/factors/published.toml says."""
 
-    tables: list[PublishedTable]
-    codes: list[PublishedCode]
+    tables: list[_PublishedTable]
+    codes: list[_PublishedCode]
 
 
 @cache
-def published_tables() -> list[PublishedTable]:
-    """Return factors of other sources, for comparison."""
-    return _published().tables
-
-
-@cache
-def published_codes() -> list[PublishedCode]:
-    """Return what codes ask about temperature, with the source and whether it was read."""
-    return _published().codes
-
-
-@cache
-def _published() -> Published:
+def published() -> Published:
+    """Return factors of other sources and codes, with the source and whether it was read."""
     path = data_path("factors", "published.toml")
     return validated(Published, read_toml(path), str(path))
 
@@ -416,7 +397,7 @@ def coldest_factors(table: pd.DataFrame, strain: float) -> list[str]:
         others = [
             f"{item.label} x {np.interp(coldest, item.temperatures, item.factors):.2f}"
             f"{'' if coldest in item.temperatures else ' (between its values)'}"
-            for item in published_tables()
+            for item in published().tables
             if item.quantity == quantity
             and item.temperatures[0] <= coldest <= item.temperatures[-1]
         ]

@@ -15,7 +15,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bounds import DEMANDS, least_safe
-from thermobearing.design.factors import FOOTNOTE, published_tables
+from thermobearing.design.factors import FOOTNOTE, published
 from thermobearing.design.result import BoundsReport, Design, FactorReport
 from thermobearing.results import drawing
 
@@ -122,11 +122,16 @@ class FactorFigures(drawing.Figures):
         down = -(-(len(quantities) + 1) // ACROSS)  # with room for the legend
         size = (3.5 * ACROSS, 0.5 + 3.1 * down)
         figure, axes = drawing.panels(down, ACROSS, size, f"{report.name}: {what}")
-        looks = _published_looks(quantities)
+        names = dict.fromkeys(p.label for p in published().tables if p.quantity in quantities)
+        marks = drawing.MARKERS
+        looks: dict[str, dict[str, Any]] = {
+            name: {"color": OTHERS[k % len(OTHERS)], "marker": marks[k % len(marks)], **DOTTED}
+            for k, name in enumerate(names)
+        }
         shown, free = axes[: len(quantities)], axes[len(quantities) :]
         for ax, quantity in zip(shown, quantities, strict=True):
             _draw_factors(ax, rows[rows["quantity"] == quantity])
-            for item in published_tables():
+            for item in published().tables:
                 if item.quantity == quantity:
                     ax.plot(item.temperatures, item.factors, **looks[item.label])
             ax.axvline(report.reference, color=drawing.GREY, linewidth=0.7)
@@ -238,16 +243,6 @@ def _draw_factors(ax: Axes, rows: pd.DataFrame) -> None:
             low, high = one["factor_low"].to_numpy(), one["factor_high"].to_numpy()
             ax.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
         ax.plot(x, one["factor"].to_numpy(), ".-", color=colour, linewidth=1.3, markersize=4.5)
-
-
-def _published_looks(quantities: list[str]) -> dict[str, dict[str, Any]]:
-    """Return how the factors of each other source are drawn, by its name in the legend."""
-    names = dict.fromkeys(item.label for item in published_tables() if item.quantity in quantities)
-    marks = drawing.MARKERS
-    return {
-        name: {"color": OTHERS[k % len(OTHERS)], "marker": marks[k % len(marks)], **DOTTED}
-        for k, name in enumerate(names)
-    }
 
 
 def draw_scale(bearing: Bearing, results: dict[float, Result]) -> Figure:

@@ -116,10 +116,9 @@ def sized(
     effective = min(max(effective, low), high)
     stiffness, damping = design_values(compound, size, effective)
     model = equivalent_bilinear(stiffness, damping, effective, case.stiffness_ratio)
-    number_of_group = f"-{place + 1}" if len(case.groups) > 1 else ""
+    name = f"{case.compound}-{size.side:g}-{size.layers}x{size.layer_thickness:g}"
     bearing = BilinearBearing(
-        name=f"{case.compound}-{size.side:g}-{size.layers}x{size.layer_thickness:g}"
-        f"{number_of_group}",
+        name=f"{name}-{place + 1}" if len(case.groups) > 1 else name,
         description=f"{case.compound_kind} {case.compound}, designed for {assumed:.0f} mm",
         total_rubber_thickness=thickness,
         strength=model.strength,
@@ -127,19 +126,8 @@ def sized(
         post_yield_stiffness=model.post_yield,
         tested_range=Validity(strain=[curves.smallest_strain, curves.largest_strain]),
     )
-    turn = Round(
-        number=number,
-        assumed=assumed,
-        size=size,
-        stiffness=stiffness,
-        damping=damping,
-        strength=model.strength,
-        post_yield=model.post_yield,
-        initial=model.initial,
-        found=math.nan,
-        ductility=math.nan,
-        group=group.name,
-    )
+    values = (model.strength, model.post_yield, model.initial, math.nan, math.nan)
+    turn = Round(number, assumed, size, stiffness, damping, *values, group=group.name)
     return turn, bearing
 
 
@@ -332,13 +320,10 @@ def run_bounds(
         raise InputError("ambient: give at least two different temperatures")
     if not 0.1 <= strain <= 3.0:
         raise InputError(f"strain = {strain:g}: must be between 0.1 and 3")
-    chosen = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
     shaken = first_motions() if motions is None else motions
+    studied = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
     return BoundsReport(
-        {
-            item.name: bounds_study(item, shaken, ambient, strain=strain, **options)
-            for item in chosen
-        }
+        {b.name: bounds_study(b, shaken, ambient, strain=strain, **options) for b in studied}
     )
 
 

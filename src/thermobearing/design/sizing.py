@@ -56,36 +56,32 @@ def load_curves() -> Curves:
 
 def load_rubber(name: str, kind: Kind = "HDR") -> DesignRubber:
     """Return a compound by name and kind."""
-    known = [item for item in load_curves().compounds if item.kind == kind]
-    for item in known:
-        if item.name == name:
-            return item
-    names = [item.name for item in known] or ["HDR", "HDR-S"]
-    wrong = name if known else kind
+    known = {item.name: item for item in load_curves().compounds if item.kind == kind}
+    if name in known:
+        return known[name]
+    wrong, names = (name, list(known)) if known else (kind, ["HDR", "HDR-S"])
     raise InputError(f'no {kind} rubber is called "{wrong}"{nearest(wrong, names)}')
 
 
-def _checked_strain(strain: float) -> float:
-    """Return the strain, if the curves may be used for it."""
+def _powers(strain: float, count: int) -> Floats:
+    """Return powers of a strain, if the curves may be used for it."""
     curves = load_curves()
     if not curves.smallest_strain <= strain <= curves.largest_strain:
         raise InputError(
             f"design shear strain {strain:.3g}: the curves are for {curves.smallest_strain:g} to "
             f"{curves.largest_strain:g}; choose a thicker or thinner bearing"
         )
-    return strain
+    return np.asarray(strain ** np.arange(count))
 
 
 def shear_modulus(compound: DesignRubber, strain: float) -> float:
     """Return design equivalent shear modulus G_e [MPa] at a design shear strain (Eq. 6.2)."""
-    powers = np.arange(len(compound.shear_modulus))
-    return float(np.array(compound.shear_modulus) @ _checked_strain(strain) ** powers)
+    return float(compound.shear_modulus @ _powers(strain, len(compound.shear_modulus)))
 
 
 def damping_ratio(compound: DesignRubber, strain: float) -> float:
     """Return design equivalent damping ratio h_B at a design shear strain (Eq. 6.3)."""
-    powers = np.arange(len(compound.damping_ratio))
-    return float(np.array(compound.damping_ratio) @ _checked_strain(strain) ** powers)
+    return float(compound.damping_ratio @ _powers(strain, len(compound.damping_ratio)))
 
 
 def equivalent_stiffness(
@@ -144,14 +140,7 @@ class SizingRules(Strict):
 
 @dataclass(frozen=True)
 class Size:
-    """A square bearing.
-
-    Attributes
-    ----------
-    side : of the plan [mm].
-    layers : number of rubber layers.
-    layer_thickness : [mm].
-    """
+    """A square bearing: side of the plan and thickness of a rubber layer [mm]."""
 
     side: float
     layers: int
@@ -272,13 +261,8 @@ MOST_EQUAL_LAYERS = 200  # of any bearing
 class EqualBearing:
     """A layered bearing scaled to a stiffness.
 
-    Attributes
-    ----------
-    bearing : ready for `bridge`.
-    stiffness, damping : K_eq [kN/mm] and h_eq of its third cycle without heating at the design
-        displacement and the reference temperature of its rubber.
-    displacement : u_B that it is sized for [mm].
-    group : name of the group of lines that it is for; empty where there is only one.
+    K_eq [kN/mm] and h_eq are those of its third cycle without heating at the design displacement
+    u_B [mm] and the reference temperature of its rubber; `group` as of `Round`.
     """
 
     bearing: Bearing
@@ -292,12 +276,9 @@ def _with_side(template: Bearing, side: float, layers: int) -> Bearing:
     """Return the template with another square plan and number of layers; its compound stays."""
     plan = template.geometry.plan.model_copy(update={"side": side})
     geometry = template.geometry.model_copy(update={"plan": plan, "rubber_layers": layers})
-    return resized(template, geometry).model_copy(
-        update={
-            "name": f"{template.kind.lower()}-{side:g}-{layers}x{geometry.rubber_thickness:g}",
-            "description": f"{template.name} scaled to the stiffness of a design",
-        }
-    )
+    name = f"{template.kind.lower()}-{side:g}-{layers}x{geometry.rubber_thickness:g}"
+    about = f"{template.name} scaled to the stiffness of a design"
+    return resized(template, geometry).model_copy(update={"name": name, "description": about})
 
 
 def equal_bearing(
@@ -351,15 +332,18 @@ def equal_bearing(
             f"most {MOST_EQUAL_LAYERS} make sense"
         )
     strain = displacement / (layers * thickness)
+
+    def sheared(side: float) -> float:
+        return isothermal_cycle(_with_side(template, side, layers), strain).stiffness_kN_mm
+
     low, high = math.sqrt(1.02 * template.lead_area) + ROUNDING, 5000.0
-    softest, stiffest = (_stiffness(template, side, layers, strain) for side in (low, high))
-    if not softest <= stiffness <= stiffest:
+    if not sheared(low) <= stiffness <= sheared(high):
         raise InputError(
             f"{template.name}: no plan of {low:.0f} to {high:.0f} mm gives {stiffness:g} kN/mm"
         )
     for _ in range(TRIES):
         middle = 0.5 * (low + high)
-        if _stiffness(template, middle, layers, strain) < stiffness:
+        if sheared(middle) < stiffness:
             low = middle
         else:
             high = middle
@@ -369,10 +353,6 @@ def equal_bearing(
     bearing = _with_side(template, side, layers)
     measured = isothermal_cycle(bearing, strain)
     return EqualBearing(bearing, measured.stiffness_kN_mm, measured.h_eq, displacement)
-
-
-def _stiffness(template: Bearing, side: float, layers: int, strain: float) -> float:
-    return isothermal_cycle(_with_side(template, side, layers), strain).stiffness_kN_mm
 
 
 def third_cycle(bearing: Bearing, displacement: float) -> tuple[Floats, Floats]:
@@ -386,19 +366,11 @@ def third_cycle(bearing: Bearing, displacement: float) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True)
 class Round:
-    """One turn of the loop, of one group of bearing lines.
+    """One turn of the loop, of one group of bearing lines; see `row` for the names of its numbers.
 
-    Attributes
-    ----------
-    number : from 1.
-    assumed : design displacement u_B that the bearing was sized for [mm].
-    size : the bearing.
-    stiffness, damping : K_B [kN/mm] and h_B at u_B.
-    strength, post_yield, initial : Q_d [kN], K_2, K_1 [kN/mm] of the bilinear model.
-    found : displacement over the motions [mm], as the rule of the case has it.
-    ductility : of the pier over the motions, as the rule has it.
-    largest : displacement of all motions [mm].
-    group : name of the group of lines; empty where there is only one.
+    `found` displacement [mm] and `ductility` of the pier are those over the motions that the rule
+    of the case takes, `largest` is the displacement of all motions [mm]; `group` is the name of the
+    group of lines, empty where there is only one.
     """
 
     number: int
@@ -462,16 +434,9 @@ def two_sizes(rounds: Sequence[Round], tolerance: float) -> tuple[Round, Round] 
 class Search:
     """The search for the displacement that one group of lines is sized for.
 
-    The found displacement replaces the assumed one; where they cross over, the next guess goes
-    half-way only. Between two sizes that alternate it holds the larger one, until the other groups
-    have changed so much that this one moves farther than it is sized for.
-
-    Attributes
-    ----------
-    assumed : displacement of the next round [mm].
-    gain : share of the difference that is taken, in (0, 1].
-    rounds : since the group was last set free.
-    held : the two rounds of `two_sizes`, of which the larger size is held.
+    The found displacement replaces the assumed one [mm]; where they cross over, the next guess goes
+    half-way only (`gain`). Between two sizes that alternate (`held`) it holds the larger one, until
+    the other groups have changed so much that this one moves farther than it is sized for.
     """
 
     assumed: float

@@ -14,7 +14,7 @@ from scipy.fft import next_fast_len
 from scipy.linalg import solve_triangular
 from scipy.sparse import csr_array
 
-from thermobearing.core.types import Floats
+from thermobearing.core.types import Floats, Ints
 from thermobearing.motions.process import end_shapes, high_pass_gain, with_quiet_end
 from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.spectrum import DAMPING, response_spectrum
@@ -42,7 +42,6 @@ STRIDE = 64  # of the coarser of two tables of exponentials
 DAMPING_START, DAMPING_END = 0.05, 1e2  # weight of size and bending of a change, adapted
 
 Complexes = NDArray[np.complex128]
-Ints = NDArray[np.int64]
 Target = Callable[[Floats], Floats]
 Progress = Callable[[int, int], None]
 
@@ -98,11 +97,7 @@ class _Amplitudes:
     """The Fourier coefficients of a motion, multiplied band by band."""
 
     def __init__(
-        self,
-        acceleration: Floats,
-        dt: float,
-        fineness: _Fineness,
-        effort: Effort | None = None,
+        self, acceleration: Floats, dt: float, fineness: _Fineness, effort: Effort | None = None
     ) -> None:
         self.effort = effort or Effort()
         self.fineness, bands = fineness, fineness.bands
@@ -127,7 +122,11 @@ class _Amplitudes:
         ramp = np.sin(0.5 * np.pi * np.arange(edge) / edge) ** 2
         self.taper = np.concatenate([ramp, np.ones(self.length - 2 * edge), ramp[::-1]])
         self.periods = np.geomspace(SHORTEST, LONGEST, fineness.periods)
-        self.oscillators = self._oscillators()
+        w = 2.0 * np.pi * self.frequency
+        wn = 2.0 * np.pi / self.periods[:, np.newaxis]
+        spring = wn**2 - 2.0j * DAMPING * wn * w
+        # [period, frequency] absolute acceleration by that of the ground, conjugate.
+        self.oscillators: Complexes = np.asarray(spring / (spring - w**2))
 
     def multiplied(self) -> Complexes:
         """Return the coefficients with the present multipliers."""
@@ -137,13 +136,6 @@ class _Amplitudes:
         """Return the history with the present multipliers and its ends in order."""
         values = np.fft.irfft(self.multiplied(), self.size)[: self.length]
         return GroundMotion("matched", self.dt, with_quiet_end(values * self.taper, self.dt))
-
-    def _oscillators(self) -> Complexes:
-        """[period, frequency] absolute acceleration by that of the ground, conjugate."""
-        w = 2.0 * np.pi * self.frequency
-        wn = 2.0 * np.pi / self.periods[:, np.newaxis]
-        spring = wn**2 - 2.0j * DAMPING * wn * w
-        return np.asarray(spring / (spring - w**2))
 
     def sensitivity(self, which: Ints, times: Floats) -> Floats:
         """Return [response, band] acceleration at the given times by the part of each band [mm/s2].

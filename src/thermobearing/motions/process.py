@@ -28,20 +28,18 @@ def with_quiet_end(acceleration: Floats, dt: float) -> Floats:
 
 
 def end_shapes(count: int, dt: float) -> tuple[Floats, Floats]:
-    """Return [2, count] what `with_quiet_end` subtracts, and `_weights_of_ends`."""
+    """Return what `with_quiet_end` subtracts, and what samples add to the ends; both [2, count].
+
+    The ends are the last velocity and the last displacement.
+    """
     place = np.linspace(0.0, 1.0, count)
     hump = np.sin(np.pi * place) ** 2
-    return np.array([hump, hump * (place - 0.5)]), _weights_of_ends(count, dt)
-
-
-def _weights_of_ends(count: int, dt: float) -> Floats:
-    """[2, count] what each sample adds to the last velocity and the last displacement."""
     velocity = np.full(count, dt)
     velocity[[0, -1]] = 0.5 * dt
     displacement = dt * dt * np.arange(count - 1, -1, -1, dtype=np.float64)
     displacement[0] = dt * dt * (3.0 * count - 4.0) / 6.0
     displacement[-1] = dt * dt / 6.0
-    return np.array([velocity, displacement])
+    return np.array([hump, hump * (place - 0.5)]), np.array([velocity, displacement])
 
 
 def _without_drift(acceleration: Floats, dt: float) -> Floats:

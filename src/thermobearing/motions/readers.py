@@ -145,8 +145,10 @@ def _read(text: str, component: str | None) -> _Raw:
         return _read_knet(lines, component)
     if first.startswith("site code"):
         return _read_jma(lines, component)
-    if (header := _at2_header(lines)) is not None:
-        return _read_at2(lines, component, *header)
+    for place, line in enumerate(lines[:30]):  # a header of AT2: number of points, time step [s]
+        text = line[:LONGEST_LINE]
+        if found := _AT2_NAMED.search(text) or _AT2_FIRST.search(text):
+            return _read_at2(lines, component, place, int(found[1]), _number(found[2]))
     return _read_columns(lines, component)
 
 
@@ -196,16 +198,6 @@ def _entry(text: str) -> float | None:
 def _only_component(component: str | None, held: str = "one component") -> None:
     if component not in (None, "1"):
         raise InputError(f'holds {held}; component "{component}" is not there')
-
-
-def _at2_header(lines: list[str]) -> tuple[int, int, float] | None:
-    """Line, number of points and time step [s] of an AT2 header, if there is one."""
-    for place, line in enumerate(lines[:30]):
-        text = line[:LONGEST_LINE]
-        match = _AT2_NAMED.search(text) or _AT2_FIRST.search(text)
-        if match:
-            return place, int(match[1]), _number(match[2])
-    return None
 
 
 def _read_at2(lines: list[str], component: str | None, place: int, points: int, dt: float) -> _Raw:

@@ -10,20 +10,9 @@ from thermobearing.motions.matching import LARGEST_MISFIT
 from thermobearing.motions.run import SPECTRA, measures_table, spectrum_table, standard_words
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
-from thermobearing.report.content import (
-    saved_figures,
-    with_plot,
-)
+from thermobearing.report.content import saved_figures, with_plot
 from thermobearing.report.figures import history, rounded
-from thermobearing.report.pieces import (
-    EXCEEDED,
-    PASSED,
-    Check,
-    Pieces,
-    Plot,
-    ReportFigure,
-    Trace,
-)
+from thermobearing.report.pieces import EXCEEDED, PASSED, Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import identity_rows, tidy
 from thermobearing.results.directory import MOTION
 from thermobearing.results.saved import SavedResult
@@ -43,15 +32,8 @@ def build_pieces(saved: SavedResult) -> Pieces:
     standard = summary.get("standard_spectrum")
     beside = f" beside the standard spectrum of {standard_words(standard)}" if standard else ""
     about = tidy(str(summary.get("description") or name))
-    origin = [
-        (words, str(summary[key]))
-        for key, words in (
-            ("motion", "Name"),
-            ("description", "Description"),
-            ("citation", "Source"),
-        )
-        if summary.get(key)
-    ]
+    about_it = {"motion": "Name", "description": "Description", "citation": "Source"}
+    origin = [(word, str(summary[key])) for key, word in about_it.items() if summary.get(key)]
     return Pieces(
         command="motions",
         title=f"Ground motion {name}",
@@ -59,7 +41,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
         f"its response spectrum look like{beside}? {about}",
         answer=_answer(summary),
         inputs={"origin": Table("The motion", [Quantity("What"), Quantity("Value")], origin)},
-        tables=_tables(saved),
+        tables={"measures": measures_table(summary), **_spectrum(saved)},
         figures=_figures(saved),
         checks=_checks(standard),
         validity_unknown="Of a ground motion nothing was identified, so nothing can be left.",
@@ -98,17 +80,16 @@ def _answer(summary: Mapping[str, Any]) -> list[str]:
     return found
 
 
-def _tables(saved: SavedResult) -> dict[str, Table]:
-    """Measures, and the spectrum at periods that one quotes."""
-    found = {"measures": measures_table(saved.summary)}
-    if "spectrum" in saved.tables:
-        table = saved["spectrum"].astype(float)
-        periods = table["period_s"].to_numpy()
-        chosen = [t for t in PERIODS if periods[0] <= t <= periods[-1] * 1.0001]
-        names = [name for name in SPECTRA if name in table]
-        frame = pd.DataFrame({name: np.interp(chosen, periods, table[name]) for name in names})
-        found["spectrum"] = spectrum_table(frame.assign(period_s=chosen), saved.summary["damping"])
-    return found
+def _spectrum(saved: SavedResult) -> dict[str, Table]:
+    """Return the spectrum at periods that one quotes, where the result has it."""
+    if "spectrum" not in saved.tables:
+        return {}
+    table = saved["spectrum"].astype(float)
+    periods = table["period_s"].to_numpy()
+    chosen = [t for t in PERIODS if periods[0] <= t <= periods[-1] * 1.0001]
+    names = [name for name in SPECTRA if name in table]
+    frame = pd.DataFrame({name: np.interp(chosen, periods, table[name]) for name in names})
+    return {"spectrum": spectrum_table(frame.assign(period_s=chosen), saved.summary["damping"])}
 
 
 def _figures(saved: SavedResult) -> dict[str, ReportFigure]:

@@ -137,12 +137,9 @@ class MotionResult(Result):
         motion, measures, reference = self.motion, self.measures, self.reference
         standard = None
         if reference is not None:
-            standard = {
-                "type": reference.kind,
-                "ground": reference.ground,
-                "zone_factor": reference.zone_factor,
-                "misfit_rms": self.misfit,
-            }
+            kind, ground, factor = reference
+            standard = {"type": kind, "ground": ground, "zone_factor": factor}
+            standard["misfit_rms"] = self.misfit
         return {
             "command": self.command,
             "motion": motion.name,
@@ -167,12 +164,11 @@ class MotionResult(Result):
         }
 
     def _write(self, folder: Path) -> None:
-        rows = np.column_stack([self.motion.time, self.motion.acceleration / MM_S2_PER_GAL])
-        head = "t_s,acc_gal"
-        np.savetxt(folder / MOTION, rows, fmt="%.6f", delimiter=",", header=head, comments="")
-        frame = self.table
-        head = ",".join(frame.columns)
-        np.savetxt(folder / SPECTRUM, frame, fmt="%.6g", delimiter=",", header=head, comments="")
+        acceleration = self.motion.acceleration / MM_S2_PER_GAL
+        motion = pd.DataFrame({"t_s": self.motion.time, "acc_gal": acceleration})
+        for file, frame, form in ((MOTION, motion, "%.6f"), (SPECTRUM, self.table, "%.6g")):
+            look: dict[str, Any] = {"fmt": form, "delimiter": ",", "comments": ""}
+            np.savetxt(folder / file, frame, header=",".join(frame.columns), **look)
 
 
 def standard_words(standard: Mapping[str, Any]) -> str:

@@ -118,11 +118,29 @@ class NearFault(NamedTuple):
 
 
 @cache
+def _chosen() -> dict[str, Any]:
+    return dict(split_sources(read_toml(data_path("phases", "near-fault.toml")))[0])
+
+
+@cache
 def near_fault() -> dict[str, NearFault]:
     """Return the motions that have phases of their own, by name."""
-    table = dict(_chosen())
-    citation, _ = table.pop("citation"), table.pop("first_draws")
-    return {name: _near_fault_of(row, citation) for name, row in table.items()}
+    found = {}
+    for name, row in _chosen().items():
+        if name in ("citation", "first_draws"):
+            continue
+        number, unit = row["noise"].split()
+        units = {"amplitude": "mm/s", "period": "s", "phase": "rad", "time": "s"}
+        pulse = {key: parse_quantity(row[f"pulse_{key}"], own) for key, own in units.items()}
+        found[name] = NearFault(
+            shape=Shape(**{key: parse_quantity(row[key], "s") for key in Shape._fields}),
+            noise=float(number) * acceleration_unit(unit),
+            pulse=Pulse(cycles=row["pulse_cycles"], **pulse),
+            peak_time=parse_quantity(row["peak_time"], "s"),
+            stream=tuple(row["stream"]),
+            citation=_chosen()["citation"],
+        )
+    return found
 
 
 def motion_name(kind: str, ground: str, seed: int) -> str:
@@ -133,32 +151,6 @@ def motion_name(kind: str, ground: str, seed: int) -> str:
 def first_draw(name: str) -> int:
     """Return the number of the first draw of the random phases of a motion."""
     return int(_chosen()["first_draws"].get(name, 0))
-
-
-@cache
-def _chosen() -> dict[str, Any]:
-    return dict(split_sources(read_toml(data_path("phases", "near-fault.toml")))[0])
-
-
-def _near_fault_of(row: dict[str, Any], citation: str) -> NearFault:
-    def quantity(key: str, unit: str) -> float:
-        return parse_quantity(row[key], unit)
-
-    number, unit = row["noise"].split()
-    return NearFault(
-        shape=Shape(**{key: quantity(key, "s") for key in Shape._fields}),
-        noise=float(number) * acceleration_unit(unit),
-        pulse=Pulse(
-            amplitude=quantity("pulse_amplitude", "mm/s"),
-            period=quantity("pulse_period", "s"),
-            cycles=row["pulse_cycles"],
-            phase=quantity("pulse_phase", "rad"),
-            time=quantity("pulse_time", "s"),
-        ),
-        peak_time=quantity("peak_time", "s"),
-        stream=tuple(row["stream"]),
-        citation=citation,
-    )
 
 
 def phases(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:

@@ -59,31 +59,12 @@ def build_pieces(
     A room gives question, answer, tables, figures, inputs and assumptions; the rest follows from
     the warnings, checks and residuals of the result. A room whose results are files passes
     ``**saved_parts(saved, command)``, one whose results are datasets
-    ``**result_parts(result, case, command)``::
+    ``**result_parts(result, case, command)``.
 
-        return build_pieces(
-            "bridge", title, question(result), answer(result),
-            checks=report_checks(result),
-            rate_rows=result.tested_range.to_dict("records"),
-            residuals=[("thermal residual", 1e-12, BOOKS_CLOSE, "energy balance")],
-            inputs=..., tables=..., figures=..., books=..., assumptions=[...],
-            **result_parts(result, attrs["case"], "bridge", range_given=True),
-        )
-
-    Parameters
-    ----------
-    command, title, question, answer : of the document; see `Pieces`.
-    identity : rows of `identity_rows`.
-    warnings : of the result; those on the range behind the parameters become its validity.
-    range_given : a bearing has a tested range; else validity is unknown.
-    checks : values and their limits; `limit_checks` makes those of rig and tested range.
-    judged : end the answer with a sentence on limits and validity.
-    rate_rows : of the tested range, in earthquakes, for a note on strain rates.
-    lead_rise : largest rise of the lead [K], for a note on the rubber around it.
-    residuals : of the energy balance; see `_quality_table`, which becomes the table "quality".
-    tables : results by name.
-    validity : further sentences on what left the range.
-    **parts : `inputs`, `figures`, `books`, `assumptions` of `Pieces`.
+    Warnings on the range behind the parameters become the validity, which is unknown unless
+    `range_given`. `judged` ends the answer with a sentence on limits and validity. `rate_rows` of
+    the tested range give a note on strain rates in earthquakes, `lead_rise` [K] one on the rubber
+    around the lead, `residuals` of the energy balance the table "quality".
     """
     of_range, others = parted(dict.fromkeys(warnings))
     beyond = [*(map(tidy, of_range) if range_given else ()), *validity]
@@ -130,13 +111,15 @@ def saved_parts(saved: SavedResult, otherwise: str) -> dict[str, Any]:
 def saved_identity(saved: SavedResult, otherwise: str) -> dict[str, str]:
     """Return version, hash of what went in, and the command that was typed, or `otherwise`."""
     summary = saved.summary
-    inputs = summary.get("inputs")
-    what = "inputs and tests in summary.json" if inputs is not None else "summary.json"
-    records = summary.get("records", summary.get("comparisons", []))
-    tests = [str((one.get("conditions") or {}).get("sha256", "")) for one in records]
-    text = json.dumps([inputs, tests] if inputs is not None else summary, sort_keys=True)
+    what = "summary.json"
+    hashed: Any = summary
+    if (inputs := summary.get("inputs")) is not None:
+        records = summary.get("records", summary.get("comparisons", []))
+        tests = [str((one.get("conditions") or {}).get("sha256", "")) for one in records]
+        what, hashed = "inputs and tests in summary.json", [inputs, tests]
     command = str(summary.get("command_line") or otherwise)
-    return identity_rows(str(summary.get("version", "unknown")), text, command, what)
+    version, text = str(summary.get("version", "unknown")), json.dumps(hashed, sort_keys=True)
+    return identity_rows(version, text, command, what)
 
 
 # Limits.
@@ -209,9 +192,9 @@ def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table
                 f"The {what} of the energy balance is {abs(value):.1e}, above {limit:.0e}: the "
                 "numbers are not those of the model; take a smaller dt."
             )
-    heads = {"Energy balance": "", "Largest": ".1e", "Limit": ".0e"}
-    heads |= {"Source of the limit": "", "Verdict": ""}
-    columns = [Quantity(head, form=form) for head, form in heads.items()]
+    heads = ("Energy balance", "Largest", "Limit", "Source of the limit", "Verdict")
+    forms = ("", ".1e", ".0e", "", "")
+    columns = [Quantity(head, form=form) for head, form in zip(heads, forms, strict=True)]
     return Table("Numerical quality", columns, cells), warnings
 
 

@@ -93,20 +93,16 @@ def missing_words(letters: Sequence[str], where: str) -> str:
     )
 
 
-@cache
-def _fonts() -> list[str]:
-    there = {font.name for font in font_manager.fontManager.ttflist}
-    return ["DejaVu Sans", *(name for name in JAPANESE if name in there)]
-
-
 @contextmanager
 def _in_fonts() -> Iterator[None]:
     """Draw with letters of Japanese fonts too, where the machine has one."""
+    there = {font.name for font in font_manager.fontManager.ttflist}
+    fonts = ["DejaVu Sans", *(name for name in JAPANESE if name in there)]
     log = logging.getLogger("matplotlib.font_manager")
     before = log.level
     log.setLevel(logging.ERROR)  # that a font has no bold is of no matter to a reader
     try:
-        with mpl.rc_context({"font.family": _fonts()}):
+        with mpl.rc_context({"font.family": fonts}):
             yield
     finally:
         log.setLevel(before)
@@ -301,10 +297,9 @@ def thinned(x: Floats, y: Floats, most: int) -> tuple[Floats, Floats]:
 
 
 POINTS = 600  # of a history
-DIGITS = 5  # of a number
 
 
-def rounded(values: Floats, digits: int = DIGITS) -> Floats:
+def rounded(values: Floats, digits: int = 5) -> Floats:
     """Return numbers with so many digits; NaN stays."""
     values = np.asarray(values, dtype=float)
     size = np.where(np.isfinite(values) & (values != 0.0), np.abs(values), 1.0)

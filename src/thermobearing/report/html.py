@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from urllib.parse import quote
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from markdown_it import MarkdownIt
 from markupsafe import Markup
 
@@ -47,7 +47,6 @@ UPRIGHT = 130  # letters in a row of a table that fit on a page; more is turned,
 SHORT = 12  # rows that stay on one page
 PADDING = 4  # of a column on a screen, in letters; one less on paper
 LONG = 34  # letters of a cell that is wrapped
-BOX_NAMES = {"answer": "Answer", "warning": "\N{WARNING SIGN} Warning"}
 PIXEL = 25.4 / 96.0  # of a page [mm]
 
 
@@ -58,26 +57,24 @@ def html_page(document: Document) -> str:
     """
     plots = any(isinstance(b, FigureBlock) and b.figure.plot for b in document.blocks)
     scripts = [_page_file(name) for name in ("page.js", "plots.js")[: 1 + plots]]
-    return (
-        _templates()
-        .get_template("page.html")
-        .render(
-            document=document,
-            # Only these scripts run: the policy of the page holds their digests.
-            allowed=Markup(" ".join(f"'sha256-{_digest(script)}'" for script in scripts)),
-            css=Markup(_page_file("page.css")),
-            scripts=list(map(Markup, scripts)),
-            logo=_image_address(document.logo) if document.logo else "",
-            sections=_sections(document.blocks),
-            box_names=BOX_NAMES,
-            mark=MARK,
-            mark_words=MARK_WORDS,
-        )
+    digests = [base64.b64encode(hashlib.sha256(s.encode()).digest()).decode() for s in scripts]
+    page: str = _page_template().render(
+        document=document,
+        # Only these scripts run: the policy of the page holds their digests.
+        allowed=Markup(" ".join(f"'sha256-{digest}'" for digest in digests)),
+        css=Markup(_page_file("page.css")),
+        scripts=list(map(Markup, scripts)),
+        logo=_image_address(document.logo) if document.logo else "",
+        sections=_sections(document.blocks),
+        box_names={"answer": "Answer", "warning": "\N{WARNING SIGN} Warning"},
+        mark=MARK,
+        mark_words=MARK_WORDS,
     )
+    return page
 
 
 @cache
-def _templates() -> Environment:
+def _page_template() -> Template:
     made = Environment(
         loader=FileSystemLoader(data_path("report-page")),
         autoescape=True,
@@ -86,15 +83,11 @@ def _templates() -> Environment:
         lstrip_blocks=True,
     )
     made.filters |= {"sentence": _sentence, "breakable": _breakable}
-    return made
+    return made.get_template("page.html")
 
 
 def _page_file(name: str) -> str:
     return data_path("report-page", name).read_text(encoding="utf-8")
-
-
-def _digest(script: str) -> str:
-    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
 
 
 def _sentence(text: str) -> Markup:
@@ -229,14 +222,8 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
     look = ["table", *["broad"] * (letters > UPRIGHT), *["short"] * (len(rows) < SHORT)]
     return {
         **{"kind": "table", "name": f"table-{number}", "number": number, "key_columns": table.keys},
-        **{
-            "caption": table.caption,
-            "note": f"{note} {why}".strip(),
-            "letters": letters,
-            "least": least,
-        },
-        "look": " ".join(look),
-        "sorts": len(rows) >= FEWEST_TO_SORT,
+        **{"caption": table.caption, "note": f"{note} {why}".strip(), "look": " ".join(look)},
+        **{"letters": letters, "least": least, "sorts": len(rows) >= FEWEST_TO_SORT},
         "columns": [
             {"head": column.head, "unit": column.unit, "look": look}
             for column, look in zip(table.columns, looks, strict=True)

@@ -12,7 +12,6 @@ import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, date, datetime
-from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -46,6 +45,7 @@ NO_DATE = date(1980, 1, 1)  # of a document that nobody dated: PDF/A wants one
 DATED = re.compile(r"\d{4}-\d{2}-\d{2}")
 UNDRAWN = re.compile(r'the text `"(.+?)"` could not be displayed')
 SEAM = "\N{ZERO WIDTH SPACE}"  # where a long word may be broken
+MARKDOWN = MarkdownIt("zero").enable(["emphasis", "backticks", "link", "escape"])
 Data = dict[str, Any]
 
 
@@ -105,7 +105,7 @@ def _compiled(source: Path, day: date, *, system_fonts: bool) -> bytes:
 
 def _document_date(document: Document) -> date:
     """Return the day of the title block, else of the run; never that of the making."""
-    said = [text for key, text in document.block.items() if key == "Date"]
+    said = [document.block.get("Date", "")]
     said += [text for key, text in document.identity.items() if "date" in key.lower()]
     for text in said:
         if found := DATED.search(text):
@@ -227,16 +227,11 @@ def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
     raise AssertionError(block)
 
 
-@cache
-def _parser() -> MarkdownIt:
-    return MarkdownIt("zero").enable(["emphasis", "backticks", "link", "escape"])
-
-
 def split_runs(text: str) -> list[Data]:
     """Return the runs of a line of Markdown: letters that look alike."""
     found: list[Data] = []
     bold, italic, address = 0, 0, ""
-    for block in _parser().parseInline(text):
+    for block in MARKDOWN.parseInline(text):
         for token in block.children or []:
             bold += token.nesting if token.tag == "strong" else 0
             italic += token.nesting if token.tag == "em" else 0

@@ -62,14 +62,9 @@ def column_letters(table: Table, texts: Sequence[Sequence[str]]) -> list[tuple[i
 class Trace:
     """A line of a plot; a history may have all its points, documents thin it.
 
-    Attributes
-    ----------
-    name : in the legend; lines of one name are switched together.
-    x, y : equally long; NaN interrupts the line.
-    colour : such as "#0077BB".
-    look : "line", "dashed", "points" or "line with points".
-    frames : with a slider: y of each of its places, shape (places, points).
-    frames_x : with a slider: x of each of its places; None where x stays.
+    Lines of one name are switched together. NaN interrupts the line. `look` is "line", "dashed",
+    "points" or "line with points". With a slider, `frames` are y and `frames_x` are x (None where
+    it stays) of each of its places, shape (places, points).
     """
 
     name: str
@@ -85,14 +80,9 @@ class Trace:
 class Plot:
     """One description of a figure: an HTML page shows it to zoom and read, matplotlib draws it.
 
-    Attributes
-    ----------
-    x_title, y_title : titles of the axes with units.
-    choices : traces by the words of a menu, such as one per motion (one entry: no menu).
-    slider : words of each place of the slider, such as "12.5 s"; empty without one.
-    slider_title : what the slider moves through, such as "time".
-    equal : the same scale on both axes, as for an orbit.
-    bands : on the x axis, shaded as outside the tested range.
+    `choices` are traces by the words of a menu (one entry: no menu), `slider` the words of each of
+    its places, such as "12.5 s", and `slider_title` what it moves through. `equal` is the same
+    scale on both axes; `bands` on the x axis are shaded as outside the tested range.
     """
 
     x_title: str
@@ -119,14 +109,9 @@ class Plot:
 class ReportFigure:
     """A figure with its caption: drawn, a picture, or a plot that is drawn for paper too.
 
-    Attributes
-    ----------
-    caption : what is to be seen, in words that stand without the text.
-    draw : makes the matplotlib figure; called once, when a document is written. Without it, and
-        without `image`, the figure of paper is drawn from `plot`.
-    image : a picture that exists (SVG or PNG), instead of `draw`.
-    alt : what somebody who does not see it must know; the caption where it is empty.
-    plot : interactive figure of the HTML page; without it the drawn figure stands there too.
+    `draw` makes the matplotlib figure once; `image` is a picture that exists (SVG or PNG); without
+    both the figure of paper is drawn from `plot`, the interactive one of the page. `alt` is what
+    somebody who does not see it must know; the caption where it is empty.
     """
 
     caption: str
@@ -138,16 +123,9 @@ class ReportFigure:
 
 @dataclass(frozen=True)
 class Check:
-    """A number compared with its limit.
+    """A number compared with its limit, both in `unit`; a NaN limit is not judged.
 
-    Attributes
-    ----------
-    what : with the run or place that decides.
-    value, limit : In `unit`; a NaN limit is not judged.
-    unit : "" for pure numbers.
-    source : of the limit: a code, a table, the data file.
-    verdict : "within", "exceeded" or "not judged".
-    lower : the limit is a lower one.
+    `what` has the run or place that decides; `lower` says that the limit is a lower one.
     """
 
     what: str
@@ -179,21 +157,10 @@ def checks_table(checks: Sequence[Check], *, signs: bool = True) -> Table:
 class Pieces:
     """Everything that a result has to say; a template decides what is shown, and where.
 
-    Attributes
-    ----------
-    command : that made the result, such as "bridge".
-    title : of the document, without the project.
-    question : in a sentence or two.
-    answer : the result: three sentences with numbers.
-    inputs : what went in, each value with unit and source.
-    tables, figures : by name; a template calls them by it, the rest comes in this order.
-    checks : numbers compared with limits.
-    validity : sentences on what left the range that the parameters were identified in.
-    validity_unknown : why there is no verdict on it; "" where there is one.
-    notes : sentences on validity that are no warnings, such as of strain rates in earthquakes.
-    books : energy balance; None where nothing moves.
-    assumptions, warnings : sentences.
-    identity : version, input hash, the command that makes it again, date of the run, by name.
+    The question is a sentence or two, the answer three with numbers. `inputs`, `tables` and
+    `figures` are by name. `validity` holds sentences on what left the range that the parameters
+    were identified in, `validity_unknown` why there is no verdict on it, `notes` what is no
+    warning. `books` is the energy balance; `identity` has version, input hash and command.
     """
 
     command: str

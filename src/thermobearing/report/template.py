@@ -51,15 +51,10 @@ def document(
     return Document(pieces.title, block, logo, arranged(pieces, template), pieces.identity)
 
 
-def _default_template(command: str) -> Path:
-    """Return the template of the package for a command, or that of all."""
-    own = data_path("reports", f"{command}.md")
-    return own if own.is_file() else data_path("reports", "any.md")
-
-
 def arranged(pieces: Pieces, path: str | Path | None = None) -> list[Block]:
     """Return the pieces of a result in the order of a template, of the package if none is given."""
-    file = _default_template(pieces.command) if path is None else Path(path)
+    own = data_path("reports", f"{pieces.command}.md")
+    file = Path(path or (own if own.is_file() else data_path("reports", "any.md")))
     blocks: list[Block] = []
     faults: list[str] = []
     text = read_text(file)
@@ -116,11 +111,12 @@ def _nearest(name: str, known: Mapping[str, object] | Sequence[str]) -> str:
 
 def _validity(pieces: Pieces) -> list[Block]:
     notes = _listed(pieces.notes)
+    found: Block = Paragraph(f"{'But for the following, n' if notes else 'N'}{VALID}")
     if pieces.validity_unknown:
-        return [Paragraph(pieces.validity_unknown, "warning"), *notes]
-    if pieces.validity:
-        return [Bullets(pieces.validity, "warning"), *notes]
-    return [Paragraph(f"{'But for the following, n' if notes else 'N'}{VALID}"), *notes]
+        found = Paragraph(pieces.validity_unknown, "warning")
+    elif pieces.validity:
+        found = Bullets(pieces.validity, "warning")
+    return [found, *notes]
 
 
 def _checks(pieces: Pieces) -> list[Block]:
@@ -175,10 +171,8 @@ def _without_empty_headings(blocks: Sequence[Block]) -> list[Block]:
     """Return the blocks without headings that have nothing under them."""
     found: list[Block] = []
     for block in reversed(blocks):
-        following = found[-1] if found else None
-        empty = isinstance(block, Heading) and (
-            following is None or (isinstance(following, Heading) and following.level <= block.level)
-        )
-        if not empty:
-            found.append(block)
+        below = found[-1] if found else Heading(1, "")
+        if isinstance(block, Heading) and isinstance(below, Heading) and below.level <= block.level:
+            continue
+        found.append(block)
     return found[::-1]

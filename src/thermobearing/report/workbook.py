@@ -29,13 +29,9 @@ CREATED = re.compile(rb"<dcterms:(created|modified)[^>]*>[^<]*</dcterms:\1>")
 
 @dataclass(frozen=True)
 class History:
-    """Histories of a run, or of a bearing line.
+    """Histories of a run, or of a bearing line: `values` has the shape (samples, columns).
 
-    Attributes
-    ----------
-    keys : what the run is, by the head of a column, such as {"Motion": "jra-ii-i-1"}.
-    columns : heads and units.
-    values : a row a sample, a column each; shape (samples, columns).
+    `keys` say what the run is, by the head of a column, such as {"Motion": "jra-ii-i-1"}.
     """
 
     keys: Mapping[str, Any]
