@@ -12,7 +12,7 @@ LIMIT = 1.0  # [s]
 COUNTS = (1, 2, 6)
 CODE = """
 import json, sys, time
-from tests.unit.test_bearing_lines import DT, pier_of
+from tests.unit.test_structure_matrices import DT, pier_of
 from tests.verification.structures import ground_of, real_bearing, shaken
 ground, constants = ground_of("jra-ii-i-1", DT, 5.0), real_bearing("shen-hdr-bridge")
 found = []

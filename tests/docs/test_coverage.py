@@ -44,7 +44,6 @@ def nothing_wrong_with_command(words: list[str]) -> None:
 
 
 def nothing_wrong_with_test(word: str) -> None:
-    """The file is there, and the test in it."""
     path, _, name = word.partition("::")
     assert f"def {name}" in (ROOT / path).read_text()
 
@@ -97,7 +96,6 @@ def returned(function: Any) -> Any:
 
 
 def nothing_wrong_with_python(line: str) -> None:
-    """It compiles; every name of the package in it is there, and public."""
     tree = ast.parse(line, mode="eval")
     compile(tree, line, "eval")
     nodes = [n for n in ast.walk(tree) if isinstance(n, (ast.Call, ast.Attribute))]
@@ -179,7 +177,6 @@ def test_what_is_not_there_is_seen(run: str) -> None:
 
 @pytest.mark.parametrize("run", [i["run"] for i in ITEMS if i["verdict"] == "later"])
 def test_what_comes_later_is_not_there_yet(run: str) -> None:
-    """Once it is, its row says what it does."""
     with pytest.raises(KeyError):
         nothing_wrong(run)
 

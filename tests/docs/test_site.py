@@ -53,7 +53,6 @@ def test_a_how_to_is_short() -> None:
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_draws(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each line that the gallery shows as a figure is one."""
     monkeypatch.chdir(tmp_path)
     lines = path.read_text(encoding="utf-8").split("# %%")
     names: dict[str, Any] = {"__name__": "example"}

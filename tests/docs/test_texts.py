@@ -214,7 +214,6 @@ def test_files_and_functions_stay_small() -> None:
 
 
 def _docstring(node: "object") -> int:
-    """Lines of a function's docstring, which the rule does not count."""
     import ast
 
     assert isinstance(node, ast.FunctionDef)
@@ -224,7 +223,6 @@ def _docstring(node: "object") -> int:
 
 
 def test_lines_that_read_a_study_do(tmp_path: Path) -> None:
-    """Whichever of these libraries are here; each gives the same means."""
     factor = {"distribution": "uniform", "low": 0.9, "high": 1.1}
     study = small_study(**{"bearing.K_r": factor})
     study = study.model_copy(update={"design": study.design.model_copy(update={"samples": 1})})

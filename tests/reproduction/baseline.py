@@ -16,7 +16,6 @@ KEPT = ("verdict", "words", "computed", "printed_model", "flips", "stands_5_per_
 
 
 def load_baseline() -> dict[str, dict[str, Any]]:
-    """Return rows by the id of their claim."""
     found: dict[str, dict[str, Any]] = json.loads(BASELINE.read_text(encoding="utf-8"))
     return found
 

@@ -7,5 +7,4 @@ from reproduction.runs import Runs
 
 @pytest.fixture(scope="session")
 def runs() -> Runs:
-    """One for all tests, as in a process of the program."""
     return Runs()

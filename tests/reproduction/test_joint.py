@@ -25,7 +25,6 @@ STEP = 0.01  # of the search [s]
 
 
 def tiny(study: str, **values: tuple) -> Joint:  # type: ignore[type-arg]
-    """The search with few values: those given, else the default alone."""
     whole = load_joint()
     choices = [
         c.model_copy(update={"values": values.get(c.name, c.values[:1])}) for c in whole.choice

@@ -31,7 +31,6 @@ EACH = 1 if os.environ.get("THERMOBEARING_LEDGER") == "all" else 9  # of the row
 
 
 def smallest(row: dict[str, Any]) -> tuple[str, float] | None:
-    """Return the flip that needs least."""
     known = [(name, change) for name, change in row["flips"].items() if change is not None]
     return min(known, key=lambda item: abs(item[1]), default=None)
 

@@ -5,14 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from reproduction import misprints
-from reproduction.claims import (
-    CONTRADICTED,
-    REPRODUCED,
-    Variants,
-    compute,
-    load_claims,
-    make_row,
-)
+from reproduction.claims import CONTRADICTED, REPRODUCED, Variants, compute, load_claims, make_row
 from reproduction.measures import bridge_study, rise_by_size, shaken
 from reproduction.runs import HDR_BRIDGE, Runs
 from tests import tolerances as tol

@@ -49,7 +49,6 @@ def changed_table(table: dict[str, Any], changes: dict[str, Any]) -> dict[str, A
 
 
 def write_test(folder: Path, record: tb.TestRecord, name: str = "", sidecar: str = "") -> Path:
-    """Write a record as a CSV file with its sidecar; return the CSV file."""
     path = folder / f"{name or record.name}.csv"
     rows = np.column_stack([record.time, record.displacement, record.force])
     np.savetxt(path, rows, delimiter=",", header="time_s,displacement_mm,force_kN", comments="")

@@ -53,7 +53,6 @@ PIECES = Pieces(
 
 
 def many_columns(count: int, rows: int = 3) -> Pieces:
-    """Pieces with a table of that many columns of numbers."""
     columns = [Quantity("Run"), *(Quantity(f"Quantity {k}", "kN", ".1f") for k in range(count - 1))]
     body = [(f"run {j}", *(100.0 * k + j for k in range(count - 1))) for j in range(rows)]
     return dataclasses.replace(PIECES, tables={"wide": Table("Wide", columns, body)})

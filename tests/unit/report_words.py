@@ -9,7 +9,6 @@ from thermobearing.report.pieces import Pieces, Plot
 
 
 def plain(value: Any) -> Any:
-    """Numbers and texts without arrays, NaN equal to itself."""
     if isinstance(value, np.ndarray | list | tuple):
         return [plain(item) for item in value]
     if isinstance(value, float | np.floating):
@@ -36,7 +35,6 @@ def plot_as_data(plot: Plot | None) -> Any:
 
 
 def as_data(pieces: Pieces) -> dict[str, Any]:
-    """Everything but the functions that draw."""
     tables = {**pieces.inputs, **pieces.tables}
     tables |= {"books": pieces.books} if pieces.books else {}
     return {
@@ -82,6 +80,5 @@ def assert_well_formed(pieces: Pieces) -> None:
 
 
 def numbers_in(table: Table, head: str) -> list[Any]:
-    """A column of a table."""
     place = [column.head for column in table.columns].index(head)
     return [row[place] for row in table.rows]

@@ -16,7 +16,6 @@ FACTORS: dict[str, Any] = {
 
 
 def small_study(case: dict[str, Any] | None = None, **changes: Any) -> Study:
-    """Eight runs of half a second."""
     keep = changes.pop("keep", "none")
     table = {"kind": "study", "name": "small", "case": SHORT | (case or {})}
     table |= {"factors": FACTORS | changes, "keep": {"histories": keep}}
@@ -24,7 +23,6 @@ def small_study(case: dict[str, Any] | None = None, **changes: Any) -> Study:
 
 
 def kept(directory: Path) -> dict[str, bytes]:
-    """Every file of a study but its log, which says when."""
     files = [path for path in sorted(directory.rglob("*")) if path.is_file()]
     return {
         str(path.relative_to(directory)): path.read_bytes()

@@ -199,7 +199,6 @@ def test_what_a_bearing_was_tested_at_is_a_fact() -> None:
     ],
 )
 def test_slips_in_a_structure(tmp_path: Path, old: str, new: str, said: list[str]) -> None:
-    """Before, a deck with a period of 37 s was "a valid structure" and nothing else."""
     text = (data_path("structures") / "pier-p1.toml").read_text()
     file = tmp_path / "mine.toml"
     file.write_text(text)

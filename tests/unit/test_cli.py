@@ -46,7 +46,6 @@ def case(tmp_path: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
-    """A complete result with figures, of two ambient temperatures."""
     folder = tmp_path_factory.mktemp("saved")
     path = quick_case(folder / "case.toml")
     words = ["--ambient", -20, "--ambient", 23, "-o", folder / "out", "--json"]
@@ -133,7 +132,6 @@ def test_overrides(case: Path, tmp_path: Path) -> None:
 
 
 def assert_same_bits(path: Path, again: Path, words: list[Any]) -> None:
-    """Run a case, run its resolved form, and compare every file."""
     assert cyclic(path, *words, "-o", again / "one", "-q").exit_code == 0
     resolved = again / "one" / "case.resolved.toml"
     assert cyclic(resolved, "-o", again / "two", "-q").exit_code == 0
@@ -212,11 +210,7 @@ def test_list() -> None:
     assert told["compounds"] == list_compounds()
     assert told["structures"] == list_structures()
     assert told["motions"] == tb.list_motions()
-    shown = [
-        *tb.list_bearings(),
-        *list_structures(),
-        *told["bilinear_bearings"],
-    ]
+    shown = [*tb.list_bearings(), *list_structures(), *told["bilinear_bearings"]]
     assert all(name in done.stdout for name in shown)
 
 

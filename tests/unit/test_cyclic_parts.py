@@ -17,11 +17,7 @@ from thermobearing.cyclic import dataset, history
 from thermobearing.cyclic.case import final_state, initial_temperatures, make_case
 from thermobearing.cyclic.comparison import _temperatures
 from thermobearing.cyclic.dataset import _collect_warnings
-from thermobearing.cyclic.equivalent import (
-    bilinear_parameters,
-    isothermal_cycle,
-    solve_backbone,
-)
+from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycle, solve_backbone
 from thermobearing.cyclic.history import Segment, _kept_steps, build_segments, run_segments
 from thermobearing.cyclic.protocol import Recorded, Rest
 from thermobearing.cyclic.result import _history_blocks
@@ -45,7 +41,6 @@ def moved(x: list[float]) -> Segment:
 def test_coarse_steps_are_told_where_a_layer_moves_by_its_yield_displacement(
     sign: float, part: float, told: bool
 ) -> None:
-    """Of one layer, in either direction, across segments too."""
     case = make_case({}, "test", bearing=HDR)
     far = sign * part * LAYERS * YIELD
     for segments in ([moved([far])], [moved([0.2 * far]), moved([0.1 * far, 1.1 * far])]):
@@ -109,7 +104,6 @@ def test_every_nth_step_and_the_ends_of_legs_are_kept() -> None:
 
 
 def test_mismatch_is_the_largest_and_softened_steps_add_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of three segments the middle one is worst."""
     answers = iter([(1, 0.2), (4, 0.5), (2, 0.1)])
 
     def march(*arguments: Any) -> tuple[int, int, int, int, float]:
@@ -134,7 +128,6 @@ def short_run(**options: Any) -> history.History:
 
 
 def test_chunks_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The clock of the air goes on from chunk to chunk."""
     whole = short_run()
     monkeypatch.setattr(history, "CHUNK", 7)
     again = short_run()
@@ -159,7 +152,6 @@ def test_a_run_that_was_cut_off_keeps_where_it_stood(monkeypatch: pytest.MonkeyP
 
 @pytest.mark.parametrize("through", ["ends", "sides"])
 def test_heat_is_lost_where_it_can_leave(through: str) -> None:
-    """A warm bearing at rest, adiabatic but for its ends or its sides."""
     film = {"side_film": 0.0 if through == "ends" else 20.0}
     bearing = HDR.model_copy(update={"materials": HDR.materials.model_copy(update=film)})
     face = tb.EndFace(eta=3.0 if through == "ends" else 1.0)
@@ -186,7 +178,6 @@ def test_inner_layer_of_a_half_and_of_a_whole_stack(half: int, inner: int) -> No
 
 
 def test_equivalent_model_is_that_of_the_temperature_asked_for() -> None:
-    """And of a cycle that has forgotten how the test began."""
     warm, cold = (bilinear_parameters(HDR, strain=1.0, temperature=t) for t in (23.0, -20.0))
     assert cold.strength > 1.2 * warm.strength
     assert bilinear_parameters(HDR, strain=1.0) == warm
@@ -218,11 +209,7 @@ def test_largest_mismatch_of_a_run_is_that_of_its_worst_step() -> None:
 
 
 def test_history_has_the_steps_of_each_temperature_and_no_more() -> None:
-    """A rest that settles ends sooner at one temperature than at another."""
-    steps = [
-        {"step": "ramp", "to_strain": 1.0, "duration": 1.0},
-        {"step": "rest", "within": 0.5},
-    ]
+    steps = [{"step": "ramp", "to_strain": 1.0, "duration": 1.0}, {"step": "rest", "within": 0.5}]
     test = tb.CyclicTest(dt=0.05, steps=steps)
     result = tb.run("shen-hdr-specimen", test, [-20.0, 40.0])
     kept = (result["segment"].values >= 0).sum(axis=1)
@@ -260,7 +247,6 @@ def test_backbone_is_the_slim_one_of_two() -> None:
 
 
 def test_labels_are_made_when_they_are_first_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    """They take longer than a short run."""
     made = []
     whole = dataset.labelled
     monkeypatch.setattr(dataset, "labelled", lambda *told: made.append(1) or whole(*told))

@@ -142,7 +142,6 @@ def test_loop_that_swings_goes_half_way(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def sized(number: int, assumed: float, found: float, layers: int) -> Round:
-    """A round of a size with so many layers."""
     size = Size(600.0, layers, 14.0)
     return Round(number, assumed, size, 2.6, 0.15, 125.0, 1.8, 9.5, found, 1.0)
 
@@ -191,8 +190,7 @@ def coupled(monkeypatch: pytest.MonkeyPatch, answer: Any) -> Any:
 def test_groups_are_searched_together(monkeypatch: pytest.MonkeyPatch) -> None:
     """u_a = 100 + u_a/5 + u_b/5 and u_b = 150 - u_a/5 + u_b/5, so 161.8 and 147.1 mm."""
     case = coupled(
-        monkeypatch,
-        lambda a, b: ((100.0 + 0.2 * a + 0.2 * b, 8), (150.0 - 0.2 * a + 0.2 * b, 8)),
+        monkeypatch, lambda a, b: ((100.0 + 0.2 * a + 0.2 * b, 8), (150.0 - 0.2 * a + 0.2 * b, 8))
     )
     design = run.run_design(case)
     assert design.outcome == "converged"
@@ -238,7 +236,6 @@ def test_a_held_size_that_becomes_too_small_is_searched_again() -> None:
 
 
 def test_one_size_with_a_jump_is_not_two() -> None:
-    """Nor two sizes far from each other, where a design may be between."""
     assert two_sizes([sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 8)], 0.01) is None
     assert two_sizes([sized(1, 200.0, 300.0, 8), sized(2, 251.0, 200.0, 9)], 0.01) is None
     low, high = sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 9)
@@ -322,11 +319,7 @@ def test_stiffness_of_a_layer_follows_the_rubber_area() -> None:
     ],
 )
 def test_layers_and_sides_of_equal_bearings(
-    displacement: float,
-    stiffness: float,
-    side: float,
-    layers: int,
-    monkeypatch: pytest.MonkeyPatch,
+    displacement: float, stiffness: float, side: float, layers: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """17 mm layers at 175 %, sides to the nearest 5 mm; a stiffness of 1 % of the side."""
 
@@ -354,7 +347,6 @@ def factor_table() -> pd.DataFrame:
 
 
 def test_bounds_are_the_softest_and_stiffest_of_single_cycles() -> None:
-    """Means of cycles do not count."""
     models = bound_models(factor_table(), 1.75, 102.0)
     found = models[["bound", "basis", "ambient_degC"]].to_numpy().tolist()
     assert found == [["lower", "heated", 23.0], ["upper", "first", -20.0]]

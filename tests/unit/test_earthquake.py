@@ -333,7 +333,6 @@ def weather(folder: Path, begin: float) -> Path:
 
 @pytest.mark.parametrize("begin", [0.0, 86400.0])
 def test_weather_may_begin_at_any_time(begin: float, tmp_path: Path) -> None:
-    """What counts is how long it lasted; the earthquake comes at its end."""
     (task,) = run.build_tasks(case_of(weather=str(weather(tmp_path, begin))))
     cells, lead = task.reported.temperature, task.reported.lead
     assert task.ambient == -10.0
@@ -431,7 +430,6 @@ def test_air_of_the_command_line_replaces_that_of_the_file(
 
 @pytest.mark.parametrize("lab", [{"delay": 0.03}, {"delay": 0.005, "force_noise": 2.0}])
 def test_work_of_the_actuator_closes_the_energy_balance(lab: dict[str, float]) -> None:
-    """Before, 0.59 of the input was missing with a delay of 30 ms, and nothing said so."""
     result = tb.hybrid("shen-lhdr-specimen", ambient=0, duration=6, laboratory=lab)
     energy = result.energy.iloc[0]
     share = energy["actuator_kN_mm"] / energy["input_kN_mm"]

@@ -293,7 +293,6 @@ def test_bad_keep(keep: list[str], piece: str) -> None:
 
 
 def test_profiles_of_one_temperature() -> None:
-    """An earlier model with a single cell: the whole bearing."""
     options: dict[str, Any] = {"model": "single-temperature", "keep": ["rubber", "cells"]}
     study = tb.hybrid("shen-hdr-specimen", ambient=0, duration=1, **options)
     assert study.dataset["part"].values.tolist() == [["whole bearing"]]

@@ -108,14 +108,8 @@ def test_steps_are_known_before_they_are_made(test: tb.CyclicTest) -> None:
             lambda: tb.identify_bearing([RECORD], SPECIMEN, method="krill-herd", evaluations=10**9),
             ["evaluations = 1000000000", "from 1 to 1000000"],
         ),
-        (
-            lambda: tb.equal_bearing("shen-hdr-bridge", 2.0, 5e4),
-            ["1681 layers", "at most 200"],
-        ),
-        (
-            lambda: tb.equal_bearing("shen-hdr-bridge", float("nan"), 200),
-            ["stiffness = nan"],
-        ),
+        (lambda: tb.equal_bearing("shen-hdr-bridge", 2.0, 5e4), ["1681 layers", "at most 200"]),
+        (lambda: tb.equal_bearing("shen-hdr-bridge", float("nan"), 200), ["stiffness = nan"]),
         (lambda: synthetic_record(SPECIMEN, 23.0, sampling=0.0), ["sampling = 0.0"]),
     ],
     ids=range(16),
@@ -137,7 +131,6 @@ RECORD = synthetic_record(SPECIMEN, 23.0, steps(cycles(count=2)))
 
 
 def large_stack() -> tb.Bearing:
-    """A hundred layers of two cells in the half stack."""
     bearing = tb.load_bearing(SPECIMEN)
     geometry = bearing.geometry.model_copy(update={"rubber_layers": 200})
     cells = bearing.cells.model_copy(update={"shim": 2})

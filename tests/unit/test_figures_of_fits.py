@@ -32,7 +32,6 @@ def test_loops_of_a_fit_have_one_force_scale(fit: tb.Identification) -> None:
 
 
 def test_cycles_of_a_fit_are_absolute(fit: tb.Identification) -> None:
-    """Test and model in their unit, from zero, and how far the model is off."""
     modulus, _, energy, peak = fit.plot.cycles().axes
     assert energy.get_ylabel() == "energy [kJ = kN m]"
     assert peak.get_ylim()[0] == 0.0
@@ -50,7 +49,6 @@ def test_cycles_of_a_fit_are_absolute(fit: tb.Identification) -> None:
 
 
 def test_a_band_lies_around_the_loops(fit: tb.Identification) -> None:
-    """Legs in the band, and the force at each turn with its ends."""
     band = forecast(fit, [-30.0]).bands[0]
     loops, turns = fit.plot.band(band).axes
     tops = [path.vertices[:, 1].max() for c in loops.collections for path in c.get_paths()]

@@ -1,23 +1,31 @@
-"""`--help` says what is written beside each option, units too."""
+"""The command: help, names of options, progress, tables on the screen."""
 
+import io
+import itertools
+import os
 import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 import typer
+from rich.console import Console
 from typer.testing import CliRunner
 
 import thermobearing as tb
-from tests.unit.inputs import cyclic
+from tests import tolerances as tol
+from tests.unit.inputs import command, cyclic
 from thermobearing.cli import app
-from thermobearing.commands.common import COMPILING
+from thermobearing.commands.common import COMPILING, Rate, _progress_bar
 from thermobearing.cyclic.protocol import Cycles
+from thermobearing.motions.readers import read_motion
+from thermobearing.results.screen import laid_out, print_table, say
 
 
 def commands(group: Any, *words: str) -> Iterator[tuple[tuple[str, ...], Any]]:
-    """Every command with its words."""
     for name, item in group.commands.items():
         if hasattr(item, "commands"):
             yield from commands(item, *words, name)
@@ -29,7 +37,6 @@ COMMANDS = dict(commands(typer.main.get_command(app)))
 
 
 def squeezed(text: str) -> str:
-    """Without frames and the breaks of lines."""
     return re.sub(r"[\s│]+", "", text)
 
 
@@ -142,3 +149,162 @@ def test_numbers_are_among_the_options() -> None:
     """The one above would say nothing if help named the types otherwise."""
     done = CliRunner().invoke(app, ["hybrid", "--help"], env={"COLUMNS": "400"})
     assert len(re.findall(NUMBER, done.output)) >= 5
+
+
+TEST = "time_s,displacement_mm,force_kN\n" + "".join(
+    f"{0.1 * k},{(k % 20) - 10},{2 * (k % 20) - 20}\n" for k in range(60)
+)
+STRONG = "time_s,acceleration_gal\n" + "".join(f"{0.01 * k},{5e4 * (-1) ** k}\n" for k in range(99))
+
+
+def said(folder: Path, *words: str) -> str:
+    files = {"t.csv": TEST, "strong.csv": STRONG, "case.toml": "[analysis]\nkeep_every = 0\n"}
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    given = [str(folder / word) if word in files else word for word in words]
+    done = CliRunner().invoke(app, [*given, "-o", str(folder / "out")])
+    assert done.exit_code == 2, done.output
+    assert not (folder / "out").exists()
+    return done.stderr
+
+
+FIT = ("identify", "t.csv", "--bearing", "shen-hdr-specimen")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("cyclic", "--dt", "-1"), "--dt = '-1.0 s': must be"),
+        (("cyclic", "--keep-every", "0"), "--keep-every = 0: must be"),
+        (("cyclic", "--ambient", "500"), "--ambient = '500.0 degC': must be"),
+        (("cyclic", "--strain", "1", "--wave", "saw"), "--wave = 'saw': must be"),
+        (("hybrid", "--mode", "q"), "--mode = 'q': must be"),
+        (("lambda", "shen-hdr-bridge", "--strain", "-1"), "--strain = -1.0: must be"),
+        (("motions", "show", "strong.csv"), "say so with --trust-unit"),
+        ((*FIT, "--free", "K_x"), '--free: no parameter "K_x"'),
+        ((*FIT, "--free", "sigma_Y"), '--free: "sigma_Y": the bearing'),
+        ((*FIT, "--starts", "0"), "--starts = 0: must be"),
+        (("cyclic", "case.toml"), "case.toml: analysis.keep_every = 0: must be"),
+    ],
+    ids=lambda value: " ".join(value[-2:]) if isinstance(value, tuple) else None,
+)
+def test_the_command_names_its_options(tmp_path: Path, words: tuple[str, ...], told: str) -> None:
+    assert told in said(tmp_path, *words)
+
+
+def test_python_names_its_keywords(tmp_path: Path) -> None:
+    said(tmp_path, "cyclic", "--dt", "-1")  # a command that ran before leaves nothing behind
+    with pytest.raises(tb.InputError, match=r"analysis\.keep_every = 0"):
+        tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[1.0], cycles=1), keep=tb.Keep(every=0))
+    with pytest.raises(tb.InputError, match="say so with trust_unit"):
+        read_motion(tmp_path / "strong.csv")
+    with pytest.raises(tb.InputError, match=r'^free: no parameter "K_x"'):
+        tb.identify_bearing(tmp_path / "t.csv", "shen-hdr-specimen", free=["K_x"])
+
+
+@pytest.mark.parametrize(
+    ("seconds", "told"), [(0.5, "2 a second"), (0.01, "100 a second"), (120.0, "0.5 a minute")]
+)
+def test_rate(seconds: float, told: str) -> None:
+    """Of those that were done since the first call, which may bring many from an earlier start."""
+    bar = _progress_bar(Console(file=io.StringIO()))
+    now = [0.0]
+    bar.get_time = lambda: now[0]
+    task = bar.add_task("runs", total=None)
+    bar.start_task(task)
+    for done in (700, 701, 702, 703):
+        bar.update(task, completed=done, total=1000)
+        now[0] += seconds
+    assert Rate().render(bar.tasks[0]).plain == told
+
+
+def test_bar_is_whole() -> None:
+    console = Console(file=io.StringIO(), width=100)
+    bar = _progress_bar(console)
+    bar.add_task("runs", total=10, completed=3)
+    console.print(bar.get_renderable())
+    shown = console.file.getvalue()
+    assert shown.startswith("runs")
+    assert "3/10" in shown
+    assert shown.rstrip().endswith("left")
+
+
+HEADS = ("motion", "degC", "strain", "force kN", "lead degC")
+ROWS = [("jra-ii-ii-1", "-20", "175%", "1234.5", "161.25"), ("x", "23", "9%", "7.0", "-3.10")]
+FRAMES = re.compile(r"[\x1b\u2500-\u257f…]")  # colours, boxes, what was cut
+
+
+@pytest.mark.parametrize("width", [1, 20, 27, 40, 80, None])
+def test_blocks_hold_every_number_once_and_the_keys_in_each(width: int | None) -> None:
+    blocks = laid_out(HEADS, ROWS, 2, width)
+    for line, row in enumerate([HEADS, *ROWS]):
+        shown = [block[line] for block in blocks]
+        for key in row[:2]:
+            assert all(key in text for text in shown)
+        for number in row[2:]:
+            assert sum(number in text for text in shown) == 1
+    narrowest = max(len("jra-ii-ii-1  degC  ") + len(head) for head in HEADS[2:])
+    if width is None:
+        assert len(blocks) == 1
+    elif width >= narrowest:
+        assert max(map(len, itertools.chain(*blocks))) <= width
+        assert len(blocks) == (1 if width == 80 else len(blocks))
+
+
+def test_nothing_is_markup_or_cut(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    say("a bearing [bold] of " + 60 * "many words ")
+    print_table(HEADS, ROWS, title="[red]", keys=2, styles=["red", ""])
+    shown = capsys.readouterr().out
+    assert "[bold]" in shown
+    assert "[red]" in shown
+    assert not FRAMES.search(shown)
+    assert len(shown.splitlines()) == 6  # the sentence is one of them: a pipe has no width
+
+
+def test_table_of_cycles_is_whole_and_has_the_lead(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    test = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.02)
+    result = tb.run("shen-lhdr-specimen", test, ambient=-20)
+    row = result.cycles.iloc[0]
+    stiffness = 1e-3 * row["G_eq_MPa"] * 240.0**2 / 30.0  # of the specimen [kN/mm]
+    assert row["K_eq_kN_mm"] == pytest.approx(stiffness, rel=tol.ROUNDING)
+    numbers = {f"{row['G_eq_MPa']:.3f}", f"{1e-3 * row['energy_kN_mm']:.2f}", f"{stiffness:.3f}"}
+    numbers |= {f"{row[name]:.1f}".replace("-", "−") for name in result.cycles.columns[-4:]}
+    for columns in ("", "50", "80"):
+        monkeypatch.setenv("COLUMNS", columns)
+        result.show()
+        shown = capsys.readouterr().out
+        assert not FRAMES.search(shown)
+        assert "Lead [°C]" in shown
+        assert numbers <= set(shown.split())
+        if columns == "80":
+            assert max(len(line) for line in shown.splitlines() if "%" in line) <= 80
+            assert "G_e [MPa]  K_eq [kN/mm]" in shown
+
+
+def test_study_shows_rubber_and_lead_in_a_pipe(tmp_path: Path) -> None:
+    words = ["--bearing", "shen-lhdr-bridge", "--motion", "jra-ii-i-1", "--duration", "2"]
+    done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
+    assert not FRAMES.search(done.stdout)
+    for head in ("Strain [%]", "Ductility", "Viscous", "Rubber [°C]", "Lead [°C]"):
+        assert head in done.stdout
+
+
+def test_a_program_in_a_pipe_writes_plain_text() -> None:
+    plain = {k: v for k, v in os.environ.items() if not k.startswith(("FORCE", "TERM", "GITHUB"))}
+    words = [sys.executable, "-m", "thermobearing.cli", "cyclic", "--wrong"]
+    done = subprocess.run(words, capture_output=True, text=True, env=plain, check=False)
+    assert "Usage" in done.stderr
+    assert not FRAMES.search(done.stdout + done.stderr)
+
+
+@pytest.mark.parametrize(("ambients", "shown"), [((0,), False), ((0, 23), True)])
+def test_of_warm_needs_a_warmer_run(tmp_path: Path, ambients: tuple[int, ...], shown: bool) -> None:
+    words = ["--bearing", "shen-hdr-bridge", "--motion", "jra-ii-i-1", "--duration", "0.5"]
+    words += [word for at in ambients for word in ("--ambient", str(at))]
+    done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
+    assert ("Of warmest" in done.stdout) is shown

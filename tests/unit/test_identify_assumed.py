@@ -1,19 +1,45 @@
-"""What a fit assumes: its uncertainty is carried on, and the tests may contradict it."""
+"""Numbers that a fit assumes, parameters that it frees, and fits that are poor."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import thermobearing as tb
+from tests.unit.inputs import write_test
 from thermobearing.bearing.model import Bearing
-from thermobearing.identify.fit.parameters import BY_KEY, N_T, default_free
-from thermobearing.identify.fit.problem import Linear
-from thermobearing.identify.fit.synthetic import synthetic_record
+from thermobearing.cli import app
+from thermobearing.commands.common import POOR_FIT
+from thermobearing.identify.fit.parameters import (
+    ALIASES,
+    BY_KEY,
+    E2,
+    HARDENING,
+    K_R,
+    M_T,
+    N_T,
+    SIGMA_Y,
+    default_free,
+    parameter_set,
+    with_values,
+)
+from thermobearing.identify.fit.problem import Linear, Problem
+from thermobearing.identify.fit.start import (
+    BETTER,
+    Sensitivity,
+    candidates,
+    sensitivities,
+    without_needless,
+)
+from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.identify.records.record import TestRecord, load_test
 from thermobearing.identify.records.treatment import to_be_treated
+from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
+from thermobearing.identify.tables import grade
 from thermobearing.identify.uncertainty.assumed import (
     Assumed,
     _assumed_groups,
@@ -185,3 +211,199 @@ def test_what_the_tests_ask_for(off: float) -> None:
     # Posterior of a normal prior: nearly all of what was asked for, and a little spread.
     assert found.spread[0, 0] == pytest.approx(off**2, rel=0.03, abs=0.02)
     assert found.shifts[0, 0] == pytest.approx(-1.0, abs=0.15)
+
+
+HOT = tb.cyclic_test(strain=[0.25, 1.0, 2.0], cycles=3, wave="sine", speed=200.0, rest=None)
+COOL = tb.cyclic_test(strain=[0.1, 0.25], cycles=2, wave="sine", speed=5.0, rest=None)
+
+
+def records(
+    bearing: Bearing, test: object, ambients: tuple[float, ...], sampling: float = 50.0
+) -> list[TestRecord]:
+    return [
+        synthetic_record(bearing, at, test, seed=i, sampling=sampling)  # type: ignore[arg-type]
+        for i, at in enumerate(ambients)
+    ]
+
+
+def told_sensitivity(bearing: Bearing, tests: list[TestRecord]) -> dict[str, Sensitivity]:
+    problem = Problem(tests, parameter_set(bearing, [K_R], [23.0]))
+    keys = candidates(problem, usual_groups())
+    wide = problem.with_parameters(parameter_set(bearing, keys, [23.0]))
+    return {s.key: s for s in sensitivities(wide, wide.pset.start, usual_groups())}
+
+
+def test_candidates_are_what_the_bearing_has() -> None:
+    (record,) = records(LRB, COOL, (23.0,))
+    problem = Problem([record], parameter_set(LRB, [K_R], [23.0]))
+    symbols = {BY_KEY[key].symbol for key in candidates(problem, usual_groups())}
+    assert symbols == {"K_r", "m_T", "K_l", "sigma_Y", "E2"}
+
+
+@pytest.mark.parametrize(("test", "free"), [(HOT, True), (COOL, False)], ids=["hot", "cool"])
+def test_softening_is_free_where_the_lead_gets_hot(test: object, free: bool) -> None:
+    found = told_sensitivity(LRB, records(LRB, test, (23.0,)))
+    assert found[E2].free is free
+    assert not found[E2].usual
+    assert (found[E2].stderr < BETTER * found[E2].spread) is free
+    assert found[SIGMA_Y].free
+
+
+def test_one_ambient_frees_no_temperature_coefficient() -> None:
+    test = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=None)
+    one, two = (told_sensitivity(HDR, records(HDR, test, at)) for at in ((23.0,), (-20.0, 23.0)))
+    assert not {M_T, N_T} & {key for key, item in one.items() if item.free}
+    assert {M_T, N_T} <= {key for key, item in two.items() if item.free}
+    # Twice the tests, and the change with temperature, from tests at two temperatures.
+    assert two[HARDENING].stderr < one[HARDENING].stderr
+
+
+def test_what_tests_tell_nothing_of_is_held() -> None:
+    test = tb.cyclic_test(strain=[0.05], cycles=2, rest=None, closing_strain=None)
+    found = told_sensitivity(HDR, records(HDR, test, (23.0,)))
+    assert found[HARDENING].usual
+    assert not found[HARDENING].free
+    assert found[K_R].free
+
+
+def test_lrb_from_a_file_of_nobody() -> None:
+    """The softening of lead is free before a fit without it ends at a bound (sigma_Y = 2 MPa)."""
+    start = with_values(forgotten(LRB), {E2: 0.0})
+    found = identify_bearing(records(LRB, HOT, (-10.0, 30.0), 27.0), start, starts=1)
+    assert found.values[SIGMA_Y] == pytest.approx(10.0, rel=0.02)
+    assert found.values[E2] == pytest.approx(0.0069, rel=0.05)
+    assert found.summary()["sensitivity"][E2]["free"]
+    assert min(fit.R2 for fit in found.fits) > 0.99
+
+
+def test_lead_without_softening_keeps_it_fixed() -> None:
+    test = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, wave="sine", rest=None)
+    tests = records(LHDR, test, (23.0,))
+    found = identify_bearing(tests, LHDR, starts=1, blind=False)
+    (softening,) = (item for item in found.sensitivity if item.key == E2)
+    assert softening.free
+    assert not softening.usual
+    assert E2 not in found.uncertainty.estimates
+    assert set(found.uncertainty.estimates) == set(default_free(LHDR, (23.0,)))
+
+
+def test_needed_parameters_stay() -> None:
+    (record,) = records(LRB, HOT, (23.0,))
+    pset = parameter_set(LRB, ["K_r", "E2"], [23.0])
+    problem = Problem([record], pset)
+    same, cube = without_needless(problem, pset.start, [ALIASES["E2"]])
+    assert same is problem
+    assert np.array_equal(cube, pset.start)
+
+
+HDR_POOR = tb.load_bearing("shen-hdr-specimen")
+SHORT = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None)
+
+
+@pytest.fixture(scope="module")
+def record() -> TestRecord:
+    return synthetic_record(HDR_POOR, 23.0, SHORT, sampling=20.0)
+
+
+@pytest.fixture(scope="module")
+def poor(record: TestRecord) -> Identification:
+    soft = with_values(HDR_POOR, {"hysteresis.layer_stiffness": 12.0})
+    return identify_bearing(record, soft, free=["s"], starts=1)
+
+
+def test_a_poor_fit_says_why(poor: Identification) -> None:
+    assert poor.outcome == "poor_fit"
+    assert any("R2 = 0." in reason for reason in poor.poor)
+    assert "--accept-poor" in poor.sentence
+    assert "a poor fit" in "\n".join(poor.warnings)
+    assert poor.summary()["poor"] == poor.poor
+
+
+def test_a_poor_fit_names_what_to_free(poor: Identification) -> None:
+    said = "\n".join(poor.warnings)
+    assert "free K_r (--free s,K_r)" in said
+
+
+def test_its_bearing_does_not_load(poor: Identification, tmp_path: Path) -> None:
+    folder = poor.save(tmp_path / "poor", figures=False)
+    with pytest.raises(tb.InputError, match=r"poor_fit: .*R2 = 0"):
+        tb.load_bearing(folder / "bearing.toml")
+    assert not (folder / "compound.toml").exists()
+    accepted = identify_bearing(
+        poor.records[0], poor.pset.base, free=["s"], starts=1, accept_poor=True
+    )
+    assert accepted.outcome == "completed"
+    assert "a poor fit" in "\n".join(accepted.warnings)
+    folder = accepted.save(tmp_path / "accepted", figures=False)
+    assert tb.load_bearing(folder / "bearing.toml").kind == "HDR"
+
+
+def test_a_parameter_at_its_bound_is_a_poor_fit(record: TestRecord) -> None:
+    found = identify_bearing(record, HDR_POOR, free=["K_r"], bounds={"K_r": (10.0, 30.0)}, starts=1)
+    assert found.fits[0].R2 > 0.98
+    assert found.poor == ["K_r = 30 kN/mm at its bound"]
+
+
+def test_a_parameter_near_its_bound_is_not_determined(record: TestRecord) -> None:
+    """Within 5 % of the range: the bound, not the test, may have given it. The truth is 30.7."""
+    for upper, outcome in ((31.0, "poor_fit"), (40.0, "completed")):
+        found = identify_bearing(
+            record, HDR_POOR, free=["K_r"], bounds={"K_r": (10, upper)}, starts=1
+        )
+        (item,) = found.uncertainty.estimates.values()
+        assert not item.at_bound
+        assert found.outcome == outcome
+        assert item.determined is (outcome == "completed")
+        told = found.summary()["parameters"]["hysteresis.layer_stiffness"]
+        assert (grade(told) == "no") is (outcome == "poor_fit")
+
+
+def test_temperature_coefficients_are_held_at_one_temperature(record: TestRecord) -> None:
+    found = identify_bearing(record, HDR_POOR, free=["K_r", "m_T", "n_T = 2.4 * m_T"], starts=1)
+    assert set(found.uncertainty.estimates) == {"hysteresis.layer_stiffness"}
+    assert found.bearing.hysteresis.elastic_temperature_coefficient == -0.914
+    assert any("m_T and n_T held" in text for text in found.warnings)
+    with pytest.raises(tb.InputError, match="one-temperature"):
+        identify_bearing(record, HDR_POOR, free=["m_T"], starts=1)
+    forced = identify_bearing(record, HDR_POOR, free=["m_T"], starts=1, one_temperature=True)
+    assert set(forced.uncertainty.estimates) == {M_T}
+
+
+def test_the_fitted_bearing_is_checked_for_plausibility(record: TestRecord) -> None:
+    """The sign of a temperature coefficient of the starting bearing, which the test cannot tell."""
+    found = identify_bearing(record, with_values(HDR_POOR, {M_T: 1.0}), free=["K_r"], starts=1)
+    assert any(M_T in text for text in found.warnings)
+    assert found.outcome == "completed"
+
+
+@pytest.mark.parametrize(("key", "value"), [("b", 0.0), ("alpha_0", 1.0), ("s", -0.98)])
+def test_an_end_of_the_law_is_no_failure(key: str, value: float, record: TestRecord) -> None:
+    """Rubber without hardening has b = 0; s = -0.98 is where the search was stopped."""
+    found = identify_bearing(record, HDR_POOR, free=["K_r"], starts=1)
+    (item,) = found.uncertainty.estimates.values()
+    (parameter,) = parameter_set(HDR_POOR, [key], [23.0]).free
+    there = replace(item, parameter=parameter, value=value, at_bound=True)
+    assert there.lost == (key == "s")
+
+
+def test_the_command_ends_with_its_status(record: TestRecord, tmp_path: Path) -> None:
+    file = write_test(tmp_path, record, "test")
+    words = [
+        "identify",
+        str(file),
+        "--bearing",
+        "shen-lhdr-specimen",
+        "--free",
+        "s",
+        "--from-start",
+        "--no-figures",
+    ]
+    words += ["-o", str(tmp_path / "out"), "--json", "-q"]
+    ended = CliRunner().invoke(app, words)
+    assert ended.exit_code == POOR_FIT == 4
+    last = json.loads(ended.stdout.splitlines()[-1])
+    assert (last["outcome"], last["exit_status"]) == ("poor_fit", 4)
+    assert "poor_fit = " in (tmp_path / "out" / "bearing.toml").read_text()
+    ended = CliRunner().invoke(app, [*words, "--overwrite", "--accept-poor"])
+    assert ended.exit_code == 0
+    assert "poor_fit" not in (tmp_path / "out" / "bearing.toml").read_text()

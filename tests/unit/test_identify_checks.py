@@ -1,19 +1,38 @@
-"""Bad records are refused or warned about, with the reason; good ones pass."""
+"""Tests of a laboratory: read, checked and treated before a fit."""
 
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import thermobearing as tb
+from tests import tolerances as tol
 from thermobearing.border.errors import InputError
+from thermobearing.identify.figures import check_figure
+from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.synthetic import synthetic_record
 from thermobearing.identify.records.checks import CheckReport, check_test
-from thermobearing.identify.records.record import TestRecord, record_from_arrays
-from thermobearing.identify.records.treatment import Finding
+from thermobearing.identify.records.cycles import estimate_noise
+from thermobearing.identify.records.record import (
+    ASSUMED_AMBIENT,
+    TestRecord,
+    load_test,
+    record_from_arrays,
+)
+from thermobearing.identify.records.treatment import (
+    Finding,
+    _find_rests,
+    _find_spikes,
+    _thin_rests,
+    to_be_treated,
+    treat,
+)
 from thermobearing.identify.run import identify_bearing
+from thermobearing.tables.laboratory import ASSUMED_SPEED
 
 BEARING = tb.load_bearing("shen-hdr-specimen")
 
@@ -33,7 +52,6 @@ def found(report: CheckReport) -> set[tuple[str, str]]:
 
 
 def rows(record: TestRecord, kept: slice | np.ndarray) -> TestRecord:
-    """Some samples of a record."""
     names = ("time", "displacement", "force", "block")
     return replace(record, **{name: getattr(record, name)[kept] for name in names})
 
@@ -131,7 +149,6 @@ def test_clipped_force(good: TestRecord, low: float, high: float) -> None:
 
 @pytest.mark.parametrize("zero", [-1.6, 1.6])
 def test_a_slight_zero_of_the_force_is_told(zero: float) -> None:
-    """Before: 1.4 % of the peak passed without a word. In the cold, where every side is weaker."""
     steps = tb.cyclic_test(strain=[0.5, 1.0, 1.5], cycles=4, rest=None)
     cold = synthetic_record(BEARING, -20.0, steps, noise=0.01, seed=3)
     assert ("note", "zero") in found(check_test(cold, BEARING))
@@ -156,7 +173,6 @@ def test_a_slight_zero_of_the_force_is_told(zero: float) -> None:
     ],
 )
 def test_a_wrong_unit_is_told_by_the_slip_behind_it(way: float, force: float, slip: str) -> None:
-    """Before: "127 MPa if force is in kN labelled tonf?" for newtons, and that for centimetres."""
     t = np.linspace(0.0, 4.0, 2001)
     x = 60.0 * np.sin(np.pi * t)
     scale = 1.25 * BEARING.area / BEARING.total_rubber_thickness / 1e3
@@ -193,3 +209,318 @@ def test_noise_of_a_synthetic_record(memory: float) -> None:
     noise = (noisy.force - clean.force) / clean.peak_force
     assert noise.std() == pytest.approx(0.02, rel=0.15)
     assert np.corrcoef(noise[1:], noise[:-1])[0, 1] == pytest.approx(memory, abs=0.1)
+
+
+TIME = np.arange(400) * 0.02
+X = 30.0 * np.sin(2.0 * np.pi * 0.5 * TIME)
+FORCE = 2.0 * X + 10.0 * np.cos(2.0 * np.pi * 0.5 * TIME)
+
+
+def write(
+    path: Path,
+    columns: dict[str, np.ndarray],
+    before: str = "",
+    after: str = "",
+    encoding: str = "utf-8",
+) -> Path:
+    rows = np.column_stack(list(columns.values()))
+    lines = [",".join(f"{v!r}" for v in row.tolist()) for row in rows]
+    text = before + ",".join(columns) + "\n" + after + "\n".join(lines) + "\n"
+    path.write_bytes(text.encode(encoding))
+    return path
+
+
+def plain(path: Path) -> Path:
+    return write(path, {"time_s": TIME, "displacement_mm": X, "force_kN": FORCE})
+
+
+def test_plain_csv(tmp_path: Path) -> None:
+    record = load_test(plain(tmp_path / "a.csv"))
+    assert_allclose(record.force, FORCE, rtol=tol.CONVERSION)
+    assert record.ambient == ASSUMED_AMBIENT
+    assert any("ambient" in text for text in record.assumptions)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp932"])
+def test_japanese_laboratory_file(tmp_path: Path, encoding: str) -> None:
+    """Three lines before the header, a line of channels after it, cm and tonf."""
+    columns = {"時間(s)": TIME, "変位": X / 10.0, "荷重(tonf)": FORCE / 9.80665}
+    before, after = "試験体,HDR\n日付,2020/1/1\n担当,\n", "ch1,ch2,ch3\n"
+    write(tmp_path / "t.csv", columns, before, after, encoding)
+    (tmp_path / "t.toml").write_text(
+        'ambient = "-20 degC"\nlines_before = 3\nlines_after = 1\n'
+        '[columns]\ntime = "時間(s)"\ndisplacement = "変位"\nforce = "荷重(tonf)"\n'
+        '[units]\ndisplacement = "cm"\n',
+        encoding="utf-8",
+    )
+    record = load_test(tmp_path / "t.csv")
+    assert_allclose(record.displacement, X, rtol=tol.CONVERSION, atol=tol.CONVERSION)
+    assert_allclose(record.force, FORCE, rtol=tol.CONVERSION)
+    assert record.ambient == -20.0
+    assert record.assumptions == ()
+
+
+@pytest.mark.parametrize(
+    ("sidecar", "name", "wanted"),
+    [
+        ('[units]\nforce = "tonf"', "force", 9.80665 * FORCE),
+        ('flip_force = true\nforce_offset = "3 kN"', "force", -(FORCE - 3.0)),
+        ('displacement_offset = "1 mm"', "displacement", X - 1.0),
+    ],
+)
+def test_units_signs_and_offsets(
+    tmp_path: Path, sidecar: str, name: str, wanted: np.ndarray
+) -> None:
+    plain(tmp_path / "t.csv")
+    (tmp_path / "t.toml").write_text(f'ambient = "0 degC"\n{sidecar}\n')
+    found = getattr(load_test(tmp_path / "t.toml"), name)
+    assert_allclose(found, wanted, rtol=tol.CONVERSION, atol=tol.CONVERSION)
+
+
+def test_blocks_with_rests_make_one_line_of_time(tmp_path: Path) -> None:
+    plain(tmp_path / "a.csv")
+    plain(tmp_path / "b.csv")
+    (tmp_path / "all.toml").write_text(
+        'ambient = "0 degC"\nblocks = [{ file = "a.csv" }, { file = "b.csv", '
+        'rest_before = "75 min" }]\n'
+    )
+    record = load_test(tmp_path / "all.toml")
+    assert (np.diff(record.time) > 0.0).all()
+    assert_allclose(record.time[400] - record.time[399], 4500.0, rtol=tol.CONVERSION)
+    assert record.block.tolist() == [0] * 400 + [1] * 400
+
+
+def test_without_a_clock_a_speed_is_assumed_and_said(tmp_path: Path) -> None:
+    write(tmp_path / "t.csv", {"displacement_mm": X, "force_kN": FORCE})
+    record = load_test(tmp_path / "t.csv")
+    assert any(f"{ASSUMED_SPEED:g} mm/s" in text for text in record.assumptions)
+    path = np.abs(np.diff(X)).sum()
+    assert_allclose(record.time[-1], path / ASSUMED_SPEED, rtol=1e-3)
+    (tmp_path / "t.toml").write_text('sampling = "50 Hz"\n')
+    assert_allclose(load_test(tmp_path / "t.csv").time, TIME, atol=tol.CONVERSION)
+
+
+def test_thermocouples(tmp_path: Path) -> None:
+    columns = {"time_s": TIME, "displacement_mm": X, "force_kN": FORCE, "T1_degC": TIME + 1.0}
+    write(tmp_path / "t.csv", columns)
+    (tmp_path / "t.toml").write_text('[thermocouples]\nT1_degC = "rubber 1"\n')
+    record = load_test(tmp_path / "t.csv")
+    assert record.places == {"T1_degC": "rubber 1"}
+    assert_allclose(record.temperatures["T1_degC"], TIME + 1.0, rtol=tol.CONVERSION)
+
+
+@pytest.mark.parametrize(
+    ("sidecar", "said"),
+    [
+        ('ambiant = "0 degC"\n', "ambient"),
+        ("ambient = 0\n", "no unit"),
+        ('file = "t.csv"\nblocks = [{ file = "t.csv" }]\n', "either file or blocks"),
+        ('speed = "3 mm/s"\nsampling = "3 Hz"\n', "either speed or sampling"),
+        ('[columns]\nforce = "Kraft"\n', 'no column "Kraft"'),
+        ('[units]\nforce = "mm"\n', "cannot be converted"),
+        ('[columns]\nForce = "x"\n', "known: ambient, displacement, force, time"),
+        ('[thermocouples]\nT = "steel 1"\n', "must be"),
+        ("lines_before = 900\n", "lines"),
+    ],
+)
+def test_faults_are_named(tmp_path: Path, sidecar: str, said: str) -> None:
+    plain(tmp_path / "t.csv")
+    (tmp_path / "t.toml").write_text(sidecar)
+    with pytest.raises(InputError, match=said):
+        load_test(tmp_path / "t.csv")
+
+
+def test_truncated_in_the_middle_of_a_line(tmp_path: Path) -> None:
+    path = plain(tmp_path / "t.csv")
+    text = path.read_text()
+    path.write_text(text[: text.rindex(",") + 1])
+    with pytest.raises(InputError, match="line 401"):
+        load_test(path)
+
+
+HDR = tb.load_bearing("shen-hdr-specimen")
+TEST = tb.cyclic_test(strain=[0.5, 1.5], cycles=3, rest=300.0)
+JITTER = 0.02  # [mm]
+
+
+def logged(**changes: float) -> TestRecord:
+    given = {"noise": 0.01, "jitter": JITTER, "sampling": 20.0, "through_rests": True} | changes
+    return synthetic_record(HDR, 23.0, TEST, **given)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def record() -> TestRecord:
+    return logged()
+
+
+@pytest.fixture(scope="module")
+def spiky(record: TestRecord) -> tuple[TestRecord, list[int]]:
+    """Ten spikes of 300 kN, half of them while the bearing moves."""
+    moving = np.flatnonzero(np.abs(np.gradient(record.displacement)) > 0.5)
+    still = np.flatnonzero(np.abs(np.gradient(record.displacement)) < 0.1)
+    rng = np.random.default_rng(1)
+    at = sorted([*rng.choice(moving, 5, replace=False), *rng.choice(still, 5, replace=False)])
+    force = record.force.copy()
+    force[at] += 300.0 * rng.choice([-1.0, 1.0], size=len(at))
+    return replace(record, force=force), [int(k) for k in at]
+
+
+def said_treatment(report: CheckReport, level: str, check: str) -> str:
+    found = [f.sentence for f in report.findings if f.level == level and f.check == check]
+    return "\n".join(found)
+
+
+@pytest.mark.parametrize("points", [40, 200, 2000])
+def test_noise_is_measured_beside_the_motion(points: int) -> None:
+    """A sine of so many samples a cycle, with noise of 1e-3 of its amplitude, and with none."""
+    t = np.arange(10 * points) / points
+    motion = 50.0 * np.sin(2.0 * np.pi * t)
+    noisy = motion + np.random.default_rng(0).normal(0.0, 0.05, len(t))
+    assert estimate_noise(noisy) == pytest.approx(0.05, rel=0.15)
+    assert estimate_noise(motion) < 1e-4
+
+
+def test_rests_are_where_nothing_moves(record: TestRecord) -> None:
+    (rest,) = _find_rests(record)
+    begin, end = record.time[rest[0]], record.time[rest[1]]
+    clean = synthetic_record(HDR, 23.0, TEST, noise=0.0)
+    moved = np.flatnonzero(np.abs(np.diff(clean.displacement)) > 1e-9)
+    gap = int(np.argmax(np.diff(clean.time[moved])))
+    assert begin == pytest.approx(clean.time[moved[gap] + 1], abs=0.2)
+    assert end == pytest.approx(clean.time[moved[gap + 1]], abs=0.2)
+
+
+@pytest.mark.parametrize("period", [0.5, 10.0, 2000.0])
+def test_slow_turns_are_no_rests(period: float) -> None:
+    t = np.linspace(0.0, 4.0, 4001) * period
+    x = 50.0 * np.sin(2.0 * np.pi * t / period)
+    x = x + np.random.default_rng(0).normal(0.0, JITTER, len(t))
+    assert _find_rests(tb.record_from_arrays(t, x, 2.0 * x, 23.0)) == []
+
+
+def test_a_slow_creep_is_not_held_as_one_rest() -> None:
+    t = np.linspace(0.0, 1000.0, 10001)
+    x = np.where(t < 20.0, 50.0 * np.sin(np.pi * t / 5.0), 0.005 * (t - 20.0))
+    record = tb.record_from_arrays(t, x, 2.0 * x, 23.0)
+    assert all(np.ptp(x[a : b + 1]) <= 0.004 * 50.0 + 1e-9 for a, b in _find_rests(record))
+
+
+def test_a_fit_sees_a_rest_as_a_gap(record: TestRecord) -> None:
+    found = treat(record)
+    short, left_out = found.to_fit(np.zeros(len(record.time), dtype=bool))
+    ((first, last),) = found.rests
+    assert len(short.time) == len(record.time) - (last - first + 1) + 2
+    assert int(left_out.sum()) == 2
+    a, b = np.flatnonzero(left_out)
+    assert short.displacement[a] == short.displacement[b]
+    assert short.displacement[a] == pytest.approx(0.0, abs=0.1 * JITTER)
+    assert short.time[b] - short.time[a] == pytest.approx(record.time[last] - record.time[first])
+
+
+def test_thermocouples_of_a_rest_are_kept(record: TestRecord) -> None:
+    cooling = replace(record, temperatures={"T": 23.0 + 9.0 * np.exp(-record.time / 100.0)})
+    rests = _find_rests(record)
+    short, kept, resting = _thin_rests(cooling, rests)
+    assert 15 <= int(resting.sum()) <= 20
+    assert np.abs(short.temperatures["T"] - cooling.temperatures["T"][kept]).max() < 0.5
+
+
+@pytest.mark.parametrize("fine", [True, False], ids=["fine", "coarse"])
+def test_jitter_does_not_walk_the_force_down(fine: bool) -> None:
+    """The model through a whole record with jitter is that through the motion alone."""
+    noisy, clean = (logged(noise=0.0, jitter=jitter) for jitter in (JITTER, 0.0))
+    forces = []
+    for record in (noisy, clean):
+        predicted = ForwardModel(record, HDR, fine=fine).run(HDR)
+        assert predicted is not None
+        forces.append(predicted.force)
+    loading = np.abs(np.gradient(clean.displacement)) > 0.5
+    off = np.abs(forces[0] - forces[1]).max(where=loading, initial=0.0)
+    assert off < 0.03 * clean.peak_force
+    ((first, last),) = _find_rests(noisy)
+    middle = slice(first + 20, last - 20)
+    assert np.ptp(forces[0][middle]) < 0.01 * clean.peak_force
+
+
+def test_a_logger_that_runs_through_rests(record: TestRecord) -> None:
+    """Read as motion, the rests of this record gave R2 = 0.1, and no word of it."""
+    found = identify_bearing(record, HDR, starts=1)
+    assert found.outcome == "completed"
+    assert found.fits[0].R2 > 0.99
+    assert found.values["hysteresis.layer_stiffness"] == pytest.approx(30.738, rel=0.05)
+    told = found.summary()["records"][0]["treatment"]
+    assert told["rests"] == 1
+    assert told["noise"]["displacement_mm"] == pytest.approx(JITTER, rel=0.1)
+
+
+def test_spikes_are_found_one_by_one(spiky: tuple[TestRecord, list[int]]) -> None:
+    record, at = spiky
+    report = check_test(record, HDR)
+    assert np.flatnonzero(treat(record).spikes["force"]).tolist() == at
+    assert "10 spikes in the force, the largest 3" in said_treatment(report, "warning", "spikes")
+    assert "despike = true" in said_treatment(report, "warning", "spikes")
+    assert "offset" not in {finding.check for finding in report.findings}
+    assert "dots: spikes" in check_figure(report).axes[0].get_title(loc="left")
+
+
+def test_spikes_of_the_displacement(record: TestRecord) -> None:
+    x = record.displacement.copy()
+    x[[200, 400]] += 30.0
+    spoilt = replace(record, displacement=x)
+    assert np.flatnonzero(treat(spoilt).spikes["displacement"]).tolist() == [200, 400]
+    assert len(treat(spoilt).rests) == 1
+    cured = treat(replace(spoilt, despike=True)).cleaned
+    assert cured.peak_displacement < 46.0
+
+
+@pytest.mark.parametrize("name", ["shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example"])
+@pytest.mark.parametrize("sampling", [10.0, 50.0])
+def test_good_records_have_no_spikes_and_no_drift(name: str, sampling: float) -> None:
+    test = tb.cyclic_test(strain=[0.5, 1.5, 2.5], cycles=2, wave="sine", rest=60.0)
+    found = treat(synthetic_record(name, -20.0, test, sampling=sampling))
+    assert not any(flags.any() for flags in found.spikes.values())
+    assert not found.drifts
+
+
+def test_spikes_are_taken_out_only_when_told(spiky: tuple[TestRecord, list[int]]) -> None:
+    record, at = spiky
+    left, none = treat(record).to_fit(np.zeros(len(record.time), dtype=bool))
+    assert left.peak_force > 250.0
+    assert not none[np.abs(left.force) > 200.0].any()
+    (told,) = to_be_treated([record], True, "")
+    report = check_test(told, HDR)
+    assert "removed" in said_treatment(report, "note", "spikes")
+    assert report.treatment is not None
+    assert report.treatment.cleaned.peak_force < 150.0
+    found = identify_bearing(replace(record, despike=True), HDR, starts=1)
+    assert found.fits[0].R2 > 0.99
+    assert identify_bearing(record, HDR, starts=1).outcome == "poor_fit"
+    assert len(at) == 10
+
+
+def drifting(record: TestRecord, name: str, part: float, detrend: str = "") -> TestRecord:
+    values = getattr(record, name)
+    off = part * np.abs(values).max() * record.time / record.time[-1]
+    return replace(record, detrend=detrend, **{name: values + off})
+
+
+@pytest.mark.parametrize("name", ["force", "displacement"])
+def test_drift_is_found_and_taken_out_when_told(record: TestRecord, name: str) -> None:
+    spoilt = drifting(record, name, 0.08)
+    report = check_test(spoilt, HDR)
+    assert f"the zero of the {name} drifts by" in said_treatment(report, "warning", "drift")
+    assert treat(spoilt).cleaned.force[-50:].mean() == spoilt.force[-50:].mean()
+    told = treat(drifting(record, name, 0.08, detrend=name))
+    off = getattr(told.cleaned, name) - getattr(treat(record).cleaned, name)
+    peak = float(np.abs(getattr(record, name)).max())
+    assert np.abs(off).max() < 0.025 * peak
+    assert "removed" in said_treatment(check_test(told.record, HDR), "note", "drift")
+
+
+def test_detrend_takes_known_words_only(record: TestRecord) -> None:
+    with pytest.raises(tb.InputError, match='detrend = "forc"'):
+        to_be_treated([record], False, "forc")
+
+
+def test_a_flat_signal_has_no_spikes() -> None:
+    assert not _find_spikes(np.ones(50)).any()

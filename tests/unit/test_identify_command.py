@@ -158,7 +158,6 @@ def test_saved_from_python(found: Identification, tmp_path: Path) -> None:
 
 
 def test_names_are_not_markup(found: Identification, capsys: pytest.CaptureFixture[str]) -> None:
-    """Brackets in the name of a test are text on the terminal."""
     records = [replace(record, name="[/x]") for record in found.records]
     replace(found, records=records).show()
     assert "[/x]" in capsys.readouterr().out
@@ -207,7 +206,6 @@ def test_posterior_agrees_with_the_normal_distribution() -> None:
 def test_what_a_posterior_takes_is_told_before(
     found: Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Before: silence for as long as it took."""
     runs, seconds = posterior_effort(found, steps=8, burn=2)
     assert seconds > 0.0
     before = found.problem.evaluations
@@ -239,7 +237,6 @@ def test_posterior_without_emcee(found: Identification, monkeypatch: pytest.Monk
 def test_a_missing_emcee_is_told_before_the_fit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Before: after it, and the fit was lost."""
     monkeypatch.setitem(sys.modules, "emcee", None)
     monkeypatch.setattr("thermobearing.identify.run.run_identify", lambda case: pytest.fail("fit"))
     file = tmp_path / "t.csv"

@@ -43,11 +43,7 @@ from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.identify.records.cycles import compute_measures, full_cycles, turning_points
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
 from thermobearing.identify.uncertainty.agreement import determination, fit_of_record
-from thermobearing.identify.uncertainty.covariance import (
-    effective_samples,
-    estimate,
-    remedy,
-)
+from thermobearing.identify.uncertainty.covariance import effective_samples, estimate, remedy
 
 HDR, LHDR = tb.load_bearing("shen-hdr-specimen"), tb.load_bearing("shen-lhdr-specimen")
 SHORT = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, rest=600.0)
@@ -194,7 +190,6 @@ def test_measures_of_a_fit_by_hand() -> None:
 
 @pytest.mark.parametrize(("first", "told"), [(1.2, True), (1.0, False), (0.8, False)])
 def test_stiffer_first_cycles_are_told(first: float, told: bool) -> None:
-    """The test is stronger than the model in first cycles, and only then."""
     record = sines((10.0, 10.0, 10.0))
     force = record.force.copy()
     force[:POINTS] *= first
@@ -219,10 +214,7 @@ def linear_problem(sizes: tuple[float, float]) -> tuple[Any, np.ndarray]:
     best = np.array([0.4, 0.7])
     noise = 0.01 * rng.normal(size=n)
     noise -= columns @ np.linalg.lstsq(columns, noise, rcond=None)[0]
-    free = [
-        Parameter(BY_KEY[K_R], 30.0, 3.0, 300.0),
-        Parameter(BY_KEY[HARDENING], 0.1, 0.0, 2.0),
-    ]
+    free = [Parameter(BY_KEY[K_R], 30.0, 3.0, 300.0), Parameter(BY_KEY[HARDENING], 0.1, 0.0, 2.0)]
     problem = SimpleNamespace(
         records=[record], loss="linear", pset=ParameterSet(HDR, tuple(free)),
         parts=lambda cube, *, fine=False: [columns @ (cube - best) + noise],

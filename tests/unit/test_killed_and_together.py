@@ -82,7 +82,6 @@ def killed(action: Callable[[], object], moment: int) -> bool:
 
 @pytest.mark.thorough
 def test_a_killed_run_loses_no_earlier_result(tmp_path: Path) -> None:
-    """At every event of it; what it leaves is taken away by the next run."""
     case, out = quick_case(tmp_path / "case.toml"), tmp_path / "out"
 
     def run(ambient: float) -> int:
@@ -104,7 +103,6 @@ def test_a_killed_run_loses_no_earlier_result(tmp_path: Path) -> None:
 
 
 def filled(folder: Path) -> None:
-    """A result of one file."""
     (folder / "summary.json").write_text("{}")
 
 
@@ -145,7 +143,6 @@ def test_a_run_that_still_writes_is_left_alone(tmp_path: Path) -> None:
 
 
 def slow_with_force(folder: Path, out: Path) -> None:
-    """Writes while another one replaces the result."""
     (folder / "summary.json").write_text("slow")
     write_directory(out, filled, overwrite=True)
 

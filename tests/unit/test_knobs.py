@@ -31,7 +31,6 @@ FACE = tb.EndFace(film=20.0)
 
 
 def list_numbers(model: BaseModel, key: str = "") -> Iterator[tuple[str, float | int]]:
-    """Dotted keys and values of every number in a model."""
     for name in type(model).model_fields:
         value, dotted = getattr(model, name), f"{key}.{name}" if key else name
         if isinstance(value, BaseModel):
@@ -83,7 +82,6 @@ def with_lead() -> Bearing:
 
 
 def virgin() -> Bearing:
-    """The specimen before it has ever worked."""
     table = tb.load_bearing(SPECIMEN).model_dump()
     table["scragging"] = {"amplitude": 1.0, "mullins_amplitude": 0.3}
     return validated(Bearing, table, "table", from_file=False)
@@ -179,7 +177,6 @@ def test_options(plain: tb.Result, option: str) -> None:
 
 
 def test_every_option_of_a_case_was_tried() -> None:
-    """A new option must come with a row above."""
     elsewhere = {"bearing", "test", "ambient_series", "analysis", "initial_lead"}
     elsewhere |= {"lead_ends", "clock"}  # below, and in unit/test_lead_clock.py
     elsewhere |= {"initial_state", "rig"}  # verification/test_handover.py, unit/test_sequences.py
@@ -210,7 +207,6 @@ def test_choices_of_lead(results: dict[str, tb.Result]) -> None:
 
 
 def test_lead_on_finite_plates() -> None:
-    """The default and the formula: each has numbers that only it uses."""
     bearing = tb.load_bearing("shen-lhdr-specimen")
     table = bearing.model_dump()
     clock = validated(

@@ -43,11 +43,7 @@ def two_piers() -> dict[str, Any]:
     line = {"body": "deck", "height": "10 m", "count": 3, "equivalent_stiffness": "2.6 kN/mm"}
     return {
         "name": "two piers",
-        "bodies": [
-            {"name": "deck", "moves": True},
-            {"name": "A"} | pier,
-            {"name": "B"} | pier,
-        ],
+        "bodies": [{"name": "deck", "moves": True}, {"name": "A"} | pier, {"name": "B"} | pier],
         "masses": [
             {"body": "deck", "height": "10 m", "mass": "400 t"},
             {"body": "A", "height": "7 m", "mass": "150 t"},
@@ -76,7 +72,6 @@ def bridge_of(structure: dict[str, Any]) -> Structure:
 
 @pytest.fixture(scope="module")
 def study() -> tb.EarthquakeResult:
-    """Of the pier with a hinge; the air of one line is its own."""
     lines = [{"line": "on A", "ambient": "-20 degC"}]
     structure = bridge_of(two_piers())
     return tb.bridge("shen-hdr-bridge", ambient=[23.0], structure=structure, lines=lines, **MOTION)
@@ -124,7 +119,6 @@ def test_the_document_is_about_all_lines(study: tb.EarthquakeResult) -> None:
 
 
 def test_many_rows_become_the_largest_of_all_runs(study: tb.EarthquakeResult) -> None:
-    """On the console; equal lines share a row."""
     table = parts_table(study, "line", most=1)
     place = [column.name for column in table.columns].index("rubber_max_degC")
     assert [(row[0], row[place]) for row in table.rows] == [
@@ -352,7 +346,6 @@ def test_what_has_no_foundation_has_none_to_hold() -> None:
 
 
 def test_air_of_lines_is_added_to_that_of_the_run() -> None:
-    """Nothing added is the same bits."""
     given: dict[str, Any] = {"structure": bridge_of(two_piers()), **MOTION, "duration": 2.0}
     lines = [{"line": name, "ambient": "-5 degC"} for name in ("on A", "on B")]
     plain = tb.bridge("shen-hdr-bridge", ambient=-5, **given)
@@ -370,7 +363,6 @@ def test_a_run_with_several_cold_lines_leaves_the_law_once() -> None:
 
 
 def test_bounds_judge_every_line_and_pier() -> None:
-    """Before, the line and pier of the report alone, and nothing said so."""
     structure = bridge_of(two_piers())
     study = bounds_study("shen-hdr-bridge", ambient=[23.0, -20.0], structure=structure, **MOTION)
     assert set(study["part"]) == {"on A", "on B", "A", "B", ""}
@@ -390,7 +382,6 @@ def test_bounds_judge_every_line_and_pier() -> None:
 def test_the_largest_of_all_lines_and_piers_is_said(
     study: tb.EarthquakeResult, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Before, the first table was about one line and pier and did not say which."""
     rows = governing_runs(study).set_index("what")
     farthest = study.lines.loc[study.lines["strain_max"].idxmax()]
     assert rows.loc["bearing strain", "largest"] == farthest["strain_max"]
@@ -429,7 +420,6 @@ def test_the_structure_of_the_docs_is_what_they_say(tmp_path: Path) -> None:
 
 
 def test_a_study_says_what_is_not_usual_in_its_bearing_and_structure() -> None:
-    """Before, only `check` did; a bearing of 0.1 % of the stiffness ran without a word."""
     bearing = tb.load_bearing("shen-hdr-bridge")
     soft = bearing.hysteresis.model_copy(update={"layer_stiffness": 0.0784})
     odd = bearing.model_copy(update={"name": "odd", "hysteresis": soft})
@@ -447,7 +437,6 @@ def test_a_misspelled_file_is_told_its_neighbour(tmp_path: Path) -> None:
 
 
 def test_histories_of_every_pier_and_line(study: tb.EarthquakeResult) -> None:
-    """Before: of those that the tables are about."""
     data, run = study.dataset, 0
     kept = np.isfinite(data["time"].values[run])
     for name in study.piers["pier"].unique():

@@ -33,7 +33,6 @@ def programs(text: str) -> list[str]:
 
 @cache
 def understood(statement: str) -> str:
-    """One statement; a mutant shares all but one with its original."""
     return ast.dump(ast.parse(statement))
 
 

@@ -63,10 +63,7 @@ def test_words_are_short_and_html_holds_the_numbers(
 
 
 def test_show_prints_what_the_command_prints(
-    result: tb.Result,
-    study: tb.EarthquakeResult,
-    fit: Any,
-    capsys: pytest.CaptureFixture[str],
+    result: tb.Result, study: tb.EarthquakeResult, fit: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for item, words in ((result, "G_e [MPa]"), (study, "ductility"), (fit, "Standard error")):
         item.show()
@@ -246,7 +243,6 @@ def test_a_summary_that_is_none(text: str, tmp_path: Path) -> None:
 
 
 def test_every_number_of_a_study_says_what_it_is() -> None:
-    """Before: only histories did, and an axis made of a peak was called None."""
     study = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23], duration=2)
     data = study.to_dataset()
     mute = [name for name in data.data_vars if not data[name].attrs.get("long_name")]
@@ -257,6 +253,5 @@ def test_every_number_of_a_study_says_what_it_is() -> None:
 
 
 def test_a_motion_is_short_in_a_notebook() -> None:
-    """Before: its samples."""
     said = repr(tb.load_motion("jra-ii-i-1"))
     assert said == "<GroundMotion jra-ii-i-1: 647 gal, 50 s in steps of 0.01 s>"

@@ -33,7 +33,6 @@ def test_samples_become_bearings(tmp_path: Path) -> None:
 
 
 def test_samples_are_told_apart_in_a_sweep(tmp_path: Path) -> None:
-    """Before: all had the name of the fit, and a sweep refused them."""
     bearings = posterior_bearings(NAME, written(tmp_path, "K_r\n25\n30\n35\n"))
     test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
     band = tb.sweep(bearings, test=test, ambient=-20).G_eq_MPa.isel(strain=0, cycle=0, ambient=0)
@@ -44,7 +43,6 @@ def test_samples_are_told_apart_in_a_sweep(tmp_path: Path) -> None:
 
 
 def test_a_full_size_bearing_takes_the_samples_of_its_specimen(tmp_path: Path) -> None:
-    """Before: K_r and d_y of the specimen in the large bearing, whose band left out its factor."""
     specimen = tb.load_bearing("shen-lhdr-specimen")
     large = tb.new_bearing(
         "large", specimen, plan="900x900mm", layers="6x22mm", shim="4.5mm", lead="130mm", cores=4
@@ -109,7 +107,6 @@ def test_a_band_from_the_command(tmp_path: Path) -> None:
 
 
 def test_the_ratio_is_that_of_the_kind() -> None:
-    """Before: 6.5 for all. Equal peak force and loop area either way."""
     hdr, lead = (bilinear_parameters(name) for name in ("shen-hdr-bridge", "lrb-example"))
     assert_allclose(hdr.post_yield / hdr.initial, 0.19)
     assert_allclose(lead.initial / lead.post_yield, 6.5)

@@ -66,7 +66,6 @@ def test_name_tells_the_printed_test_from_others() -> None:
 @pytest.mark.parametrize("wave", ["triangular", "sine"])
 @pytest.mark.parametrize("dt", [0.013, 0.25, 10.0])
 def test_peaks_and_zeros_are_hit_exactly(wave: str, dt: float) -> None:
-    """At any step: a missed peak would be a smaller amplitude."""
     (segment,) = built(cycles(wave=wave, speed=30.0), dt=dt)
     per_cycle = len(segment.x) // 2
     steps = per_cycle // 4

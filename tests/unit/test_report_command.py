@@ -31,7 +31,6 @@ def saved(tmp_path: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def reported(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A directory whose documents are there, made once."""
     folder = saved_directory(tmp_path_factory.mktemp("reported") / "out")
     assert command("report", folder, "--xlsx", "--title", "project=First").exit_code == 0
     return folder
@@ -70,7 +69,6 @@ def test_the_title_block_is_kept_and_said_again(earlier: Path, tmp_path: Path) -
 
 
 def test_without_pdf_an_earlier_one_goes(earlier: Path) -> None:
-    """It would say another title block than the page beside it."""
     assert command("report", earlier, "--no-pdf", "-q").exit_code == 0
     assert not (earlier / "report.pdf").exists()
     assert (earlier / "report.xlsx").exists()
@@ -92,7 +90,6 @@ def test_without_pdf_an_earlier_one_goes(earlier: Path) -> None:
 def test_what_is_wrong_is_told_and_nothing_is_touched(
     words: list[str], piece: str, earlier: Path, tmp_path: Path
 ) -> None:
-    """What is no template has {{ nonsense }} in it."""
     before = content(tmp_path)
     done = command("report", earlier, *words)
     assert done.exit_code == 2

@@ -142,7 +142,6 @@ def test_plots(result: Result, pieces: Pieces) -> None:
 
 
 def test_ended_early() -> None:
-    """The lead melts: the answer begins with that, and with what to try."""
     test = tb.cyclic_test(strain=[2.5], cycles=60, frequency=2.0, rest=None, dt=0.01)
     early = build_pieces(tb.run("shen-lhdr-specimen", test, ambient=[23, -20]))
     assert_well_formed(early)

@@ -144,7 +144,6 @@ def test_hybrid_says_its_laboratory() -> None:
 
 
 def test_ended_early() -> None:
-    """A motion a hundred times too strong tears the bearing."""
     motion = {"name": "jra-ii-i-1", "factor": 30.0}
     early = build_pieces(tb.bridge("shen-hdr-bridge", [motion], 23, duration=8))
     assert_well_formed(early)
@@ -185,7 +184,6 @@ def test_sources_of_a_users_own_files(tmp_path) -> None:
 
 
 def test_sources_of_what_a_case_changes_are_not_told() -> None:
-    """Springs that are left out, counts of lines that are other ones."""
     found = fixed_base(load_structure("pier-p1"))
     assert found.sources
     assert not any(key.startswith("springs") for key in found.sources)

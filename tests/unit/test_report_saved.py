@@ -97,7 +97,6 @@ def test_fit_figures_are_lines(fit: Pieces) -> None:
 
 
 def test_poor_fit_says_so_first(fitted: SavedResult, tmp_path) -> None:
-    """Its bearing does not load, and the document is made all the same."""
     folder = tmp_path / "poor"
     folder.mkdir()
     told = fitted.summary | {"outcome": "poor_fit", "sentence": "K_r at its bound. Look again."}
@@ -129,7 +128,6 @@ def test_checks_of_tests(record: tb.TestRecord, tmp_path) -> None:
 
 
 def test_validation(record: tb.TestRecord, tmp_path) -> None:
-    """Of a bearing that is too soft, and was not tested at that temperature."""
     bearing = tb.load_bearing(SPECIMEN)
     soft = bearing.hysteresis.model_copy(update={"layer_stiffness": 20.0})
     tested = Validity(ambient=[0.0, 30.0])
@@ -227,7 +225,6 @@ def test_motion(tmp_path) -> None:
 
 
 def test_held_out_tests_beyond_the_fit_are_told(record: tb.TestRecord, tmp_path) -> None:
-    """On the screen, in the summary, and as validity in the document."""
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None, dt=0.02)
     warm = replace(tb.synthetic_record(SPECIMEN, 23.0, test), name="warm")
     found = tb.cross_validate(record, SPECIMEN, hold_out=warm, free=["K_r"], starts=1)

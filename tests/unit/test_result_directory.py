@@ -41,7 +41,6 @@ def case(tmp_path: Path) -> Path:
 
 
 def test_existing_result_is_replaced_on_request_only(case: Path, tmp_path: Path) -> None:
-    """Also through a link to it."""
     out = tmp_path / "out"
     cyclic(case, "-o", out, "-q")
     before = content(tmp_path)
@@ -367,7 +366,6 @@ def flipped(raw: bytes) -> bytes:
 
 
 def again(raw: bytes) -> bytes:
-    """The same numbers, as another program would save them."""
     with tempfile.TemporaryDirectory() as folder:
         before, after = Path(folder) / "before.nc", Path(folder) / "after.nc"
         before.write_bytes(raw)

@@ -1,23 +1,33 @@
-"""Matrices, damping and laboratories of structures by hand; dashpots typed from the print."""
+"""Structures: matrices, damping, lines of bearings, the command `structures`."""
 
+import json
 import math
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.linalg import eigh
 
 import thermobearing as tb
 from tests import tolerances as tol
-from tests.verification.structures import ground_of, real_bearing, shaken
+from tests.unit.inputs import command, last_line
+from tests.unit.test_lines_and_piers import bridge_of, two_piers
+from tests.verification.structures import ground_of, linear_bearing, real_bearing, shaken
 from tests.verification.test_structures import residual
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import validated
+from thermobearing.border.toml import to_toml
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.result import LARGEST_DAMPING_SHARE
+from thermobearing.structure.figures import lay_out
+from thermobearing.structure.forces import build_bearings
 from thermobearing.structure.matrices import (
     bare_modes,
     build_matrices,
@@ -31,7 +41,14 @@ from thermobearing.structure.matrices import (
     weighed_ratios,
 )
 from thermobearing.structure.model import Damping, DampingKind, Structure, load_structure
-from thermobearing.structure.run import Prepared, prepare_structure
+from thermobearing.structure.newmark import newmark_march
+from thermobearing.structure.run import (
+    Line,
+    Prepared,
+    StructureHistory,
+    prepare_structure,
+    run_structure,
+)
 
 PIER = load_structure("pier-p1")
 OWN: tuple[DampingKind, ...] = ("modal", "rayleigh", "element", "none")
@@ -74,7 +91,6 @@ def test_periods_are_those_of_the_frequencies() -> None:
 
 
 def two_springs() -> Structure:
-    """A deck on a bearing line; a pier on two springs of unlike damping."""
     mass = "1 kN s^2/mm"
     table: dict[str, Any] = {
         "name": "two springs",
@@ -159,7 +175,6 @@ def without_ratio(structure: Structure) -> Structure:
 
 
 def bare_ratios(prepared: Prepared) -> np.ndarray:
-    """Ratios of the modes without the bearings."""
     modes = bare_modes(prepared.structure, prepared.matrices)
     return mode_damping(prepared.damping, modes)
 
@@ -167,7 +182,6 @@ def bare_ratios(prepared: Prepared) -> np.ndarray:
 @pytest.mark.parametrize("kind", OWN)
 @pytest.mark.parametrize("mass", ["consistent", "published"])
 def test_nothing_damps_the_deck(kind: DampingKind, mass: Any) -> None:
-    """No dashpot from the deck to the ground, none across the bearings."""
     damping = prepare_structure(PIER, mass, kind).damping
     assert np.abs(damping[0]).max() <= 1e-9 * np.abs(damping).max()
     assert_allclose(damping, damping.T, atol=1e-12 * np.abs(damping).max())
@@ -387,3 +401,192 @@ def test_bearings_alone_have_dashpots_too() -> None:
     omega = np.sqrt(k / 0.4)
     damping = prepare_structure(alone, "consistent", "element").damping
     assert_allclose(damping, [[2.0 * 0.05 * k / omega]], rtol=tol.LOOP)
+
+
+DT = 0.005
+
+
+def pier_of(counts: list[int]) -> Structure:
+    """Pier P1 with its bearings in several lines."""
+    structure = load_structure("pier-p1")
+    line = structure.bearings[0]
+    lines = [
+        line.model_copy(update={"name": str(k), "count": count}) for k, count in enumerate(counts)
+    ]
+    return structure.model_copy(update={"bearings": lines})
+
+
+def test_five_bearings_in_any_number_of_lines_are_the_same() -> None:
+    ground = ground_of("jra-ii-i-1", DT, 8.0)
+    constants = real_bearing("shen-lhdr-bridge")
+    _, one = shaken(pier_of([5]), constants, ground, DT)
+    compiled = len(newmark_march.signatures)  # type: ignore[attr-defined]
+    for counts in ([2, 3], [1, 1, 1, 1, 1]):
+        _, other = shaken(pier_of(counts), constants, ground, DT)
+        assert_allclose(other.rows.q, one.rows.q, atol=tol.SAME_MOTION * np.abs(one.rows.q).max())
+        for line in range(len(counts)):
+            warmed = one.layers().max() - one.layers().min()
+            assert_allclose(other.layers(line), one.layers(), atol=tol.SAME_MOTION * warmed)
+        assert_array_equal(other.bearing(1)["force"], other.bearing(0)["force"])
+    assert len(newmark_march.signatures) == compiled  # type: ignore[attr-defined]
+
+
+def test_lines_start_at_temperatures_of_their_own() -> None:
+    ground = ground_of("jra-ii-i-1", DT, 4.0)
+    constants = real_bearing("shen-hdr-bridge")
+    cells = len(constants.cells.capacity)
+    lines = [Line(constants, np.full(cells, t)) for t in (-20.0, 20.0)]
+    history = run_structure(
+        prepare_structure(pier_of([2, 3])), lines, ground, DT, np.zeros(len(ground) - 1)
+    )
+    assert_array_equal(history.layers(0)[0], -20.0)
+    assert_array_equal(history.layers(1)[0], 20.0)
+    cold, warm = (np.abs(history.bearing(line)["force"]).max() for line in (0, 1))
+    assert cold > warm
+
+
+def test_lines_of_one_kind_share_their_constants() -> None:
+    a, b = linear_bearing(1.0), real_bearing("shen-hdr-bridge")
+    starts = [np.full(len(one.cells.capacity), 7.0) for one in (a, b, a)]
+    kinds = build_bearings([a, b, a], starts, [None, None, None])
+    assert [list(kind.lines) for kind in kinds] == [[0, 2], [1]]
+    assert kinds[0].constants is a
+    assert kinds[0].states.temperature.shape == (2, len(a.cells.capacity))
+    assert kinds[1].states.temperature.shape == (1, len(b.cells.capacity))
+
+
+def shake_unlike_lines() -> tuple[StructureHistory, StructureHistory]:
+    structure, ground = pier_of([1, 1]), ground_of("jra-ii-i-1", DT, 0.3)
+    both = [linear_bearing(4.0), linear_bearing(9.0)]
+    prepared = prepare_structure(structure)
+
+    def shake(lines: list[Line]) -> StructureHistory:
+        return run_structure(prepared, lines, ground, DT, np.zeros(len(ground) - 1))
+
+    start: Floats = np.zeros(len(both[0].cells.capacity))
+    mean = linear_bearing(6.5)
+    return shake([Line(one, start) for one in both]), shake([Line(mean, start)] * 2)
+
+
+def test_lines_of_several_kinds() -> None:
+    """As plain Python: compiling for a second kind takes longer than all other tests here."""
+    code = "from tests.unit.test_structure_matrices import check_unlike_lines; check_unlike_lines()"
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def check_unlike_lines() -> None:
+    unlike, alike = shake_unlike_lines()
+    largest = np.abs(alike.rows.q).max()
+    assert largest > 0.0
+    assert_allclose(unlike.rows.q, alike.rows.q, atol=tol.SAME_MOTION * largest)
+    forces = [np.abs(unlike.bearing(line)["force"]).max() for line in (0, 1)]
+    assert_allclose(forces[1] / forces[0], 9.0 / 4.0, rtol=tol.SAME_MOTION)
+    assert unlike.layers(1).shape == alike.layers(1).shape
+
+
+def test_show_writes_parts_periods_and_figures(tmp_path: Path) -> None:
+    out = tmp_path / "pier"
+    done = command("structures", "show", "pier-p1", "-o", str(out), "--json")
+    assert done.exit_code == 0
+    assert last_line(done)["outcome"] == "completed"
+    files = {path.name for path in out.rglob("*") if path.is_file()}
+    assert {"summary.json", "parts.csv", "periods.csv", "model.png", "modes.png"} <= files
+    told = json.loads((out / "summary.json").read_text())
+    assert told["structure"] == "pier-p1"
+    assert told["reported_line"] == "G1-G5"
+    assert_allclose(told["mass_t"], 973.8)
+    assert [mode["mode"] for mode in told["modes"]] == [1, 2, 3, 4]
+    assert "pier base" in done.stdout
+    assert load_structure(out / "case.resolved.toml") == load_structure("pier-p1")
+
+
+def test_show_without_a_directory_and_a_bad_name(tmp_path: Path) -> None:
+    done = command("structures", "show", "hybrid-pier", "--json")
+    assert last_line(done)["modes"][0]["mode"] == 1
+    done = command("structures", "show", "pier-p2")
+    assert done.exit_code == 2
+    assert 'did you mean "pier-p1"' in done.stderr
+    done = command("structures", "show", "pier-p1", "--mass", "heavy")
+    assert done.exit_code == 2
+    assert "mass = 'heavy': must be one of consistent, published" in done.stderr
+    done = command("structures", "list")
+    assert "pier-p1" in done.stdout
+    own = tmp_path / "two.toml"
+    own.write_text(to_toml(bridge_of(two_piers())))
+    done = command("structures", "show", str(own), "--fixed-base")
+    assert done.exit_code == 2
+    assert "no body stands on springs" in done.stderr
+
+
+def test_effective_masses_are_all_mass_that_moves() -> None:
+    result = tb.examine_structure(bridge_of(two_piers()))
+    assert_allclose(result.effective_masses.sum(), 1.0, rtol=1e-9)
+    shapes = result.table[result.prepared.matrices.coordinates].to_numpy()
+    assert_allclose(np.abs(shapes).max(axis=1), 1.0)
+    assert isinstance(result.parts, pd.DataFrame)
+    assert set(result.parts["part"]) == {"mass", "spring", "hinge", "bearings"}
+
+
+def test_piers_stand_side_by_side_and_the_deck_lies_over_them() -> None:
+    layout = lay_out(bridge_of(two_piers()))
+    assert layout.columns["A"] < layout.columns["deck"] < layout.columns["B"]
+    assert layout.ends["A"] == (0.0, 10.0)
+    assert layout.ends["deck"][0] > 10.0
+    assert layout.scaled
+    assert not lay_out(load_structure("hybrid-pier")).scaled
+
+
+@pytest.mark.parametrize("name", ["pier-p1", "hybrid-pier"])
+def test_figures_say_every_part(name: str) -> None:
+    result = tb.examine_structure(name)
+    (ax,) = result.plot.model().axes
+    shown = " ".join(text.get_text() for text in ax.texts)
+    for part in result.parts["name"]:
+        assert part in shown
+    assert len([a for a in result.plot.modes().axes if a.get_visible()]) == len(result.table)
+
+
+ON_THE_GROUND = """name = "mass"
+[[bodies]]
+name = "deck"
+moves = true
+[[masses]]
+body = "deck"
+height = "0 m"
+mass = "200 t"
+[[bearings]]
+name = "bearings"
+body = "deck"
+base = "ground"
+count = 4
+equivalent_stiffness = "2 kN/mm"
+[report]
+deck = "deck"
+"""
+
+
+def test_a_mass_on_the_ground_has_no_pier(tmp_path: Path) -> None:
+    path = tmp_path / "mass.toml"
+    path.write_text(ON_THE_GROUND)
+    assert load_structure(path).report.has_pier is False
+    words = ["bridge", "--structure", str(path), "--bearing", "shen-hdr-bridge", "--ambient", "0"]
+    words += ["--motion", "jra-ii-i-1", "--duration", "0.5", "-o", str(tmp_path / "out")]
+    done = command(*words)
+    assert done.exit_code == 0, done.output
+    assert "pier mm" not in done.stdout
+    assert "ductility" not in done.stdout
+    text = path.read_text()
+    path.write_text(
+        text.replace(
+            'name = "deck"\n', 'name = "pier"\nmoves = true\n[[bodies]]\nname = "deck"\n'
+        ).replace('"ground"', '"pier"')
+    )
+    with pytest.raises(tb.InputError, match=r"report\.pier: which body is the pier"):
+        load_structure(path)

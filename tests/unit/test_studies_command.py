@@ -34,7 +34,6 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def last(words: list[str]) -> dict[str, object]:
-    """The line of JSON that a command ends with."""
     found = CliRunner().invoke(app, [*words, "--json"])
     line = dict(json.loads(found.stdout.strip().splitlines()[-1]))
     assert line["exit_status"] == found.exit_code

@@ -1,4 +1,4 @@
-"""Plans of studies: which runs, in which order, known by what goes into them."""
+"""Studies before they run: factors, designs, input that is refused."""
 
 import tomllib
 from dataclasses import replace
@@ -8,14 +8,39 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
+from tests import tolerances as tol
+from thermobearing.bearing.new import new_bearing
 from thermobearing.border.errors import InputError
+from thermobearing.climate.generator import generate_weather
+from thermobearing.commands.check import check_file
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.run import build_tasks, run_task
+from thermobearing.earthquake.run import (
+    Task,
+    build_device,
+    build_tasks,
+    run_task,
+    soaked,
+    soaked_hours,
+)
 from thermobearing.studies.definition.case import make_study
-from thermobearing.studies.definition.designs import MANY, in_lockstep, plan
-from thermobearing.studies.definition.record import Keep, ScaleFactor, Study, intensity
+from thermobearing.studies.definition.designs import (
+    MANY,
+    _number_paths,
+    _value_at,
+    in_lockstep,
+    plan,
+    with_numbers,
+)
+from thermobearing.studies.definition.record import (
+    Distribution,
+    Keep,
+    ScaleFactor,
+    Study,
+    intensity,
+)
 from thermobearing.studies.run.prepare import Preparer
 
 BEARINGS = ["shen-hdr-bridge", "shen-bilinear-bridge"]
@@ -25,7 +50,6 @@ MOTIONS = ["jra-ii-i-1", "jra-ii-i-2"]
 def study(
     design: dict[str, Any] | None = None, case: dict[str, Any] | None = None, **factors: Any
 ) -> Study:
-    """A small study; factors replace or join those of one run."""
     whole = {"bearing": BEARINGS[0], "motion": MOTIONS[0], "ambient": ["0 degC"]} | factors
     table = {"kind": "study", "name": "small", "factors": whole}
     table["case"] = {"duration": "2 s"} | (case or {})
@@ -112,7 +136,6 @@ HEAT = {"bearing.materials.rubber.conductivity": {"levels": [0.9, 1.1]}}
 
 
 def test_numbers_of_heat_keep_runs_apart() -> None:
-    """Runs side by side have the heat of their cells in common."""
     made = study({"kind": "factorial"}, **HEAT)
     asked = made.design.model_copy(update={"lockstep": True})
     assert not in_lockstep(made.model_copy(update={"design": asked}))
@@ -143,7 +166,6 @@ def test_hours_of_another_weather_are_other_runs() -> None:
 
 @pytest.mark.parametrize("measure", ["PGA", "PGV", "Sa"])
 def test_a_motion_turned_round_is_as_strong(measure: Any) -> None:
-    """Whichever way its largest value points."""
     motion = tb.load_motion(MOTIONS[0])
     scale = ScaleFactor(levels=[1.0], measure=measure, period=1.0 if measure == "Sa" else None)
     turned = replace(motion, acceleration=-motion.acceleration)
@@ -181,3 +203,351 @@ def test_too_many_runs_are_refused() -> None:
     levels = [0.01 * k for k in range(1, 2000)]
     with pytest.raises(InputError, match="at most 10000000 are done"):
         plan(study({"kind": "monte-carlo", "samples": 10_000}, ambient=air, scale=levels))
+
+
+ONE = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": "0 degC"}
+NORMAL = {"distribution": "normal", "mean": 1.0, "cov": 0.1}
+SIZE = {"plan": "1000x1000mm", "layers": "20x8mm", "shim": "3mm", "lead": "180mm"}
+DRAWN = {"kind": "sobol", "samples": 8}
+
+
+def told(table: dict[str, Any], folder: Path = Path()) -> str:
+    whole = {"kind": "study", "name": "bad"} | table
+    with pytest.raises(InputError) as caught:
+        plan(make_study(whole, "study.toml", folder))
+    return str(caught.value)
+
+
+FACTORS: list[tuple[dict[str, Any], str]] = [
+    ({"motion": None}, "which motion? Give factors.motion"),
+    ({"bearings": "x"}, 'did you mean "bearing"'),
+    ({"bearing": ["shen-hdr-brigde"]}, 'did you mean "shen-hdr-bridge"'),
+    ({"bearing": ["shen-hdr-bridge", "shen-hdr-bridge"]}, 'two are called "shen-hdr-bridge"'),
+    ({"motion": ["jra-ii-i-9999"]}, "factors.motion.levels[0]"),
+    ({"structure": ["pier-p2"]}, "factors.structure.levels[0]"),
+    ({"ambient": [23]}, "has no unit"),
+    ({"scale": {"of": "intensity", "levels": [2]}}, "has no unit"),
+    ({"scale": {"of": "intensity", "levels": ["2 m"]}}, "factors.scale.levels[0]"),
+    ({"scale": ["2 m/s2"]}, "must be a plain number"),
+    ({"scale": [-1.0]}, "greater than 0"),
+    ({"scale": [1.0, 1.0]}, "factors.scale.levels: one is given more than once"),
+    ({"ambient": ["300 degC"]}, "at most 100 degC"),
+    (
+        {"scale": {"of": "intensity", "measure": "Sa", "levels": ["2 m/s2"]}},
+        'measure = "Sa" needs one',
+    ),
+    ({"scale": {"of": "factor"}}, "either levels or a distribution"),
+    ({"ambient": {"climate": "cold-town", "levels": ["0 degC"]}}, "give one of"),
+    ({"ambient": {"climate": "cold-twon"}}, 'did you mean "cold-town"'),
+    ({"ambient": {"weather": "no.epw"}}, "no such file"),
+    ({"ambient": {"levels": ["0 degC"], "history": "3 d"}}, "history: of weather"),
+    ({"ambient": {"climate": "cold-town", "years": 1, "history": "400 d"}}, "needs more of them"),
+    ({"motion": {"levels": ["jra-ii-i-1"], "weights": [1]}}, "random = true"),
+    (
+        {"motion": {"levels": ["jra-ii-i-1"], "weights": [1, 2], "random": True}},
+        "2 of them for 1 levels",
+    ),
+    ({"bearing.K_rr": NORMAL}, 'did you mean "bearing.K_r"'),
+    ({"pier.mass": NORMAL}, "bearing, structure, case"),
+    ({"bearing.K_r": NORMAL, "bearing.hysteresis.layer_stiffness": NORMAL}, "are one number"),
+    ({"bearing.K_r": {"of": "value", "levels": [30.0]}}, "factors.bearing.K_r.levels[0]"),
+    (
+        {"bearing.K_r": {"distribution": "lognormall", "median": 1.0, "cov": 0.1}},
+        'did you mean "lognormal"',
+    ),
+    ({"bearing.K_r": {"distribution": "normal", "mean": 1.0}}, "takes mean and sd or mean and cov"),
+    (
+        {"bearing.K_r": {"distribution": "normal", "mean": 1.0, "sd": 0.0}},
+        "factors.bearing.K_r.sd = 0",
+    ),
+    (
+        {"bearing.K_r": {"distribution": "uniform", "low": 2.0, "high": 1.0}},
+        "low = 2 must be less than high = 1",
+    ),
+    (
+        {"bearing.K_r": {"distribution": "normal", "mean": 1.0, "cov": 0.3}},
+        "normal distribution reaches",
+    ),
+    ({"ambient": {"distribution": "normal", "mean": "-60 degC", "sd": "15 K"}}, "reaches -131"),
+    ({"ambient": {"distribution": "normal", "mean": "0 degC", "sd": "40 K"}}, "cut it off"),
+    ({"ambient": {"distribution": "normal", "mean": "10 degC", "cov": 0.2}}, "mean and sd"),
+    (
+        {
+            "ambient": {"climate": "cold-town", "years": 1},
+            "bearing.materials.rubber.conductivity": NORMAL,
+        },
+        'write history = "10 d" in factors.ambient',
+    ),
+    ({"bearing": {"posterior": "nowhere"}}, "holds no posterior.csv"),
+    ({"bearing": {"posterior": "fit", "counts": 3}}, 'did you mean "count"'),
+    ({"bearing": {"posterior": "fit", "levels": ["shen-hdr-bridge"]}}, "beside levels"),
+    (
+        {"bearing": {"compound": "natural-rubber", "size": SIZE | {"shim": 3.0}}},
+        "size.shim = 3.0 has no unit",
+    ),
+    (
+        {"bearing": {"compound": "natural-rubber", "size": SIZE | {"layer": "1x8mm"}}},
+        'did you mean "layers"',
+    ),
+    ({"bearing": {"compound": "natural-rubbr", "size": SIZE}}, 'did you mean "natural-rubber"'),
+]
+
+
+@pytest.mark.parametrize(("factors", "word"), FACTORS)
+def test_a_bad_factor_is_reported(tmp_path: Path, factors: dict[str, Any], word: str) -> None:
+    fit(tmp_path / "fit")
+    whole = {key: value for key, value in (ONE | factors).items() if value is not None}
+    drawn = any("distribution" in str(value) or "climate" in str(value) for value in whole.values())
+    design = {"design": DRAWN} if drawn or "posterior" in str(whole) else {}
+    text = told({"factors": whole} | design, tmp_path)
+    assert text.startswith("study.toml: ") or "factors" in text
+    assert word in text
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ({"kind": "studdy"}, ['must be "study"']),
+        ({"name": 3}, ["name = 3: no text"]),
+        ({"desing": {}}, ['unknown key "desing"', 'did you mean "design"']),
+        ({"design": {"kind": "sobol", "samples": 1000}}, ["powers of two, 512 or 1024"]),
+        ({"design": {"kind": "latin-hypercube"}}, ['missing key "samples"']),
+        ({"design": {"kind": "lhs", "samples": 3}}, ["design.kind = 'lhs'", "latin-hypercube"]),
+        ({"design": {"samples": 16}}, ["nothing is drawn"]),
+        ({"design": {"arrangement": "saltelli"}}, ["needs draws"]),
+        ({"factors": ONE | {"bearing.K_r": NORMAL}}, ["how many draws of bearing.K_r"]),
+        ({"keep": {"histories": "best 10"}}, ["keep.histories", "worst 10"]),
+        ({"case": {"weather": "w.csv"}}, ["case.weather: give it as factors.ambient"]),
+        ({"case": {"motions": "jra-ii-i-1"}}, ["factors.motion says it too"]),
+        ({"case": {"duration": 40}}, ["duration", "has no unit"]),
+        ({"case": {"duration": "1 ms"}}, ["shorter than a step"]),
+        ({"case": {"analysis": {"dtt": "1 ms"}}}, ["analysis.dtt"]),
+        ({"case": {"lines": [{"line": "G9", "count": 3}]}}, ['no bearing line is called "G9"']),
+        (
+            {"case": {"command": "hybrid", "laboratory": {"mode": ["rt", "pd"]}}},
+            ["case.laboratory.mode: a study takes one"],
+        ),
+        ({"case": [], "factors": 3}, ["case: must be a table", "factors: must be a table"]),
+    ],
+)
+def test_a_bad_study_is_told(table: dict[str, Any], words: list[str]) -> None:
+    whole = {"factors": ONE} | table
+    text = told({key: value for key, value in whole.items() if value is not None})
+    for word in words:
+        assert word in text, text
+
+
+def test_every_fault_is_in_one_message() -> None:
+    text = told({"factors": ONE | {"ambient": [23], "scale": ["x"], "hour": 3}, "nme": 1})
+    for word in ("problems", 'unknown key "nme"', 'unknown factor "hour"', "has no unit"):
+        assert word in text
+
+
+def test_check_says_what_a_study_would_run(tmp_path: Path) -> None:
+    file = tmp_path / "study.toml"
+    head = 'kind = "study"\nname = "p1"\n[design]\nkind = "sobol"\nsamples = 8\n[factors]\n'
+    file.write_text(
+        head + 'bearing = ["shen-hdr-bridge", "shen-lhdr-bridge"]\nmotion = "jra-ii-i-1"\n'
+        'ambient = {climate = "cold-town", years = 1}\n'
+    )
+    kind, facts, _ = check_file(file)
+    assert (kind, facts["runs"], facts["bearing"]) == ("study", "16", "2 levels")
+
+
+def test_what_the_message_on_heat_says_to_write_is_enough() -> None:
+    number = {"distribution": "uniform", "low": 0.9, "high": 1.1}
+    ambient = {"climate": "cold-town", "years": 1, "history": "10 d"}
+    factors = ONE | {"ambient": ambient, "bearing.materials.rubber.conductivity": number}
+    table = {"kind": "study", "name": "heat", "design": DRAWN, "factors": factors}
+    assert len(plan(make_study(table, "study.toml"))) == DRAWN["samples"]
+
+
+LHDR, HDR, BILINEAR = "shen-lhdr-bridge", "shen-hdr-bridge", "shen-bilinear-bridge"
+DRAWS = {"kind": "monte-carlo", "samples": 6, "seed": 2}
+NEAR_ONE = {"distribution": "lognormal", "median": 1.0, "cov": 0.1}
+
+
+def tasks(made: Study) -> tuple[pd.DataFrame, list[Task]]:
+    runs, preparer = plan(made), Preparer(made)
+    preparer.foresee(runs)
+    return runs, [preparer.make_task(row) for row in runs.to_dict("records")]
+
+
+def alike(first: Any, second: Any) -> bool:
+    if isinstance(first, tuple):
+        return all(alike(one, two) for one, two in zip(first, second, strict=True))
+    return bool(np.array_equal(np.asarray(first), np.asarray(second)))
+
+
+def test_every_number_of_a_bearing_goes_where_it_belongs() -> None:
+    """One by one a little larger: what is made quickly is what is made whole."""
+    before = tb.load_bearing(LHDR)
+    paths = _number_paths(before)
+    assert len(paths) > 30
+    for name, (path, _) in paths.items():
+        made = study(bearing=LHDR, **{f"bearing.{name}": {"levels": [1.001]}})
+        (task,) = tasks(made)[1]
+        changed = with_numbers(before, {path: 1.001 * _value_at(before, path)})
+        own = build_device(made.case, changed)
+        assert alike(task.device.constants, own.constants), name
+
+
+def test_long_cold_stays_on_a_bearing_that_is_varied() -> None:
+    exposed = {"exposure": {"stiffness": 1.3, "strength": 1.2, "source": "a guess"}}
+    made = study(DRAWS, {"analysis": exposed}, bearing=LHDR, **{"bearing.K_r": NEAR_ONE})
+    runs, done = tasks(made)
+    before = tb.load_bearing(LHDR)
+    for row, task in zip(runs.to_dict("records"), done, strict=True):
+        stiffness = row["bearing.K_r"] * before.hysteresis.layer_stiffness
+        changed = tb.changed_bearing(before, hysteresis={"layer_stiffness": stiffness})
+        assert alike(task.device.constants, build_device(made.case, changed).constants)
+
+
+def test_noise_of_a_laboratory_is_that_of_the_run() -> None:
+    noisy: dict[str, Any] = {"laboratory": {"mode": "pd", "force_noise": "1 kN"}}
+    noisy["analysis"] = {"method": "predictor-corrector"}
+    runs, done = tasks(study(case=noisy, scale=[0.5, 1.0]))
+    assert [task.case.laboratory.seed for task in done] == runs["seed"].tolist()
+    assert runs["seed"].nunique() == 2
+
+
+def test_numbers_of_structure_and_case() -> None:
+    name = "structure.hinges.pier base.yield_moment"
+    moment = {"of": "value", "levels": ["30000 kN m", "40000 kN m"]}
+    eta = {"of": "value", "levels": [1.0, 3.0]}
+    both = {"case.analysis.upper_face.eta": eta, "case.analysis.lower_face.eta": eta}
+    runs, done = tasks(study(**{name: moment}, **both))
+    assert len(runs) == 8
+    for row, task in zip(runs.to_dict("records"), done, strict=True):
+        assert task.prepared.structure.hinges[0].yield_moment == row[name]
+        assert task.case.analysis.upper_face.eta == row["case.analysis.upper_face.eta"]
+        own = build_device(task.case, task.device.bearing)
+        assert alike(task.device.constants, own.constants)
+
+
+def test_a_number_that_a_bearing_does_not_have_is_none_and_changes_no_id() -> None:
+    lead = {"bearing.sigma_Y": NEAR_ONE}
+    runs = plan(study(DRAWS, bearing=[LHDR, HDR, BILINEAR], **lead))
+    without = runs[runs["bearing"] != LHDR]
+    assert without["bearing.sigma_Y"].isna().all()
+    assert runs.loc[runs["bearing"] == LHDR, "bearing.sigma_Y"].notna().all()
+    assert set(without["id"]) == set(plan(study(bearing=[HDR, BILINEAR]))["id"])
+
+
+def fit(folder: Path, count: int = 4) -> Path:
+    """What `identify --posterior` leaves behind, as far as a study looks."""
+    folder.mkdir()
+    bearing = tb.load_bearing("shen-hdr-specimen")
+    tb.save_bearing(bearing, folder / "bearing.toml")
+    rows = "".join(f"{30 + k},-1.{k}\n" for k in range(count))
+    (folder / "posterior.csv").write_text(f"K_r,m_T\n{rows}")
+    return folder
+
+
+def test_samples_of_a_posterior(tmp_path: Path) -> None:
+    place = str(fit(tmp_path / "fit"))
+    levels = [{"posterior": place, "name": "fitted"}, BILINEAR]
+    made = study(DRAWS | {"samples": 40}, bearing=levels)
+    runs, done = tasks(made)
+    fitted = (runs["bearing"] == "fitted").to_numpy()
+    assert set(runs.loc[fitted, "bearing.sample"]) == {0, 1, 2, 3}
+    assert set(runs.loc[~fitted, "bearing.sample"]) == {-1}
+    assert runs["id"].nunique() == 5  # four samples, and one bearing that is always the same
+    for row, task in zip(runs.to_dict("records"), done, strict=True):
+        if row["bearing"] == "fitted":
+            found = task.device.bearing.hysteresis  # type: ignore[union-attr]
+            assert found.layer_stiffness == 30.0 + row["bearing.sample"]
+    alone = study(DRAWS, bearing={"posterior": place, "count": 2})
+    assert set(plan(alone)["bearing.sample"]) <= {0, 1}
+
+
+def test_a_compound_and_its_sizes() -> None:
+    size = {"plan": "1000x1000mm", "layers": ["20x8mm", "25x8mm"], "shim": "3mm", "lead": "180mm"}
+    made = study(bearing={"compound": "natural-rubber", "size": size})
+    found = made.factors.bearing.levels
+    assert [one.name for one in found] == [
+        "natural-rubber layers 20x8mm",
+        "natural-rubber layers 25x8mm",
+    ]
+    one = {key: value if isinstance(value, str) else value[1] for key, value in size.items()}
+    assert found[1] == new_bearing(found[1].name, "natural-rubber", **one)
+
+
+def test_bearings_whose_lead_differs_are_not_as_warm(tmp_path: Path) -> None:
+    thin = tb.changed_bearing(LHDR, name="thin", lead={"diameter": 150.0})
+    tb.save_bearing(thin, tmp_path / "thin.toml")
+    air = {"climate": "cold-town", "years": 1}
+    levels = [LHDR, str(tmp_path / "thin.toml")]
+    runs, done = tasks(study(DRAWS, bearing=levels, ambient=air))
+    weather = generate_weather("cold-town", 1, 0)
+    for hour, task in zip(runs["hour"], done, strict=True):
+        own = build_device(task.case, task.device.bearing)
+        alone = soaked_hours(own, weather, np.array([hour]))
+        assert_array_equal(task.lines[0].temperature, alone.temperature[0])
+    assert_array_equal(runs["ambient_degC"], weather.temperature[runs["hour"]])
+    assert done[0].lines[0].lead != done[6].lines[0].lead
+
+
+@pytest.mark.parametrize("heat", [False, True])
+def test_a_history_before_the_earthquake(heat: bool) -> None:
+    air = {"climate": "cold-town", "years": 1, "history": "2 d"}
+    more = {"bearing.materials.rubber.conductivity": {"levels": [1.0]}} if heat else {}
+    runs, done = tasks(study(DRAWS, bearing=LHDR, ambient=air, **more))
+    weather = generate_weather("cold-town", 1, 0)
+    for k, task in enumerate(done):
+        cells, lead = soaked(task.device, weather.before(int(runs["hour"][k]), 48.0))
+        assert_allclose(task.lines[0].temperature, cells, atol=tol.TEN_MINUTES)
+        assert task.lines[0].lead == pytest.approx(lead, abs=tol.TEN_MINUTES_OF_LEAD)
+
+
+@pytest.mark.parametrize(
+    ("kind", "words", "mean", "deviation"),
+    [
+        ("normal", {"mean": 3.0, "cov": 0.2}, 3.0, 0.6),
+        ("lognormal", {"mean": 2.0, "cov": 0.5}, 2.0, 1.0),
+        ("uniform", {"low": 1.0, "high": 4.0}, 2.5, 3.0 / 12.0**0.5),
+        ("triangular", {"low": 0.0, "mode": 1.0, "high": 2.0}, 1.0, 1.0 / 6.0**0.5),
+    ],
+)
+def test_distributions_have_the_moments_that_are_told(
+    kind: str, words: dict[str, float], mean: float, deviation: float
+) -> None:
+    made = study(
+        {"kind": "monte-carlo", "samples": 1}, **{"bearing.K_r": {"distribution": kind} | words}
+    )
+    from thermobearing.studies.definition.designs import list_columns
+
+    found = list_columns(made)[-1].distribution
+    assert found is not None
+    points = (np.arange(100_000) + 0.5) / 100_000
+    values = found.at(points)
+    assert values.mean() == pytest.approx(mean, rel=tol.QUADRATURE_OF_TAILS)
+    assert values.std() == pytest.approx(deviation, rel=tol.QUADRATURE_OF_TAILS)
+
+
+def test_a_distribution_is_cut_off() -> None:
+    cut = Distribution("normal", 0.0, 1.0, -1.0, 0.5)
+    values = cut.at(np.linspace(0.0, 1.0, 1001))
+    assert (values[0], values[-1]) == (-1.0, 0.5)
+    assert (np.diff(values) > 0.0).all()
+
+
+def test_levels_by_lot_have_their_weights() -> None:
+    motion = {"levels": ["jra-ii-i-1", "jra-ii-i-2"], "random": True, "weights": [3, 1]}
+    runs = plan(study({"kind": "latin-hypercube", "samples": 400}, motion=motion))
+    assert len(runs) == 400
+    assert (runs["motion"] == "jra-ii-i-1").sum() == 300
+
+
+def test_a_resolved_study_is_the_same_study(tmp_path: Path) -> None:
+    import tomllib
+
+    made = study(
+        DRAWS,
+        bearing=[{"posterior": str(fit(tmp_path / "fit")), "name": "fitted"}, BILINEAR],
+        ambient={"climate": "cold-town", "years": 1, "history": "5 h"},
+        scale={"of": "intensity", "measure": "Sa", "period": "1 s", "levels": ["0.3 g"]},
+        **{"bearing.K_r": NEAR_ONE, "structure.masses.deck.mass": NEAR_ONE},
+    )
+    again = make_study(tomllib.loads(made.to_toml()), "again")
+    pd.testing.assert_frame_equal(plan(again), plan(made), check_exact=True)

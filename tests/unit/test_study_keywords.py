@@ -41,8 +41,6 @@ VALUES: dict[str, Any] = {
 
 @pytest.fixture
 def case_of(monkeypatch: pytest.MonkeyPatch) -> Callable[..., EarthquakeCase]:
-    """The case that a call would carry out."""
-
     def case_of(call: Callable[..., Any], *args: Any, **options: Any) -> EarthquakeCase:
         found: list[EarthquakeCase] = []
         monkeypatch.setattr(study, "run_earthquake", lambda case, **_: found.append(case))
@@ -53,7 +51,6 @@ def case_of(monkeypatch: pytest.MonkeyPatch) -> Callable[..., EarthquakeCase]:
 
 
 def test_keywords_are_the_fields_of_the_records() -> None:
-    """One list of options; what Python takes by name is checked against it."""
     options = set(ModelOptions.model_fields) - {"model"}
     assert set(ModelKeywords.__annotations__) == options
     besides = {"fixed_base", "duration", *Stepping.model_fields}

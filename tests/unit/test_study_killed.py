@@ -28,7 +28,6 @@ WRITES = ("open", "os.rename", "os.mkdir", "os.remove", "os.rmdir")
 
 
 def in_child(action: Callable[[], Any]) -> tuple[bool, str]:
-    """Act in a forked process: whether it was killed, and what it raised."""
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:

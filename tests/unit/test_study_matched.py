@@ -46,7 +46,6 @@ MADE_UP = {"matched": "jra-ii-i", "count": 3}
 
 @pytest.fixture(autouse=True)
 def fits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> "Counter[str]":
-    """How often each motion is made; an empty cache."""
     monkeypatch.setattr(made, "cache_directory", lambda: tmp_path / "cache")
     counted: Counter[str] = Counter()
     make = Recipe.make
@@ -60,7 +59,6 @@ def fits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> "Counter[str]":
 
 
 def matched(motion: dict[str, Any] | None = None, **changes: Any) -> Study:
-    """Four runs of half a second, of a bearing without heat."""
     one = {"bearing": "shen-bilinear-bridge", "ambient": "0 degC", "motion": motion or FITS}
     return small_study(**(one | changes))
 
@@ -143,7 +141,6 @@ def test_made_once_and_kept_in_the_directory(
 
 
 def test_workers_are_sent_what_was_made(tmp_path: Path) -> None:
-    """Fits and runs on processes of their own end in the same bits."""
     run_study(matched(), tmp_path / "two", jobs=2, size=1)
     two = kept(tmp_path / "two")
     study = with_matched(matched())

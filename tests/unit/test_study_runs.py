@@ -1,6 +1,7 @@
-"""Runs of a study: their numbers, their directory, and what was begun is gone on with."""
+"""Runs of a study: shards, restarts, failures, lockstep, bearings as warm as their weather."""
 
 import json
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +13,22 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
+import thermobearing.studies.definition.designs as levels
+import thermobearing.studies.run.prepare as warmth
 import thermobearing.studies.run.shard as peaks
 import thermobearing.studies.store as stores
 from tests import tolerances as tol
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
+from thermobearing.climate.generator import generate_weather
 from thermobearing.core.lanes.memory import WIDTH
 from thermobearing.earthquake.measures import COLUMNS
+from thermobearing.studies.definition.case import load_study, make_study
 from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.engine import _only_writer, run_study
 from thermobearing.studies.run.prepare import Preparer
-from thermobearing.studies.run.shard import COUNTS, RESULT_COLUMNS, TEXTS, run_shard
+from thermobearing.studies.run.shard import COUNTS, RESULT_COLUMNS, TEXTS, packed, run_shard
 from thermobearing.studies.run.status import Pace, count_failures, say_duration, study_status
 from thermobearing.studies.statistics.demand import worst_runs
 from thermobearing.studies.store import (
@@ -130,7 +136,6 @@ def test_a_changed_study_is_refused(
 
 
 def test_a_changed_file_is_refused(tmp_path: Path) -> None:
-    """The study says the same, but a record that it names does not."""
     record = tmp_path / "record.csv"
     table = {"motion": [{"name": str(record), "unit": "gal", "dt": "0.01 s"}]}
     for factor in (300.0, 301.0):
@@ -154,7 +159,7 @@ def test_directories_of_others_are_left_alone(tmp_path: Path) -> None:
         run_study(small_study(), tmp_path, jobs=1)
     with pytest.raises(InputError, match=r"not the directory of a study: no manifest\.json"):
         study_status(tmp_path)
-    whole = {"kind": "study", "format": 1, "runs": 8, "shard_size": 0, "versions": {}, "input": ""}
+    whole = {"kind": "study", "format": 1, "runs": 8, "_shard_size": 0, "versions": {}, "input": ""}
     for content in ({"kind": "study"}, whole):
         (tmp_path / "manifest.json").write_text(json.dumps(content))
         with pytest.raises(InputError, match="damaged"):
@@ -245,7 +250,6 @@ def test_histories_are_kept_where_they_are_asked_for(tmp_path: Path) -> None:
 
 
 def test_two_writers(tmp_path: Path, small_files: dict[str, bytes]) -> None:
-    """One of the whole, or one for each part."""
     run_study(small_study(), tmp_path / "out", jobs=1, shard="1/3", size=1)
     found = Store(tmp_path / "out").table()
     assert found["run"].tolist() == [0, 3, 6]
@@ -285,7 +289,6 @@ def test_a_part_counts_and_clears_away_its_own(tmp_path: Path) -> None:
 
 
 def test_a_part_that_cannot_be_marked_as_taken_is_told(tmp_path: Path) -> None:
-    """As of a directory on a disk that is only to be read."""
     (tmp_path / ".part-1-of-3").symlink_to(tmp_path / "nowhere" / "file")
     with pytest.raises(OutputError, match="cannot be written"), _only_writer(tmp_path, "1-of-3"):
         pass
@@ -389,3 +392,125 @@ def test_outcomes_in_lockstep_are_those_of_runs_alone(monkeypatch: pytest.Monkey
     assert together["outcome"].tolist() == alone["outcome"].tolist()
     assert together["lead_max_degC"].isna().all()
     assert together["rubber_max_degC"].notna().all()
+
+
+BEARINGS = ["shen-hdr-bridge", "shen-lhdr-bridge", "shen-bilinear-bridge"]
+TENTH = {"distribution": "uniform", "low": 0.9, "high": 1.1}
+FEW = {"kind": "latin-hypercube", "samples": 3, "paired": False}
+KINDS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "all weather before": ({}, {}),
+    "a history": ({"history": "2 d"}, {}),
+    "own heat": ({"history": "2 d"}, {"bearing.materials.rubber.conductivity": TENTH}),
+    "another stiffness": ({}, {"bearing.K_r": TENTH}),
+}
+
+
+@pytest.fixture
+def town(tmp_path: Path) -> Path:
+    weather = generate_weather("cold-town", 1, 2)
+    rows = [f"{k},{air:.17g}" for k, air in enumerate(weather.temperature[5000:5336])]
+    file = tmp_path / "town.csv"
+    file.write_text("\n".join(["time_h,temperature_degC", *rows]))
+    return file
+
+
+def weathered(town: Path, kind: str = "all weather before") -> Study:
+    ambient, others = KINDS[kind]
+    factors = {"bearing": BEARINGS, "motion": "jra-ii-i-1"} | others
+    factors["ambient"] = {"weather": str(town)} | ambient
+    table = {"kind": "study", "name": "warm", "case": {"duration": "0.05 s"}, "design": FEW}
+    return make_study(table | {"factors": factors}, "study.toml")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_was_foreseen_is_what_a_run_finds_alone(kind: str, town: Path) -> None:
+    study = weathered(town, kind)
+    runs = plan(study)
+    alone, first, worker = (Preparer(study) for _ in range(3))
+    first.foresee(runs)
+    warm = first.foreseen_temperatures(runs.iloc[2:8])
+    worker.take(pickle.loads(pickle.dumps(warm)))
+    for row in runs.iloc[1:8].to_dict("records"):  # the first is foreseen by nobody
+        one, other, third = (prep.make_task(row).reported for prep in (alone, first, worker))
+        assert_array_equal(one.temperature, other.temperature)
+        assert_array_equal(one.temperature, third.temperature)
+        assert one.lead == other.lead == third.lead
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_weather_is_read_and_gone_through_once(
+    kind: str, town: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read, through = levels.read_weather, []
+    counted: list[str] = []
+    monkeypatch.setattr(levels, "read_weather", lambda path: counted.append(path) or read(path))
+    for name in ("soaked_hours", "history_weights"):
+        call = getattr(warmth, name)
+        monkeypatch.setattr(
+            warmth, name, lambda *words, call=call: through.append(call) or call(*words)
+        )
+    run_study(weathered(town, kind), tmp_path / "out", jobs=1, size=2)
+    assert counted == [str(town)]
+    assert len(through) == (0 if kind == "own heat" else 2)  # bearings with heat
+    table = Store(tmp_path / "out").table()
+    assert set(table["outcome"]) == {"completed"}
+    # A second start that has nothing to do goes through nothing.
+    counted.clear()
+    through.clear()
+    run_study(weathered(town, kind), tmp_path / "out", jobs=1)
+    assert (len(counted), len(through)) == (1, 0)
+
+
+def test_workers_need_no_weather(town: Path, tmp_path: Path) -> None:
+    """Neither its file nor its hours are sent; the bits are those of one process."""
+    studies = [weathered(town) for _ in range(2)]
+    (tmp_path / "study.toml").write_text(studies[0].to_toml())
+    assert load_study(tmp_path / "study.toml").factors.ambient.series is not None
+    town.unlink()
+    run_study(studies[0], tmp_path / "one", jobs=1, size=2)
+    run_study(studies[1], tmp_path / "two", jobs=2, size=2)
+    assert kept(tmp_path / "one") == kept(tmp_path / "two")
+    assert set(Store(tmp_path / "two").table()["outcome"]) == {"completed"}
+    assert pickle.loads(packed(studies[0])).factors.ambient.series is None
+    assert studies[0].factors.ambient.series is not None
+
+
+def test_a_shard_is_sent_its_own_hours(town: Path) -> None:
+    study = weathered(town)
+    runs = plan(study)
+    preparer = Preparer(study)
+    preparer.foresee(runs)
+    warm = preparer.foreseen_temperatures(runs.iloc[:4])
+    assert warm is not None
+    assert warm.weather is None
+    hours = [hours.tolist() for hours, _ in warm.soaked.values()]
+    assert hours == [sorted(runs["hour"][:3]), [runs["hour"][3]]]
+    plain = make_study(
+        {
+            "kind": "study",
+            "name": "plain",
+            "factors": {"bearing": BEARINGS[:1], "motion": "jra-ii-i-1", "ambient": "0 degC"},
+        },
+        "study.toml",
+    )
+    assert Preparer(plain).foreseen_temperatures(plan(plain)) is None
+
+
+def test_lines_with_a_bearing_of_their_own_are_foreseen(
+    town: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A line of its own has heat in every run, also where the bearing of the study has none."""
+    structure = Path(__file__).parents[1] / "regression" / "inputs" / "two-piers.toml"
+    case = {"duration": "0.05 s", "lines": [{"line": "on A", "bearing": "lrb-example"}]}
+    factors = {"bearing": BEARINGS[1:], "motion": "jra-ii-i-1", "structure": str(structure)}
+    table = {"case": case, "design": FEW, "factors": factors | {"ambient": {"weather": str(town)}}}
+    study = make_study({"kind": "study", "name": "two"} | table, "study.toml")
+    runs = plan(study)
+    alone, first = Preparer(study), Preparer(study)
+    first.foresee(runs)
+    expected = [alone.make_task(row).lines for row in runs.to_dict("records")]
+    monkeypatch.setattr(warmth, "soaked_hours", divmod)  # nothing is left to be found
+    for row, lines in zip(runs.to_dict("records"), expected, strict=True):
+        for one, other in zip(first.make_task(row).lines, lines, strict=True):
+            assert_array_equal(one.temperature, other.temperature)
+            assert one.lead == other.lead

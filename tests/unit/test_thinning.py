@@ -146,7 +146,6 @@ def test_recorded_history_is_thinned_by_its_cycles(tmp_path: Path) -> None:
 
 
 def test_the_size_is_known_before(folder: Path, result: tb.Result) -> None:
-    """An upper bound of the same order."""
     case = tb.load_case(folder / "case.resolved.toml")
     written = sum((folder / name).stat().st_size for name in ("result.nc", "history.csv"))
     assert 0.8 * written < expected_size(case) < 6.0 * written
