@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.optimize import minimize
-from scipy.stats import _sobol_indices as of_scipy
 from scipy.stats import binom, chi2, linregress, norm, qmc
+from scipy.stats import sobol_indices as of_scipy
 
 from tests import tolerances
 from thermobearing.studies.statistics.fragility import (
