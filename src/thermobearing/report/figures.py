@@ -19,6 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from thermobearing.core.records import Floats
 from thermobearing.report.pieces import (
     Document,
     FigureBlock,
@@ -28,7 +29,6 @@ from thermobearing.report.pieces import (
     Trace,
 )
 from thermobearing.results import drawing
-from thermobearing.results.drawing import Floats
 
 # Fonts with Japanese letters that systems have, by the names that they go by; for figures, whose
 # own font (DejaVu Sans) has Latin, Greek and Cyrillic letters.

@@ -12,7 +12,7 @@ from thermobearing.quantities.tables import Table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from thermobearing.results.drawing import Floats
+    from thermobearing.core.records import Floats
 
 # Verdicts of a check, and their signs; the third where there is no limit, or no value.
 PASSED, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"

@@ -20,7 +20,7 @@ import secrets
 import shutil
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from thermobearing.border.errors import InputError, OutputError
@@ -89,15 +89,14 @@ def _clean(final: Path) -> None:
     """Remove what killed runs left, and bring back a result that one was replacing."""
     writing, old = _marks(final)
     for path in list(final.parent.iterdir()):
-        if path.name.startswith(writing):
+        if path.name.startswith(old) and not final.exists():
+            path.rename(final)
+        elif path.name.startswith(old):
+            shutil.rmtree(path, ignore_errors=True)
+        elif path.name.startswith(writing):
             with locked(path, wait=False) as abandoned:
                 if abandoned:
                     shutil.rmtree(path, ignore_errors=True)
-        elif path.name.startswith(old):
-            if final.exists():
-                shutil.rmtree(path, ignore_errors=True)
-            else:
-                path.rename(final)
 
 
 def _put_in_place(partial: Path, final: Path, check: Callable[[], None]) -> None:
@@ -256,14 +255,7 @@ def write_directory(
         told = getattr(error, "strerror", None) or error
         raise OutputError(f"{directory}: cannot be written: {told}") from error
     finally:
-        if not final.exists():
-            _remove_empty(above)
+        with suppress(OSError):
+            for path in [] if final.exists() else above:
+                path.rmdir()
     return directory
-
-
-def _remove_empty(directories: list[Path]) -> None:
-    for path in directories:
-        try:
-            path.rmdir()
-        except OSError:
-            return

@@ -23,10 +23,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
-from numpy.typing import NDArray
 from PIL import Image
 
-Floats = NDArray[np.float64]
+from thermobearing.core.records import Floats, Ints
+
 MOST_POINTS = 3000  # of a line; what has more is drawn as points at the fineness below
 FINENESS = 200  # points an inch of what is no vector
 # Letters as outlines: a document shows them without the font. Names of parts do not change.
@@ -45,15 +45,12 @@ def _vector_bytes(figure: Figure) -> bytes:
     return drawn.getvalue()
 
 
-Ints = NDArray[np.int64]
 Look = dict[str, Any]  # how an artist is drawn
 DPI = 150  # of a saved figure
 NOTEBOOK_DPI = 100
 COLOURS = 256  # of a saved figure: its lines, and their edges that fade into the paper
 LARGE, NORMAL, SMALL = 9.5, 8.5, 7.5  # font sizes [pt]
-WIDEST = (
-    7.1  # of a figure [inch]: a page of A4 between its margins, so that its letters keep their size
-)
+WIDEST = 7.1  # of a figure [inch]: a page of A4 between its margins
 FLATTER = 0.6  # power of the factor by which a figure becomes narrower, for its height
 LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
 MARGIN = 0.6  # between panels, for their labels [inch]
@@ -68,6 +65,7 @@ COLD_TO_WARM = LinearSegmentedColormap.from_list(
 COLD, WARM = -20.0, 23.0  # ends of the scale for a single ambient temperature [degC]
 MOST_LOOP_POINTS = 60_000
 MARKERS = "os^Dv<>p"
+BOX: Look = {"facecolor": "white", "pad": 0.5, "linewidth": 0}  # behind a note in a panel
 LIMIT: Look = {"color": "#a33", "linewidth": 0.8, "linestyle": (0, (6, 2, 1, 2))}
 UNTESTED = "#f6dede"  # beyond what a bearing was tested at
 DRAWING = threading.RLock()  # fonts of matplotlib are shared, and not for several threads
@@ -107,10 +105,9 @@ def degrees(value: float) -> str:
 
 
 def ambient_colours(ambient: Floats) -> list[str]:
-    """From cold (blue) to warm (red); a single temperature by its value."""
-    if len(ambient) == 1:
-        place = np.clip((ambient - COLD) / (WARM - COLD), 0.0, 1.0)
-    else:
+    """Return colours from cold (blue) to warm (red); of a single temperature by its value."""
+    place = np.clip((ambient - COLD) / (WARM - COLD), 0.0, 1.0)
+    if len(ambient) > 1:
         place = np.argsort(np.argsort(ambient)) / (len(ambient) - 1)
     return [to_hex(COLD_TO_WARM(float(p))) for p in place]
 
@@ -141,15 +138,12 @@ def panels(
     lines = title.replace(": ", ":\n", 1) if len(title) > room else title
     wrapped = "\n".join(textwrap.fill(line, room) for line in lines.splitlines())
     figure.suptitle(wrapped, fontsize=LARGE, fontweight="bold", color=INK)
-    axes = figure.subplots(
-        rows, columns, squeeze=False, sharex=share, sharey=share, width_ratios=widths
-    )
+    shared: Look = {"squeeze": False, "sharex": share, "sharey": share, "width_ratios": widths}
+    axes = figure.subplots(rows, columns, **shared)
     for ax in axes.flat:
         ax.set_axisbelow(True)
         ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
-        for spine in ax.spines.values():
-            spine.set_color(GREY)
-            spine.set_linewidth(0.7)
+        ax.spines[:].set(color=GREY, linewidth=0.7)
         ax.grid(True, color="#dddddd", linewidth=0.6)
     return figure, list(axes.flat)
 
@@ -187,20 +181,18 @@ def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 
 
 def head_grid(axes: list[Axes], heads: list[str], sides: list[str]) -> None:
     """Write names of columns above a grid of panels, and of rows at its right edge, once each."""
-    for k, head in enumerate(heads):
-        axes[k].set_title(head, fontsize=SMALL, fontweight="bold", color=INK)
-    for k, side in enumerate(sides):
-        look: Look = {"rotation": -90, "va": "center", "ha": "left", "fontsize": SMALL}
-        look |= {"fontweight": "bold", "color": INK, "textcoords": "offset points"}
-        ax = axes[(k + 1) * len(heads) - 1]
+    look: Look = {"fontsize": SMALL, "fontweight": "bold", "color": INK}
+    for ax, head in zip(axes, heads, strict=False):
+        ax.set_title(head, **look)
+    look |= {"rotation": -90, "va": "center", "ha": "left", "textcoords": "offset points"}
+    for ax, side in zip(axes[len(heads) - 1 :: len(heads)], sides, strict=False):
         ax.annotate(side, (1.0, 0.5), (4.0, 0.0), xycoords="axes fraction", **look)
 
 
 def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02)) -> None:
     """Write a word in a panel on why there is less to be seen than in the others."""
     look: Look = {"fontsize": SMALL - 0.5, "color": GREY, "va": "bottom", "zorder": 5}
-    look["ha"] = "left" if at[0] < 0.5 else "right"
-    look["bbox"] = {"facecolor": "white", "alpha": 0.7, "pad": 0.5, "linewidth": 0}
+    look |= {"ha": "left" if at[0] < 0.5 else "right", "bbox": BOX | {"alpha": 0.7}}
     ax.text(*at, why, transform=ax.transAxes, **look).set_in_layout(False)
 
 
@@ -289,11 +281,8 @@ def legend_below(figure: Figure, handles: list[Line2D]) -> None:
     """Draw one legend for all panels, in as few rows as the width of the figure allows."""
     room = figure.get_figwidth() * 72.0 / SMALL
     wide = sum(LETTER * len(str(handle.get_label())) + HANDLE for handle in handles)
-    rows = math.ceil(wide / room)
-    columns = math.ceil(len(handles) / rows)
-    figure.legend(
-        handles=handles, loc="outside lower center", ncols=columns, fontsize=SMALL, frameon=False
-    )
+    look: Look = {"loc": "outside lower center", "fontsize": SMALL, "frameon": False}
+    figure.legend(handles=handles, ncols=math.ceil(len(handles) / math.ceil(wide / room)), **look)
 
 
 def common_limits(axes: list[Axes]) -> tuple[float, float]:
@@ -308,39 +297,31 @@ def shade_untested(
     axes: list[Axes], tested: list[tuple[float, float]], along: Literal["x", "y"] = "x"
 ) -> None:
     """Shade what lies beyond the tested range where a panel shows it."""
+    look: Look = {"fontsize": SMALL - 0.5, "color": LIMIT["color"]}
+    look |= {"ha": "right", "va": "top"} if along == "x" else {"ha": "left", "va": "bottom"}
+    place = (0.99, 0.985) if along == "x" else (0.01, 0.015)
     for ax, (least, most) in zip(axes, tested, strict=False):
         if not np.isfinite([least, most]).any():
             continue
-        get, put = (ax.get_xlim, ax.set_xlim) if along == "x" else (ax.get_ylim, ax.set_ylim)
-        low, high = get()
+        low, high = ax.get_xlim() if along == "x" else ax.get_ylim()
         span = ax.axvspan if along == "x" else ax.axhspan
         for first, last in ((most, high), (low, least)):
             if last > first:
                 span(first, last, color=UNTESTED, zorder=0.2, linewidth=0)
-        put(low, high)
-        place = (0.99, 0.985) if along == "x" else (0.01, 0.015)
-        look: Look = {"fontsize": SMALL - 0.5, "color": LIMIT["color"]}
-        look |= {"ha": "right", "va": "top"} if along == "x" else {"ha": "left", "va": "bottom"}
+        ax.set(**{f"{along}lim": (low, high)})
         ax.text(*place, "shaded: not tested", transform=ax.transAxes, **look)
 
 
 def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> None:
     """Write a name and values at the upper right of a panel, each value in its own colour."""
     look: Look = {"fontsize": SMALL - 0.5, "va": "top", "ha": "right", "zorder": 5}
+    look |= {"textcoords": "offset points", "bbox": BOX | {"alpha": 0.7}}
     anchor: Any = ax.transAxes
     at, gap = (1.0, 1.0), (-3.0, -3.0)
     pairs = list(zip(values, colours, strict=True))
     for text, colour in [*reversed(pairs), *([(name, GREY)] if name else [])]:
-        label = ax.annotate(
-            text.replace("-", "\N{MINUS SIGN}"),
-            at,
-            gap,
-            xycoords=anchor,
-            textcoords="offset points",
-            color=colour,
-            bbox={"facecolor": "white", "alpha": 0.7, "pad": 0.5, "linewidth": 0},
-            **look,
-        )
+        words = text.replace("-", "\N{MINUS SIGN}")
+        label = ax.annotate(words, at, gap, xycoords=anchor, color=colour, **look)
         label.set_in_layout(False)
         anchor, at, gap = label, (0.0, 1.0), (-4.0, 0.0)
 
@@ -349,7 +330,10 @@ def mark_tested(ax: Axes, largest: float, name: str) -> None:
     """Draw a line at the largest tested value of what the vertical axis shows, if finite."""
     if np.isfinite(largest):
         ax.axhline(largest, **LIMIT)
-        look: Look = {"fontsize": SMALL - 0.5, "color": LIMIT["color"]}
+        look: Look = {
+            "fontsize": SMALL - 0.5,
+            "color": LIMIT["color"],
+            "bbox": BOX | {"alpha": 0.6},
+        }
         look |= {"va": "bottom", "ha": "left", "zorder": 1.9}  # below lines and marks
-        look["bbox"] = {"facecolor": "white", "alpha": 0.6, "pad": 0.5, "linewidth": 0}
         ax.text(0.01, largest, name, transform=ax.get_yaxis_transform(), **look)

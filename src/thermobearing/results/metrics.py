@@ -13,15 +13,14 @@ rest beside zero, nearer than half the largest displacement, ends where it first
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import HUGEST
+from thermobearing.core.records import Floats
 
-Floats = NDArray[np.float64]
 FIT_FROM, FIT_TO = 0.5, 0.9  # part of the loading branch that gives K_d, of the peak
 # The least that a residual of energy books is relative to. Sums of forces of up to 1e4 kN over
 # millimetres are rounded by less than 1e-8 kN mm; temperatures near 100 degC by 1.4e-14 K a
@@ -165,31 +164,19 @@ def found_cycles(
         turns = [(0, int(known[0])), *turns]
     dwell = max(SHORTEST_DWELL, DWELL * len(d) / max(len(turns), 1))
     crossings = [_crossing(d, before, after, rests, dwell) for before, after in turns]
-    found = [
-        _cycle(departed, arrived, moving)
-        for (_, departed, _), (arrived, _, moving) in pairwise(crossings)
-    ]
-    if crossings:
-        tail, end = crossings[-1][1], len(d) - 1
-        away = tail + np.flatnonzero(side[tail:])
-        if len(away) and (side[tail:] < 0).any() and abs(d[-1]) <= limit:
-            arrived, _, moving = _crossing(d, int(away[-1]), end, rests, dwell)
-            found.append(_cycle(tail, arrived if moving is not None else end, moving))
-        elif len(away):
-            found.append(FoundCycle(tail, end, "incomplete", end))
-    return [c for c in found if c.ends == "incomplete" or _both_sides(d, c, limit)]
-
-
-def _cycle(first: int, last: int, moving: int | None) -> FoundCycle:
-    rests = moving is not None
-    return FoundCycle(
-        first, last, "rest" if rests else "closed", last if moving is None else moving
-    )
-
-
-def _both_sides(d: Floats, cycle: FoundCycle, limit: float) -> bool:
-    way = d[cycle.first : cycle.last + 1]
-    return bool(way.min() < -limit < limit < way.max())
+    spans = [(one[1], *other[::2]) for one, other in pairwise(crossings)]
+    tail, end, left = crossings[-1][1] if crossings else len(d), len(d) - 1, []
+    away = tail + np.flatnonzero(side[tail:])
+    if len(away) and (side[tail:] < 0).any() and abs(d[-1]) <= limit:
+        arrived, _, moving = _crossing(d, int(away[-1]), end, rests, dwell)
+        spans.append((tail, end if moving is None else arrived, moving))
+    elif len(away):
+        left.append(FoundCycle(tail, end, "incomplete", end))
+    return [
+        FoundCycle(a, b, "closed" if moving is None else "rest", b if moving is None else moving)
+        for a, b, moving in spans
+        if d[a : b + 1].min() < -limit < limit < d[a : b + 1].max()
+    ] + left
 
 
 def _crossing(
@@ -255,14 +242,8 @@ def measure_history(
     cycles = [cycle for cycle in found_cycles(d, rests=rests) if cycle.ends != "incomplete"]
     if not cycles:
         raise InputError("no full cycle (zero, one side, other side, zero) was found")
-    return [
-        measure_cycle(
-            *_from_zero_to_zero(d, f, cycle),
-            area=area,
-            total_rubber_thickness=total_rubber_thickness,
-        )
-        for cycle in cycles
-    ]
+    size: dict[str, Any] = {"area": area, "total_rubber_thickness": total_rubber_thickness}
+    return [measure_cycle(*_from_zero_to_zero(d, f, cycle), **size) for cycle in cycles]
 
 
 def _histories(displacement: Floats, force: Floats) -> tuple[Floats, Floats]:
@@ -338,9 +319,7 @@ def find_largest_loop(displacement: Floats, alike: float = 0.0) -> tuple[int, in
         return None
     if after.next_end is not None and (before.next_end is None or after.depth >= before.depth):
         return peak - before.own_end, peak + after.next_end
-    if before.next_end is not None:
-        return peak - before.next_end, peak + after.own_end
-    return None
+    return None if before.next_end is None else (peak - before.next_end, peak + after.own_end)
 
 
 class _Side(NamedTuple):
@@ -388,8 +367,8 @@ def largest_loop(
     if found is None or found[1] - found[0] + 1 < FEWEST_POINTS:
         return None
     part = slice(found[0], found[1] + 1)
-    histories = [np.array(displacement[part], float), np.array(force[part], float)]
-    histories += [] if work is None else [np.array(work[part], float)]
+    given = (displacement, force, *([] if work is None else [work]))
+    histories = [np.array(values[part], float) for values in given]
     for end, inner in ((0, 1), (-1, -2)):
         outside, inside = histories[0][end], histories[0][inner]
         if outside * inside < 0.0:  # the last values are those where a straight line meets zero
@@ -397,12 +376,7 @@ def largest_loop(
             for values in histories:
                 values[end] += way * (values[inner] - values[end])
             histories[0][end] = 0.0
-    measures = measure_cycle(
-        histories[0],
-        histories[1],
-        area=area,
-        total_rubber_thickness=total_rubber_thickness,
-        work=None if work is None else float(histories[2][-1] - histories[2][0]),
-        slope=False,  # of a loop among others it says little
-    )
-    return LargestLoop(*found, measures)
+    done = None if work is None else float(histories[2][-1] - histories[2][0])
+    size: dict[str, Any] = {"area": area, "total_rubber_thickness": total_rubber_thickness}
+    # The slope of a loop among others says little.
+    return LargestLoop(*found, measure_cycle(*histories[:2], **size, work=done, slope=False))

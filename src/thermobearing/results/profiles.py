@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats
 from thermobearing.results import drawing
-from thermobearing.results.drawing import Floats
 
 MOST_PROFILES = 8
 CORE = (0, (4, 1.5))  # dashes of a lead core
 THIN = 0.02  # of the height: a part too thin for its name
-NAMES = drawing.SMALL - 0.5  # size of the names of parts [pt]
+NAMES: drawing.Look = {"fontsize": drawing.SMALL - 0.5}  # of parts and faces
 STRIP = 0.52  # width of the panel of the lead, of that of the profiles beside it
 STRIP_INCHES = 1.2
 MOST_MARKERS = 24  # on a profile through many cells
@@ -54,16 +54,13 @@ def draw_profile_panels(
     for ax in every[each * len(panels) :]:  # of runs that an interrupted study did not come to
         ax.remove()
     axes = every[::each][: len(panels)]
-    beside: list[Axes | None] = [*every[1::2]] if cored else [None] * len(panels)
+    beside = [*every[1::2]] if cored else [None] * len(panels)
     strips = [_draw_panel(*one, looks) for one in zip(axes, beside, panels, strict=False)]
-    _same_kelvin(axes, panels)
-    _same_kelvin(
-        [strip for strip in strips if strip is not None],
-        [panel for panel, strip in zip(panels, strips, strict=True) if strip is not None],
-    )
-    for place, (ax, panel) in enumerate(zip(axes, panels, strict=True)):
+    _same_kelvin(list(zip(axes, panels, strict=True)))
+    _same_kelvin([(s, panel) for s, panel in zip(strips, panels, strict=True) if s is not None])
+    for place, (ax, strip, panel) in enumerate(zip(axes, strips, panels, strict=True)):
         first, last = place % columns == 0, place % columns == columns - 1
-        lowest, strip = place >= len(panels) - columns, strips[place]
+        lowest = place >= len(panels) - columns
         draw_stack(ax, panel.stack, names=last and strip is None)
         ax.tick_params(labelleft=first)
         what = "rubber and steel [°C]" if cored else "temperature [°C]"
@@ -75,8 +72,8 @@ def draw_profile_panels(
             drawing.name_axes(strip, "lead [°C]" if lowest else "")
     handles = [Line2D([], [], label=name, **k) for name, k in zip(names, looks, strict=False)]
     if cored:
-        dashed = Line2D([], [], color=drawing.INK, linestyle=CORE, label="lead core (dashed)")
-        handles.append(dashed)
+        look: drawing.Look = {"color": drawing.INK, "linestyle": CORE}
+        handles.append(Line2D([], [], label="lead core (dashed)", **look))
     drawing.legend_below(figure, [*handles, drawing.ambient_handle()])
     return figure
 
@@ -103,73 +100,54 @@ def _draw_panel(
     return strip
 
 
-def _same_kelvin(axes: list[Axes], panels: list[ProfilePanel]) -> None:
+def _same_kelvin(pairs: list[tuple[Axes, ProfilePanel]]) -> None:
     """Panels show the same number of kelvin, each from its own coldest."""
     ranges = []
-    for ax, panel in zip(axes, panels, strict=True):
+    for ax, panel in pairs:
         seen = [np.asarray(line.get_xdata(), dtype=float) for line in ax.get_lines()]
         values = np.concatenate([*seen, [panel.ambient]])
         ranges.append((float(values.min()), float(values.max())))
     span = max([0.1, *(high - low for low, high in ranges)])
-    for ax, (low, _) in zip(axes, ranges, strict=True):
+    for (ax, _), (low, _) in zip(pairs, ranges, strict=True):
         ax.set_xlim(low - 0.06 * span, low + 1.06 * span)
 
 
 def _draw_core(ax: Axes, stack: xr.Dataset, temperature: float, colour: str) -> None:
     bottom = np.cumsum(stack["cell_thickness"].values)
     inside = np.flatnonzero(~np.isin(stack["part"].values, ("end_plate", "mass")))
-    top = bottom[inside[0] - 1] if inside[0] else 0.0
-    ax.plot(
-        [temperature] * 2, [top, bottom[inside[-1]]], color=colour, linestyle=CORE, linewidth=1.6
-    )
+    ends = [bottom[inside[0] - 1] if inside[0] else 0.0, bottom[inside[-1]]]
+    ax.plot([temperature] * 2, ends, color=colour, linestyle=CORE, linewidth=1.6)
 
 
 def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool, faces: bool = True) -> None:
     """Bands of steel and rubber behind profiles, the faces, and beside them the parts' names."""
     part = [str(name) for name in data["part"].values]
     bottom = np.cumsum(data["cell_thickness"].values)
-    half = bool(data.attrs["half_stack"])
+    half, place = bool(data.attrs["half_stack"]), ax.get_yaxis_transform()
     height, layer, top = float(bottom[-1]), 0, 0.0
-    ends = [i for i in range(len(part)) if i == len(part) - 1 or part[i] != part[i + 1]]
+    ends = [i for i in range(len(part)) if part[i] != [*part, ""][i + 1]]
     for end in ends:
         rubber = part[end] == "rubber"
         layer += rubber
-        ax.axhspan(
-            top,
-            bottom[end],
-            color=drawing.RUBBER if rubber else drawing.STEEL,
-            zorder=0,
-            linewidth=0,
-        )
+        colour = drawing.RUBBER if rubber else drawing.STEEL
+        ax.axhspan(top, bottom[end], color=colour, zorder=0, linewidth=0)
         if names and bottom[end] - top > THIN * height:
             name = f"rubber {layer}" if rubber else part[end].replace("_", " ")
             name = f"half {name}" if half and end == ends[-1] else name
-            look: drawing.Look = {
-                "fontsize": drawing.SMALL - 0.5,
-                "color": drawing.GREY,
-                "va": "center",
-            }
-            place = ax.get_yaxis_transform()
+            look = NAMES | {"color": drawing.GREY, "va": "center"}
             ax.text(1.03, 0.5 * (top + bottom[end]), name, transform=place, **look)
         top = float(bottom[end])
     ax.set_yticks([y for y in ax.get_yticks() if 0.0 <= y <= height])
     ax.set_ylim(1.055 * height, -0.055 * height)  # with room for the names of the faces
     ax.grid(False, axis="y")
     lower, line = ("plane of symmetry", "-.") if half else ("lower face", "-")
-    _draw_face(ax, -0.006 * height, 0.0, "upper face" if faces else "", "-")
-    _draw_face(ax, 1.006 * height, height, lower if faces else "", line)
-
-
-def _draw_face(ax: Axes, label_at: float, at: float, name: str, line: str) -> None:
-    ax.axhline(at, color=drawing.INK, linewidth=0.9, linestyle=line, zorder=1.5)
-    side = "bottom" if label_at < at else "top"
-    look: drawing.Look = {
-        "fontsize": drawing.SMALL - 0.5,
-        "color": drawing.INK,
-        "ha": "center",
-        "va": side,
-    }
-    ax.text(0.5, label_at, name, transform=ax.get_yaxis_transform(), **look)
+    for at, label_at, name, style, side in (
+        (0.0, -0.006, "upper face", "-", "bottom"),
+        (height, 1.006, lower, line, "top"),
+    ):
+        ax.axhline(at, color=drawing.INK, linewidth=0.9, linestyle=style, zorder=1.5)
+        look = NAMES | {"color": drawing.INK, "ha": "center", "va": side, "transform": place}
+        ax.text(0.5, label_at * height, name if faces else "", **look)
 
 
 COLOURS = ("#0077BB", "#CC3311", "#009988", "#EE7733", "#33BBEE", "#EE3377", "#BBBBBB")

@@ -5,11 +5,12 @@ Names, units and numbers come in; rows of a table and sentences for all analyses
 
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
 
-from thermobearing.results.metrics import Floats
+from thermobearing.core.records import Floats
 
 Ends = tuple[float, float]
 Row = dict[Any, Any]
@@ -140,19 +141,12 @@ def outside_tests(
     if ranges is None:
         said = f"{name}: {NOT_GIVEN} (tested_range in its file), so nothing is said of it"
         return [said] if given else []
-    runs = len({row["run"] for row in rows})
-    found = []
-    for limit, (_, title, factor, unit) in TESTED.items():
-        if limit in skip:
-            continue
-        for side, end, sign in (("above", "largest", 1.0), ("below", "lowest", -1.0)):
-            out = [
-                row
-                for row in rows
-                if row["limit"] == limit and row["passed"] and sign * (row["asked"] - row[end]) > 0
-            ]
-            if not out:
-                continue
+    runs, found = len({row["run"] for row in rows}), []
+    ends = (("above", "largest", 1.0), ("below", "lowest", -1.0))
+    for limit, (side, end, sign) in product([n for n in TESTED if n not in skip], ends):
+        _, title, factor, unit = TESTED[limit]
+        passed = [row for row in rows if row["limit"] == limit and row["passed"]]
+        if out := [row for row in passed if sign * (row["asked"] - row[end]) > 0]:
             worst = max(out, key=lambda row: sign * row["asked"])
             many = f"{len(out)} of {runs} runs, most: " if runs > 1 else ""
             where = str(worst["run"]).removeprefix(f"{name}, ")
@@ -202,21 +196,19 @@ def one_per_cause(told: Iterable[tuple[str, str]]) -> list[str]:
 
 def parted(warnings: Iterable[str]) -> tuple[list[str], list[str]]:
     """Return the warnings on the range behind a bearing's parameters, and the others."""
-    told = list(warnings)
-    of_range = [text for text in told if any(words in text for words in OF_VALIDITY)]
-    return of_range, [text for text in told if text not in of_range]
+    found: tuple[list[str], list[str]] = ([], [])
+    for text in warnings:
+        found[not any(words in text for words in OF_VALIDITY)].append(text)
+    return found
 
 
 def largest_tested(rows: Iterable[Mapping[Any, Any]], run: str, limit: str) -> float:
     """Return the largest tested value of a quantity that a run exceeds; else infinity."""
-    mine = [row for row in rows if row["run"] == run and row["limit"] == limit]
+    mine = [row for row in rows if (row["run"], row["limit"]) == (run, limit)]
     return min((float(r["largest"]) for r in mine if r["asked"] > r["largest"]), default=np.inf)
 
 
 def limits_passed(rows: Iterable[Mapping[Any, Any]], runs: Sequence[str]) -> list[str]:
     """Return the names of the limits that each run passes, for a column of a table."""
-    found: dict[str, list[str]] = {run: [] for run in runs}
-    for row in rows:
-        if row["passed"] and row["run"] in found:
-            found[row["run"]].append(str(row["limit"]))
-    return [" ".join(found[run]) for run in runs]
+    passed = [(row["run"], str(row["limit"])) for row in rows if row["passed"]]
+    return [" ".join(limit for name, limit in passed if name == run) for run in runs]

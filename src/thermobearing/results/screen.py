@@ -54,19 +54,12 @@ def show_table(table: Table, names: Iterable[str] | None = None) -> None:
     cells = table.texts()
     for row, column in table.marked:
         cells[row][column] += "!"
-    wanted = None if names is None else set(names)
-    kept = [
-        k
-        for k, column in enumerate(table.columns)
-        if k < table.keys or wanted is None or column.name in wanted
-    ]
-    print_table(
-        [table.columns[k].title for k in kept],
-        [[row[k] for k in kept] for row in cells],
-        title=table.caption,
-        keys=table.keys,
-        styles=["red" if k in table.failed else "" for k in range(len(cells))],
-    )
+    wanted = [column.name for column in table.columns] if names is None else [*names]
+    kept = [k for k, c in enumerate(table.columns) if k < table.keys or c.name in wanted]
+    heads = [table.columns[k].title for k in kept]
+    rows = [[row[k] for k in kept] for row in cells]
+    styles = ["red" if k in table.failed else "" for k in range(len(cells))]
+    print_table(heads, rows, title=table.caption, keys=table.keys, styles=styles)
     if table.note:
         say(table.note)
 

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.results.metrics import Floats
+from thermobearing.core.records import Floats
 from thermobearing.results.writing import as_attribute, from_attribute
 
 REACHED = ("rig", "tested_range")  # attributes: what each run reached
@@ -38,12 +38,12 @@ def chosen_runs(labels: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[in
 
 def _same(labels: Any, value: Any) -> Any:
     there = np.asarray(labels)
-    if there.dtype.kind in "fi":
-        try:
-            return np.isclose(there, float(value), rtol=CLOSE, atol=CLOSE)
-        except (TypeError, ValueError):
-            return np.zeros(len(there), dtype=bool)
-    return np.array([str(item) == str(value) for item in there])
+    if there.dtype.kind not in "fi":
+        return np.array([str(item) == str(value) for item in there])
+    try:
+        return np.isclose(there, float(value), rtol=CLOSE, atol=CLOSE)
+    except (TypeError, ValueError):
+        return np.zeros(len(there), dtype=bool)
 
 
 def selected(data: xr.Dataset, dimension: str, runs: list[int], names: Sequence[str]) -> xr.Dataset:

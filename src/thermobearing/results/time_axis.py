@@ -6,26 +6,21 @@ visible; a rest that would not be longer than the room it gets is drawn to scale
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from thermobearing.results.drawing import GREY, PALE, SMALL, Floats, Look
+from thermobearing.core.records import Floats
+from thermobearing.results.drawing import GREY, PALE, SMALL, Look
 
 RESTS_SHARE = 0.55  # of the loading time: room that all shortened rests have together
 REST_SHARE = 0.13  # ... and that one of them has at most
 CUT_SHARE = 0.5  # of that room for a rest that is cut out
 LETTER = 0.0082  # mean width of a letter of a label, of the axis
-REST_TICKS = (
-    (10.0, "10 s"),
-    (60.0, "1 min"),
-    (600.0, "10 min"),
-    (3600.0, "1 h"),
-    (36e3, "10 h"),
-    (360e3, "100 h"),
-)
+REST_TICKS = {10.0: "10 s", 60.0: "1 min", 600.0: "10 min"}
+REST_TICKS |= {3600.0: "1 h", 36e3: "10 h", 360e3: "100 h"}
 # A rest that is cut out: the gap, the strokes at its ends, how long it is.
 GAP: Look = {"color": "white", "linewidth": 0, "zorder": 3, "clip_on": False}
 STROKE: Look = {"marker": [(-0.5, -1.0), (0.5, 1.0)], "markersize": 8, "linestyle": "none"}
@@ -114,15 +109,12 @@ class DrawnAxis:
         moving = sum(s.longest for s in found if not s.rest)
         room = moving * min(REST_SHARE, RESTS_SHARE / max(sum(s.rest for s in found), 1))
         room *= CUT_SHARE if self.cut else 1.0
-        placed: list[Stretch] = []
-        left = 0.0
+        placed, left = [], 0.0
         for s in found:
             shortened = s.rest and 0.0 < room < s.longest
             width = room if shortened else s.longest
             bend = _bend(s.longest, width) if shortened else TO_SCALE
-            placed.append(
-                Stretch(s.first, s.last, s.rest, s.shortest, s.longest, left, width, bend)
-            )
+            placed.append(replace(s, left=left, width=width, bend=bend))
             left += width
         return placed
 
@@ -133,15 +125,12 @@ class DrawnAxis:
         return 86400.0, "d"
 
     def _blocks(self) -> list[tuple[float, float]]:
-        """Left and right end of what is drawn to scale without a break."""
+        """Return left and right end of what is drawn to scale without a break."""
         found: list[tuple[float, float]] = []
         for s in self.stretches:
-            if s.shortened:
-                continue
-            if found and found[-1][1] == s.left:
-                found[-1] = (found[-1][0], s.right)
-            else:
-                found.append((s.left, s.right))
+            if not s.shortened:
+                first = found.pop()[0] if found and found[-1][1] == s.left else s.left
+                found.append((first, s.right))
         return found
 
     def set_ticks(
@@ -151,33 +140,29 @@ class DrawnAxis:
         round_steps = MaxNLocator(nbins=most, steps=[1, 2, 2.5, 5, 10])
         ticks = round_steps.tick_values(0.0, self.end / self.unit)
         step = float(ticks[1] - ticks[0])
-        places: list[float] = []
-        names: list[str] = []
-        for left, right in self._blocks():
-            values = [k * step for k in range(int((right - left) / self.unit / step + 1e-6) + 1)]
-            places += [left + self.unit * value for value in values]
-            names += [f"{value:g}" for value in values]
-        ax.set_xticks(places, names if labels else [""] * len(names))
+        found = [
+            (left + self.unit * k * step, f"{k * step:g}")
+            for left, right in self._blocks()
+            for k in range(int((right - left) / self.unit / step + 1e-6) + 1)
+        ]
+        ax.set_xticks([x for x, _ in found], [name if labels else "" for _, name in found])
         ax.set_xlim(0.0, self.end)
         if in_rests and not self.cut:
             self._set_rest_ticks(ax, labels)
 
     def _set_rest_ticks(self, ax: Axes, labels: bool) -> None:
-        places: list[float] = []
-        names: list[str] = []
+        found: list[tuple[float, str]] = []
         apart = 0.013 * self.end  # room of one upright label
         for s in self.shortened:
             free_from = s.left + apart
-            for seconds, name in REST_TICKS:
+            for seconds, name in REST_TICKS.items():
                 x = float(s.place(np.array(seconds)))
                 if free_from < x < s.right - apart:
-                    places.append(x)
-                    names.append(name)
+                    found.append((x, name if labels else ""))
                     free_from = x + apart
-        ax.set_xticks(places, names if labels else [""] * len(names), minor=True)
-        ax.tick_params(
-            which="minor", labelrotation=90, labelsize=SMALL - 1.5, labelcolor=GREY, color=GREY
-        )
+        ax.set_xticks([x for x, _ in found], [name for _, name in found], minor=True)
+        look: Look = {"labelrotation": 90, "labelsize": SMALL - 1.5, "labelcolor": GREY}
+        ax.tick_params(which="minor", color=GREY, **look)
 
     def caption(self) -> str:
         """Label of the axis."""
