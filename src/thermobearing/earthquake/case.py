@@ -220,7 +220,7 @@ class OnLine(Strict):
         return ["give ambient or weather, not both"] if both else []
 
 
-def settle_lines(table: dict[str, Any], folder: Path) -> list[str]:
+def _settle_lines(table: dict[str, Any], folder: Path) -> list[str]:
     """Load the bearings of lines of their own in the table of a case; return what is wrong."""
     if not isinstance(table.get("lines"), list | tuple):
         return []
@@ -233,7 +233,7 @@ def settle_lines(table: dict[str, Any], folder: Path) -> list[str]:
     return faults
 
 
-def lines_faults(lines: Sequence[OnLine], structure: Structure) -> list[str]:
+def _lines_faults(lines: Sequence[OnLine], structure: Structure) -> list[str]:
     """Return faults of lines: unknown or given twice, weather that cannot be read."""
     names = [line.name for line in structure.bearings]
     given = [item.line for item in lines]
@@ -251,11 +251,11 @@ def lines_faults(lines: Sequence[OnLine], structure: Structure) -> list[str]:
         )
     for item in lines:
         if item.weather is not None:
-            found += weather_faults(item.weather, f"lines, {item.line}: weather")
+            found += _weather_faults(item.weather, f"lines, {item.line}: weather")
     return found
 
 
-def weather_faults(path: str, key: str) -> list[str]:
+def _weather_faults(path: str, key: str) -> list[str]:
     """Return why a file cannot be the weather before an earthquake."""
     try:
         time = read_air(path).time
@@ -267,7 +267,7 @@ def weather_faults(path: str, key: str) -> list[str]:
     return [f"{key}: lasts {lasts:g} s; must be 1 to {LONGEST:g} s"]
 
 
-def into_structure(
+def _into_structure(
     lines: Sequence[OnLine], structure: Structure
 ) -> tuple[tuple[OnLine, ...], Structure]:
     """Put counts and stiffnesses of lines into the structure; return the lines without them."""
@@ -455,8 +455,8 @@ class EarthquakeCase(Strict):
         twice = {n for n in names if names.count(n) > 1}
         found += [f'bearings: "{n}" is given more than once' for n in twice]
         if self.weather is not None:
-            found += weather_faults(self.weather, "weather")
-        found += lines_faults(self.lines, self.structure)
+            found += _weather_faults(self.weather, "weather")
+        found += _lines_faults(self.lines, self.structure)
         if self.initial_state is not None:
             found += self._misfits_of_state()
         many = self.analysis.method != "predictor-corrector"  # trials of a step
@@ -539,9 +539,11 @@ def make_earthquake_case(
     faults += more
     case = read_case(EarthquakeCase, table, where, faults)
     try:
-        case = _with_structure(case, fixed=fixed is True)
+        lines, structure = _into_structure(case.lines, case.structure)
+        structure = fixed_base(structure) if fixed is True else structure
     except InputError as error:
         raise InputError(error.problems, where) from None
+    case = case.model_copy(update={"lines": lines, "structure": structure})
     if earlier is not None:
         one = case.bearings[0]
         if len(case.bearings) > 1 or not isinstance(one, Bearing):
@@ -555,13 +557,6 @@ def make_earthquake_case(
     things += [(BEARINGS if isinstance(x, Bearing) else BILINEAR, x) for x in devices if x]
     things += [(RIGS, case.rig)] if case.rig else []
     return case.model_copy(update={"sources": sources_to_keep(things, case.sources)})
-
-
-def _with_structure(case: EarthquakeCase, *, fixed: bool) -> EarthquakeCase:
-    """The case with what it changes of the structure: counts of lines, foundations held."""
-    lines, structure = into_structure(case.lines, case.structure)
-    structure = fixed_base(structure) if fixed else structure
-    return case.model_copy(update={"lines": lines, "structure": structure})
 
 
 def load_earthquake_case(path: str | Path, **overrides: Any) -> EarthquakeCase:
@@ -596,7 +591,7 @@ def _settle(
     if in_weather(table):
         settle_surroundings(table)
     absolute(table, "initial_result", folder)
-    faults += settle_lines(table, folder)
+    faults += _settle_lines(table, folder)
     usual = {key: value for key, value in DEFAULTS[command].items() if key not in table}
     faults += [fault for key, load in THINGS.items() for fault in load_things(usual, key, load)]
     table |= usual

@@ -78,9 +78,14 @@ if TYPE_CHECKING:
 
 def end_state_at(task: "Task", history: StructureHistory) -> SpecimenState:
     """Return the state of the bearing of the first line at the end of a run; not a bilinear one."""
-    end, cored = history.end(), task.device.constants.lead.cores > 0.0
-    lead = end.books[0].lead_temperature if cored else float("nan")
-    return specimen_state(end.temperature, lead, state_memory(end))
+    end = history.end()
+    return specimen_state(end.temperature, _last_lead(task, end), state_memory(end))
+
+
+def _last_lead(task: "Task", end: Any) -> float:
+    """Return the temperature of the lead at the end of a run; NaN without lead."""
+    cored = task.device.constants.lead.cores > 0.0
+    return float(end.books[0].lead_temperature) if cored else np.nan
 
 
 def _labelled_ends(
@@ -92,9 +97,9 @@ def _labelled_ends(
         return {}
     ends: list[dict[str, Any]] = []
     for task, history, has_heat in zip(tasks, histories, warm, strict=True):
-        end, cored = history.end(), task.device.constants.lead.cores > 0.0
-        lead = end.books[0].lead_temperature if cored else np.nan
-        found = {"final_temperature": end.temperature, "final_lead_temperature": lead}
+        end = history.end()
+        found: dict[str, Any] = {"final_temperature": end.temperature}
+        found["final_lead_temperature"] = _last_lead(task, end)
         ends.append(found | state_memory(end) if has_heat else {})
     dims = {"final_temperature": "cell", "final_lead_temperature": None}
     memory = [*MEMORY, *(key for key in OF_LOOPS if any(key in end for end in ends))]
@@ -102,13 +107,9 @@ def _labelled_ends(
     data: dict[str, Any] = {}
     for key, dimension in dims.items():
         parts = [np.atleast_1d(end.get(key, np.nan)) for end in ends]
-        whole = np.full((len(parts), max(len(part) for part in parts)), np.nan)
-        for row, part in zip(whole, parts, strict=True):
-            row[: len(part)] = part
-        if key in memory:
-            name, about = PREFIX + key, memory_attributes(key)
-        else:
-            name, about = key, quantity(key).attributes
+        whole = padded(parts, (max(len(part) for part in parts),), float)
+        own = (key, quantity(key).attributes) if key not in memory else ()
+        name, about = own or (PREFIX + key, memory_attributes(key))
         if dimension is None:
             data[name] = (("run",), whole[:, 0], about)
         elif whole.size:
@@ -116,9 +117,9 @@ def _labelled_ends(
     return data
 
 
-def padded(parts: Sequence[Floats], shape: tuple[int, ...]) -> Any:
+def padded(parts: Sequence[Floats], shape: tuple[int, ...], dtype: Any = np.float32) -> Any:
     """Return tables of several runs as one, of that shape each, with NaN where a table ends."""
-    whole = np.empty((len(parts), *shape), dtype=np.float32)
+    whole = np.empty((len(parts), *shape), dtype=dtype)
     for run, part in enumerate(parts):
         inside = tuple(slice(0, size) for size in part.shape)
         if part.shape != shape:
@@ -263,7 +264,8 @@ def label_analysis(
         compute_measures(task, history, trace)
         for (task, history), trace in zip(runs, traces, strict=True)
     ]
-    loops = [loop_measures(task, trace) for task, trace in zip(tasks, traces, strict=True)]
+    for task, trace, row in zip(tasks, traces, numbers, strict=True):
+        row |= loop_measures(task, trace)
     length = max((len(trace["time"][:: case.analysis.keep_every]) for trace in traces), default=0)
     data = _label_histories(case, runs, traces, length)
     parts_data, parts_coords = _label_parts(tasks, histories, length)
@@ -271,21 +273,20 @@ def label_analysis(
     ended = np.array([row["outcome"] for row in numbers], dtype=str)
     data["outcome"] = ("run",), ended, quantity("outcome").attributes | {"units": ""}
     lab = ["actuator_kN_mm"] if case.laboratory is not None else []
-    for known in map(quantity, (*NUMBERS, *lab)):
+    for known in map(quantity, (*NUMBERS, *lab, *LOOP, *LOOP_TIMES)):
         values = np.array([row[known.variable] for row in numbers])
-        data[known.variable] = (("run",), values, known.attributes)
-    for known in map(quantity, (*LOOP, *LOOP_TIMES)):
-        values = np.array([row[known.name] for row in loops])
         data[known.variable] = (("run",), values, known.attributes)
     data |= _labelled_ends(tasks, histories)
     air = np.array([task.ambient for task in tasks])
+    names = [(task.device.bearing.name, task.shaking.motion.name, task.mode) for task in tasks]
+    bearings, motions, modes = np.array(names, dtype=str).reshape(-1, 3).T
     dataset = xr.Dataset(
         data,
         coords={
-            "bearing": ("run", np.array([task.device.bearing.name for task in tasks], dtype=str)),
-            "motion": ("run", np.array([task.shaking.motion.name for task in tasks], dtype=str)),
+            "bearing": ("run", bearings),
+            "motion": ("run", motions),
             "ambient": ("run", air, quantity("ambient_degC").attributes),
-            "mode": ("run", np.array([task.mode for task in tasks], dtype=str)),
+            "mode": ("run", modes),
             "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
             "body": np.array([body.name for body in case.structure.bodies if tasks], dtype=str),
             **parts_coords,
@@ -357,13 +358,11 @@ def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
     part = np.full(shape, "", dtype="<U32")
     for run, task in enumerate(tasks):
         device = task.reported.device
-        if device.stack is None:
-            continue
-        model = BearingModel(device.stack, device.constants, task.case.analysis)
-        labels_ = stack_labels(model)
-        own = slice(0, len(labels_.depth))
-        depth[run, own], thickness[run, own] = labels_.depth, labels_.thickness
-        part[run, own] = labels_.part
+        if device.stack is not None:
+            labels = stack_labels(BearingModel(device.stack, device.constants, task.case.analysis))
+            own = slice(0, len(labels.depth))
+            depth[run, own], thickness[run, own] = labels.depth, labels.thickness
+            part[run, own] = labels.part
     about = depth_attributes(bool(tasks and tasks[0].case.analysis.half))
     return {
         "depth": (("run", "cell"), depth, about),

@@ -11,6 +11,7 @@ import numpy as np
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import Books
+from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT, largest_loop
 from thermobearing.structure.model import Pier
 from thermobearing.structure.run import StructureHistory
@@ -27,59 +28,30 @@ PLACES: Final = {  # columns that name the governing line or pier: dimension, pe
     "ductility_pier": ("pier_part", "pier_part_ductility"),
 }
 HISTORIES: Final = (  # in the dataset
-    "ground_acceleration",
-    "bearing_displacement",
-    "bearing_strain",
-    "bearing_force",
-    "rubber_force",
-    "lead_force",
-    "viscous_force",
-    "bearing_speed",
-    "bearing_energy",
-    "pier_displacement",
-    "pier_top_displacement",
-    "deck_displacement",
-    "deck_acceleration",
-    "pier_top_acceleration",
-    "pier_rotation",
-    "pier_moment",
-    "lead_temperature",
-)
+    "ground_acceleration", "bearing_displacement", "bearing_strain", "bearing_force",
+    "rubber_force", "lead_force", "viscous_force", "bearing_speed", "bearing_energy",
+    "pier_displacement", "pier_top_displacement", "deck_displacement", "deck_acceleration",
+    "pier_top_acceleration", "pier_rotation", "pier_moment", "lead_temperature",
+)  # fmt: skip
 BEARING: Final = (  # energies of one bearing
-    "work_in",
-    "heat_released",
-    "recoverable",
-    "heat_stored",
-    "heat_lost_ends",
-    "heat_lost_sides",
-)
+    "work_in", "heat_released", "recoverable", "heat_stored", "heat_lost_ends", "heat_lost_sides",
+)  # fmt: skip
 # Energies of the structure; of the actuator in a laboratory only.
 STRUCTURE: Final = ("input", "kinetic", "damping", "springs", "hinges", "bearings", "actuator")
 STRUCTURE_ENERGIES: Final = STRUCTURE[:-1]
 COLUMNS: Final = (  # of the table of runs
-    "bearing_strain_max",
-    "bearing_force_max_kN",
-    "bearing_energy_kN_mm",
-    "pier_displacement_max_mm",
-    "pier_ductility",
-    "pier_moment_max_kN_m",
-    "deck_displacement_max_mm",
-    "deck_acceleration_max_m_s2",
-    "pier_top_acceleration_max_m_s2",
-    "pier_top_displacement_max_mm",
-    "pier_displacement_residual_mm",
-)
+    "bearing_strain_max", "bearing_force_max_kN", "bearing_energy_kN_mm",
+    "pier_displacement_max_mm", "pier_ductility", "pier_moment_max_kN_m",
+    "deck_displacement_max_mm", "deck_acceleration_max_m_s2", "pier_top_acceleration_max_m_s2",
+    "pier_top_displacement_max_mm", "pier_displacement_residual_mm",
+)  # fmt: skip
 NUMBERS: Final = (  # of a run in the dataset
-    *COLUMNS,
-    "bearing_displacement_max_mm",
-    "pier_rotation_max_rad",
-    "steps",
-    "iterations",
-    "substeps",
+    *COLUMNS, "bearing_displacement_max_mm", "pier_rotation_max_rad",
+    "steps", "iterations", "substeps",
     *(f"{name}_kN_mm" for name in STRUCTURE_ENERGIES),
     *(f"bearing_{name}_kN_mm" for name in BEARING),
     "layer_force_mismatch_max_kN",
-)
+)  # fmt: skip
 LOOP: Final = {  # of the largest loop: name in CycleMeasures
     "loop_F_plus_kN": "force_max_kN",
     "loop_F_minus_kN": "force_min_kN",
@@ -169,9 +141,7 @@ def history_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]
         "bearing_displacement": bearing["displacement"],
         "bearing_strain": bearing["displacement"] / device.bearing.total_rubber_thickness,
         "bearing_force": bearing["force"],
-        "rubber_force": bearing["rubber_force"],
-        "lead_force": bearing["lead_force"],
-        "viscous_force": bearing["viscous_force"],
+        **{name: bearing[name] for name in ("rubber_force", "lead_force", "viscous_force")},
         "bearing_speed": loading_speed(bearing),
         "bearing_clock": bearing["clock"],
         "bearing_energy": bearing["work_in"],
@@ -290,11 +260,8 @@ def compute_measures(
         f"{name}_max": largest(trace[name]) for name in ("deck_displacement", "deck_acceleration")
     }
     lines, piers = peaks or (line_peaks(task, history), pier_peaks(task, history))
-    found |= governing_peaks(lines) | governing_peaks(piers)
-    found["outcome"] = history.outcome
-    found["steps"] = history.steps
-    found["iterations"] = history.iterations
-    found["substeps"] = history.substeps
+    found |= governing_peaks(lines) | governing_peaks(piers) | {"outcome": history.outcome}
+    found |= {name: getattr(history, name) for name in ("steps", "iterations", "substeps")}
     found |= {f"energy_{name}": books[name][-1] for name in STRUCTURE_ENERGIES}
     if task.case.laboratory is not None:
         found["energy_actuator"] = _actuator_work(task, history)
@@ -341,7 +308,8 @@ def compute_residuals(numbers: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, float]:
-    """Return `LOOP` and `LOOP_TIMES` of the largest loop; NaN where none is closed."""
+    """Return numbers of the largest loop by name in the dataset; NaN where none is closed."""
+    names = [quantity(name).variable for name in LOOP]
     bearing = task.reported.device.bearing
     area = None if isinstance(bearing, BilinearBearing) else bearing.area
     loop = largest_loop(
@@ -352,11 +320,9 @@ def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, float]
         total_rubber_thickness=bearing.total_rubber_thickness,
     )
     if loop is None:
-        return dict.fromkeys((*LOOP, *LOOP_TIMES), np.nan)
+        return dict.fromkeys((*names, *LOOP_TIMES), np.nan)
     values = vars(loop.measures)
     if area is None:  # of a bilinear one
         values = values | {"G_eq_MPa": np.nan}
-    ends = trace["time"][[loop.first, loop.last]]
-    return {name: values[key] for name, key in LOOP.items()} | dict(
-        zip(LOOP_TIMES, ends, strict=True)
-    )
+    ends = dict(zip(LOOP_TIMES, trace["time"][[loop.first, loop.last]], strict=True))
+    return {name: values[key] for name, key in zip(names, LOOP.values(), strict=True)} | ends

@@ -364,12 +364,9 @@ class EarthquakeResult(DatasetResult):
         if self.has_parts:
             peaks = {name: data[f"line_{name}_temperature_max"][run] for name in ("rubber", "lead")}
             return {name: float(values.max()) for name, values in peaks.items()}
-        found = {}
-        for name in ("rubber", "lead"):
-            values = data[f"{name}_temperature"].values[run]
-            known = np.isfinite(values)
-            found[name] = float(values[known].max()) if known.any() else np.nan
-        return found
+        own = {name: data[f"{name}_temperature"].values[run] for name in ("rubber", "lead")}
+        known = {name: values[np.isfinite(values)] for name, values in own.items()}
+        return {name: float(v.max()) if len(v) else np.nan for name, v in known.items()}
 
     def tables(self) -> dict[str, Table]:
         """Return the tables of a report by name; the console prints some of them."""
@@ -389,12 +386,8 @@ class EarthquakeResult(DatasetResult):
         attrs = self.dataset.attrs
         title = f"{attrs['structure']}: {attrs['title']}"
         say(f"{title} ({attrs['mass']} mass, {attrs['method']})", "bold")
-        periods = ", ".join(
-            f"{float(value):.3f}" for value in np.atleast_1d(attrs.get("periods_s", []))
-        )
-        ratios = ", ".join(
-            f"{float(value):.1%}" for value in np.atleast_1d(attrs.get("damping_ratios", []))
-        )
+        periods = ", ".join(f"{value:.3f}" for value in _numbers(attrs.get("periods_s", [])))
+        ratios = ", ".join(f"{value:.1%}" for value in _numbers(attrs.get("damping_ratios", [])))
         say(f"periods {periods} s with equivalent stiffness")
         say(f"viscous damping {attrs['damping']}: ratios of these modes {ratios}")
         if "surroundings" in attrs:
@@ -417,17 +410,18 @@ class EarthquakeResult(DatasetResult):
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json; energies of one bearing and of the structure."""
         attrs, table, energy = self.dataset.attrs, self.table, self.energy
-        runs = []
+        runs, mismatch = [], self.dataset["layer_force_mismatch_max"].values
         parts = {"lines": self.lines, "piers": self.piers}
         for run in range(self.runs):
             rubber = self.dataset["rubber_temperature"].values[run]
             layers = [float(np.nanmax(column)) for column in rubber.T if np.isfinite(column).any()]
-            row = _plain(table.iloc[run].to_dict())
-            row["rubber_degC_max"] = layers
-            row["lead_degC_max"] = lead if (lead := self.hottest(run)["lead"]) == lead else None
-            mismatch = self.dataset["layer_force_mismatch_max"].values[run]
-            row["layer_force_mismatch_max_kN"] = mismatch.item()
-            row["energy"] = _plain(energy.iloc[run].to_dict())
+            lead = self.hottest(run)["lead"]
+            row = _plain(table.iloc[run].to_dict()) | {
+                "rubber_degC_max": layers,
+                "lead_degC_max": lead if lead == lead else None,
+                "layer_force_mismatch_max_kN": float(mismatch[run]),
+                "energy": _plain(energy.iloc[run].to_dict()),
+            }
             for name, rows in parts.items():
                 if len(rows):
                     each = len(rows) // self.runs
@@ -435,19 +429,13 @@ class EarthquakeResult(DatasetResult):
                     row[name] = [_plain(one) for one in mine]
             runs.append(row)
         names = list(dict.fromkeys(str(name) for name in self.dataset["bearing"].values))
-        told = (
-            {"verdict": tables.verdict(tables.comparison_table(self.compared))}
-            if self.compared
-            else {}
-        )
+        told = {}
+        if self.compared:
+            told["verdict"] = tables.verdict(tables.comparison_table(self.compared))
         return {
             "command": attrs["command"],
             "bearing": names[0] if len(names) == 1 else names,
-            "structure": attrs["structure"],
-            "mass": attrs["mass"],
-            "method": attrs["method"],
-            "scheme": attrs["scheme"],
-            "version": attrs["version"],
+            **{key: attrs[key] for key in ("structure", "mass", "method", "scheme", "version")},
             "outcome": self.outcome,
             "warnings": self.warnings,
             **self._limits_summary(),
@@ -465,14 +453,10 @@ class EarthquakeResult(DatasetResult):
         """Write tables, histories, the dataset and the resolved case."""
         (folder / directory.RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
         write_csv(folder / directory.TABLE, self.table)
-        others = {
-            directory.MODES: self.modes_table,
-            directory.LINES: self.lines,
-            directory.PIERS: self.piers,
-            directory.COMPARISON: tables.comparison_table(self.compared)
-            if self.compared
-            else pd.DataFrame(),
-        }
+        others = {directory.MODES: self.modes_table, directory.LINES: self.lines}
+        others[directory.PIERS] = self.piers
+        if self.compared:
+            others[directory.COMPARISON] = tables.comparison_table(self.compared)
         for name, frame in others.items():
             if len(frame):
                 write_csv(folder / name, frame)

@@ -363,7 +363,7 @@ def run_earthquake(
     return label_analysis(case, tasks, histories)
 
 
-class HourMap(NamedTuple):
+class _HourMap(NamedTuple):
     """An hour of rest: `kept @ before + early * air + late * air an hour later`."""
 
     kept: Floats  # [n, n]
@@ -382,14 +382,14 @@ class Soaked(NamedTuple):
         return self.temperature[place], None if self.lead is None else float(self.lead[place])
 
 
-def hour_map(constants: Constants) -> HourMap:
+def _hour_map(constants: Constants) -> _HourMap:
     """Return the map of an hour at rest of a bearing with a stack of cells."""
     size = len(constants.cells.capacity) + _has_lead(constants) + len(constants.lead_modes)
     nothing, still = np.zeros(size), Ambient(np.array([0.0, HOUR]), np.zeros(2))
     kept = np.column_stack([_after_an_hour(constants, unit, still) for unit in np.eye(size)])
     ends = [Ambient(np.array([0.0, HOUR]), np.array(air)) for air in ([1.0, 0.0], [0.0, 1.0])]
     early, late = (_after_an_hour(constants, nothing, air) for air in ends)
-    return HourMap(np.ascontiguousarray(kept), early, late)
+    return _HourMap(np.ascontiguousarray(kept), early, late)
 
 
 def _has_lead(constants: Constants) -> bool:
@@ -434,7 +434,10 @@ def soaked_hours(device: Device, weather: Hourly, hours: Ints | None = None) -> 
     before = SPIN_UP if weather.recurs else 0
     air = np.take(weather.temperature, np.arange(-before, len(weather)), mode="wrap")
     places, back = np.unique(wanted + before, return_inverse=True)
-    found = _through(hour_map(constants), air, places, _uniform(constants, air[0]))[back]
+    hour, now = _hour_map(constants), _uniform(constants, air[0])
+    kept, found = np.ascontiguousarray(hour.kept.T), np.empty((len(places), len(now)))
+    hours_at_rest(kept, hour.early, hour.late, air, places, now, np.empty_like(now), found)
+    found = found[back]
     cells = len(constants.cells.capacity)
     lead = found[:, cells].copy() if _has_lead(constants) else None
     return Soaked(np.ascontiguousarray(found[:, :cells]), lead)
@@ -445,7 +448,7 @@ def history_weights(constants: Constants, hours: int) -> Floats:
 
     Rows are cells, lead and the memory of lead of a bearing that is at first as warm as the air.
     """
-    hour = hour_map(constants)
+    hour = _hour_map(constants)
     begin = _uniform(constants, 1.0)
     weights = np.zeros((len(begin), hours + 1))
     early, late = hour.early, hour.late
@@ -471,15 +474,6 @@ def soaked_history(
 
 def _uniform(constants: Constants, air: float) -> Floats:
     return _vector(constants, new_state(constants, np.full(len(constants.cells.capacity), air)))
-
-
-def _through(hour: HourMap, air: Floats, places: Ints, begin: Floats) -> Floats:
-    """Return the states at some increasing places of a series of air."""
-    found = np.empty((len(places), len(begin)))
-    kept = np.ascontiguousarray(hour.kept.T)
-    now, after = begin.copy(), np.empty_like(begin)
-    hours_at_rest(kept, hour.early, hour.late, air, places, now, after, found)
-    return found
 
 
 def bearing_weather(

@@ -11,7 +11,15 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.core.records import Floats
-from thermobearing.earthquake.measures import BEARING, KEYS, LOOP, PLACES, STRUCTURE, farthest
+from thermobearing.earthquake.measures import (
+    BEARING,
+    COLUMNS,
+    KEYS,
+    LOOP,
+    PLACES,
+    STRUCTURE,
+    farthest,
+)
 from thermobearing.model.earlier import REFERENCE
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
@@ -22,48 +30,20 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.result import EarthquakeResult
 
 PEAKS: Final = (  # of a report
-    "bearing_strain_max",
-    "bearing_force_max_kN",
-    "bearing_energy_kN_mm",
-    "pier_displacement_max_mm",
-    "pier_ductility",
-    "pier_moment_max_kN_m",
-    "deck_acceleration_max_m_s2",
-    "rubber_max_degC",
-    "lead_max_degC",
-)
+    *COLUMNS[:6], "deck_acceleration_max_m_s2", "rubber_max_degC", "lead_max_degC",
+)  # fmt: skip
 CONSOLE: Final = (
-    *PEAKS[:3],
-    "energy_of_warmest",
-    *PEAKS[3:5],
-    "deck_displacement_max_mm",
-    "deck_acceleration_max_m_s2",
-    "damping_of_input",
-    *PEAKS[-2:],
-)
-COLD: Final = (  # compared with the warmest run
-    "bearing_strain_max",
-    "bearing_force_max_kN",
-    "bearing_energy_kN_mm",
-    "pier_displacement_max_mm",
-    "deck_acceleration_max_m_s2",
-)
+    *PEAKS[:3], "energy_of_warmest", *PEAKS[3:5], "deck_displacement_max_mm",
+    "deck_acceleration_max_m_s2", "damping_of_input", *PEAKS[-2:],
+)  # fmt: skip
+COLD: Final = (*PEAKS[:4], "deck_acceleration_max_m_s2")  # compared with the warmest run
 PARTS: Final = {
     "line": (
-        "line_bearing",
-        "count",
-        "line_ambient_degC",
-        "strain_max",
-        "force_max_kN",
-        "total_force_max_kN",
-        "rubber_max_degC",
-        "lead_max_degC",
+        *("line_bearing", "count", "line_ambient_degC", "strain_max", "force_max_kN"),
+        *("total_force_max_kN", "rubber_max_degC", "lead_max_degC"),
     ),
     "pier": (
-        "displacement_max_mm",
-        "displacement_residual_mm",
-        "ductility",
-        "moment_max_kN_m",
+        *("displacement_max_mm", "displacement_residual_mm", "ductility", "moment_max_kN_m"),
         "top_acceleration_max_m_s2",
     ),
 }
@@ -76,14 +56,9 @@ RATIOS: Final = {  # of a real-time test over the pseudo-dynamic one: column of 
 }
 RISES: Final = ("outer_layer", "inner_layer", "lead")
 ERRORS: Final = (  # columns of comparison.csv on the console
-    "inner layer largest K",
-    "lead largest K",
-    "peak force %",
-    "peak strain %",
-    "energy %",
-    "pier displacement %",
-    "loop K_eq %",
-)
+    "inner layer largest K", "lead largest K", "peak force %", "peak strain %", "energy %",
+    "pier displacement %", "loop K_eq %",
+)  # fmt: skip
 # What: table of an analysis with several lines or piers, column there, column of the table of runs.
 GOVERNED: Final = {
     "bearing strain": ("line", "strain_max", "bearing_strain_max"),
@@ -111,20 +86,15 @@ def _reported_line(result: "EarthquakeResult") -> str:
 
 def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
     """Return the tables of results by name; those without a row are left out."""
-    keys = _keys(result.table)
-    ratios = modes_frame(result)
+    ratios, compared = result.modes_table, list(KEYS[:3])
+    compared += [f"{name}_ratio" for name in (*RATIOS, *(f"{place}_rise" for place in RISES))]
     found = {
         "governing": _governing_table(result),
         "peaks": _peaks_table(result),
         "cold": _cold_table(result),
         "lines": parts_table(result, "line"),
         "piers": parts_table(result, "pier"),
-        "modes": make_table(
-            ratios,
-            [*keys[:3], *(f"{name}_ratio" for name in RATIOS), *(f"{p}_rise_ratio" for p in RISES)],
-            "Real time over pseudo-dynamic",
-            keys=3,
-        ),
+        "modes": make_table(ratios, compared, "Real time over pseudo-dynamic", keys=3),
         "loops": _loops_table(result),
         "periods": _periods_table(result),
         "bearing_books": balance_table(result, bearing=True),
@@ -170,15 +140,9 @@ def _peaks_table(result: "EarthquakeResult", names: tuple[str, ...] = PEAKS) -> 
         note += " Marked: beyond what the bearing was tested at"
         note += f" (a motion: {words})." if others else "."
     return make_table(
-        frame,
-        [*keys, *names, *where, *ended],
-        "Peaks of every run",
-        keys=len(keys),
-        heads={"outcome": "Ended"},
-        marked=marked,
-        note=note,
-        governing="bearing_strain_max",
-    )
+        frame, [*keys, *names, *where, *ended], "Peaks of every run", keys=len(keys),
+        heads={"outcome": "Ended"}, marked=marked, note=note, governing="bearing_strain_max",
+    )  # fmt: skip
 
 
 def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
@@ -198,16 +162,9 @@ def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
             if column not in mine or not mine[column].notna().any():
                 continue
             worst = mine.loc[mine[column].idxmax()]
-            rows.append(
-                {
-                    "bearing": bearing,
-                    "what": what,
-                    "largest": float(worst[column]),
-                    "part": str(worst[part]) if several else "",
-                    "motion": str(worst["motion"]),
-                    "ambient_degC": float(worst["ambient_degC"]),
-                }
-            )
+            row = {"bearing": bearing, "what": what, "largest": float(worst[column])}
+            row |= {"part": str(worst[part]) if several else "", "motion": str(worst["motion"])}
+            rows.append(row | {"ambient_degC": float(worst["ambient_degC"])})
     return pd.DataFrame(rows)
 
 
@@ -256,17 +213,13 @@ def _cold_table(result: "EarthquakeResult") -> Table:
             return known.iloc[0] if len(known) else ""
         return f"{known.mean():.2f} ({known.min():.2f}–{known.max():.2f})"
 
-    frame = pd.DataFrame(
-        dict(zip(same, key, strict=True)) | {name: _cell(group[name]) for name in COLD}
-        for key, group in ratios.groupby(same, sort=False)
-    )
+    frame = ratios.groupby(same, sort=False)[list(COLD)].agg(_cell).reset_index()
     columns = [quantity(name, unit="", factor=1.0, form=".2f") for name in COLD]
     warmest = f"{result.table['ambient_degC'].max():g}".replace("-", "\N{MINUS SIGN}")
     motions = ratios["motion"].nunique()
     of = f", mean over {motions} motions (lowest–highest)" if motions > 1 else ""
-    return make_table(
-        frame, [*same, *columns], f"The cold: peaks over those at {warmest} °C{of}", keys=len(same)
-    )
+    caption = f"The cold: peaks over those at {warmest} °C{of}"
+    return make_table(frame, [*same, *columns], caption, keys=len(same))
 
 
 def parts_table(result: "EarthquakeResult", part: str, most: int | None = None) -> Table:
@@ -313,9 +266,8 @@ def modes_frame(result: "EarthquakeResult") -> pd.DataFrame:
             continue
         fast, slow = (table.loc[runs[mode]].to_dict() for mode in (FAST, SLOW))
         row: dict[str, Any] = dict(zip(KEYS[:3], key, strict=True))
-        row |= {
-            f"{name}_ratio": _over(fast[column], slow[column]) for name, column in RATIOS.items()
-        }
+        for name, column in RATIOS.items():
+            row[f"{name}_ratio"] = _over(fast[column], slow[column])
         rises = {mode: result.rises(run) for mode, run in runs.items()}
         for place, rise in rises[FAST].items():
             row[f"{place}_rise_rt_K"], row[f"{place}_rise_pd_K"] = rise, rises[SLOW][place]
@@ -345,23 +297,15 @@ def _periods_table(result: "EarthquakeResult") -> Table:
     attrs = result.dataset.attrs
     if "periods_s" not in attrs:
         return make_table(pd.DataFrame())
-    columns: list[str | Quantity] = [
-        quantity("mode_number"),
-        quantity("period_s", head="Period, equivalent stiffness", form=".3f"),
-        quantity("damping_ratio", head="Viscous damping ratio"),
-    ]
-    frame = pd.DataFrame(
-        {
-            name: np.atleast_1d(attrs[key])
-            for name, key in (("period_s", "periods_s"), ("damping_ratio", "damping_ratios"))
-        }
-    )
+    frame = pd.DataFrame({"period_s": np.atleast_1d(attrs["periods_s"])})
+    frame["damping_ratio"] = np.atleast_1d(attrs["damping_ratios"])
     frame.insert(0, "mode_number", range(1, len(frame) + 1))
+    period = quantity("period_s", head="Period, equivalent stiffness", form=".3f")
+    columns: list[str | Quantity] = ["mode_number", period]
+    columns.append(quantity("damping_ratio", head="Viscous damping ratio"))
     for name in dict.fromkeys(result["bearing"].values.tolist()):
         frame[name] = np.atleast_1d(attrs[f"initial_periods_s:{name}"])
-        columns.append(
-            replace(quantity("period_s", form=".3f"), name=name, head=f"Initial period, {name}")
-        )
+        columns.append(replace(period, name=name, head=f"Initial period, {name}"))
     note = "Initial periods are with the stiffness of the bearings before they yield, at the "
     note += "temperature of the first run."
     return make_table(frame, columns, "Natural periods and viscous damping", note=note)

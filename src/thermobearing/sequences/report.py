@@ -18,18 +18,10 @@ from thermobearing.cyclic.reported import (
     model_assumptions,
 )
 from thermobearing.cyclic.result import Result
+from thermobearing.earthquake.measures import BEARING
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
-from thermobearing.report.content import (
-    BOOKS_CLOSE,
-    RIG,
-    TESTED_RANGE,
-    TESTS,
-    limit_checks,
-)
-from thermobearing.report.content import (
-    build_pieces as assemble,
-)
+from thermobearing.report import content
 from thermobearing.report.figures import history, path
 from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import change, counted, identity_rows, number, quantity, tidy
@@ -47,11 +39,6 @@ BETWEEN = {  # the rig, after each part
 }
 Case = Mapping[str, Any]
 KJ = 1e-3
-BOOKS = (
-    *("work_in", "heat_released", "recoverable", "heat_stored"),
-    *("heat_lost_ends", "heat_lost_sides"),
-)
-RESIDUALS = ("mechanical_residual", "thermal_residual")
 
 
 def build_pieces(result: SequenceResult) -> Pieces:
@@ -61,7 +48,7 @@ def build_pieces(result: SequenceResult) -> Pieces:
     text = result.case.to_toml()
     case = tomllib.loads(text)
     version = parts[0].dataset.attrs["version"] if parts else thermobearing.__version__
-    return assemble(
+    return content.build_pieces(
         "sequence",
         f"Sequence of tests on {case['bearing']['name']}: {case['name']}",
         _question(case),
@@ -159,34 +146,31 @@ def _memory(table: pd.DataFrame, force: "pd.Series[Any]") -> str:
 
 def _books(result: SequenceResult) -> Table:
     """Return the energy balance of the specimen in each part."""
-    rows = []
-    for number_, part in enumerate(result.parts):
-        book = part.energy.iloc[0]
-        before = "" if "work_in_kN_mm" in book else "bearing_"
-        row: dict[str, Any] = {"part": result.case.label(number_)}
-        row |= {f"{name}_kN_mm": float(book[f"{before}{name}_kN_mm"]) for name in BOOKS}
-        rows.append(row | {name: float(book[name]) for name in RESIDUALS})
+    names = [*(f"{name}_kN_mm" for name in BEARING), "mechanical_residual", "thermal_residual"]
+    rows = [
+        part.energy.iloc[0].rename(lambda name: name.removeprefix("bearing_"))[names]
+        for part in result.parts
+    ]
+    frame = pd.DataFrame(rows, index=range(len(rows)), dtype=float)
+    frame.insert(0, "part", [result.case.label(k) for k in frame.index])
     note = "Of the specimen, since the start of each part: work in = heat released + recoverable; "
     note += "heat released = stored + lost."
-    return make_table(pd.DataFrame(rows), caption="Energy balance of the specimen", note=note)
+    return make_table(frame, caption="Energy balance of the specimen", note=note)
 
 
 def _checks(result: SequenceResult, case: Case) -> list[Check]:
     """Return the checks of rig and tested range: the part that goes farthest."""
 
     def rows(table: pd.DataFrame) -> list[dict[Any, Any]]:
-        return [{**row, "run": row["part"]} for row in table.to_dict("records")]
+        return [row | {"run": row["part"]} for row in table.to_dict("records")]
 
     rig = str(case.get("rig", {}).get("name", "rig"))
     hybrid = {result.case.label(k) for k, p in enumerate(result.parts) if not isinstance(p, Result)}
-    tested = [
-        row
-        for row in rows(result.tested_range)
-        if row["limit"] != "strain_rate" or row["run"] not in hybrid
-    ]
-    source = f"{TESTED_RANGE} of {case['bearing']['name']}"
-    found = limit_checks(rows(result.rig), RIG, f"rig {rig}")
-    return found + limit_checks(tested, TESTS, source)
+    found = content.limit_checks(rows(result.rig), content.RIG, f"rig {rig}")
+    tested = rows(result.tested_range)
+    tested = [r for r in tested if r["limit"] != "strain_rate" or r["run"] not in hybrid]
+    source = f"{content.TESTED_RANGE} of {case['bearing']['name']}"
+    return found + content.limit_checks(tested, content.TESTS, source)
 
 
 def _residuals(result: SequenceResult, case: Case) -> list[tuple[str, float, float, str]]:
@@ -195,7 +179,7 @@ def _residuals(result: SequenceResult, case: Case) -> list[tuple[str, float, flo
     gaps = case["analysis"]["scheme"] == "published"
     for name in ("mechanical", "thermal"):
         worst = max(abs(float(part.energy[f"{name}_residual"].iloc[0])) for part in result.parts)
-        limit = float("nan") if gaps and name == "thermal" else BOOKS_CLOSE
+        limit = float("nan") if gaps and name == "thermal" else content.BOOKS_CLOSE
         source = "energy balance" if limit == limit else "no limit: this model's books have gaps"
         found.append((f"{name} residual", worst, limit, source))
     return found
@@ -206,15 +190,10 @@ def _inputs(result: SequenceResult, case: Case) -> dict[str, Table]:
     own: dict[str, dict[str, str]] = {}  # sources of numbers, where the files of parts had some
     for part in result.parts:
         own |= tomllib.loads(part.dataset.attrs["case"]).get("sources", {})
-    rows = [
-        (
-            k,
-            _words_of_part(part),
-            quantity(part.get("ambient", case["ambient"])),
-            quantity(part["dt"]) if "dt" in part else "",
-        )
-        for k, part in enumerate(case["parts"], 1)
-    ]
+    rows = []
+    for k, part in enumerate(case["parts"], 1):
+        step = quantity(part["dt"]) if "dt" in part else ""
+        rows.append((k, _words_of_part(part), quantity(part.get("ambient", case["ambient"])), step))
     heads = ("What", "Air", "Step of time")
     columns = (Quantity("Part", form="d"), *(Quantity(head) for head in heads))
     found = {"sequence": Table(f"Sequence: {case['name']}", columns, rows)}
@@ -238,16 +217,12 @@ def _figures(result: SequenceResult) -> dict[str, ReportFigure]:
         values = {str(name): frame[name].to_numpy(dtype=np.float64) for name in frame}
         loop = path(values["displacement_mm"], values["force_kN"], MOST_POINTS)
         loops[label] = [Trace(label, *loop, INK)]
+        warm[label] = []
         looks = place_looks([name for name in values if name.endswith("_degC")])
-        warm[label] = [
-            Trace(
-                name,
-                *history(values["time_s"], values[place]),
-                colour,
-                "dashed" if name == "lead" else "line",
-            )
-            for place, (name, colour) in looks.items()
-        ]
+        for place, (name, colour) in looks.items():
+            points = history(values["time_s"], values[place])
+            line = "dashed" if name == "lead" else "line"
+            warm[label].append(Trace(name, *points, colour, line))
     found = {
         "sequence": ReportFigure(
             "Force over displacement, and temperatures in time, a column for each part.",

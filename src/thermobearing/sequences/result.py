@@ -115,19 +115,17 @@ class SequenceResult(Result):
         for number, part in enumerate(self.parts):
             history, spec = self.history(number), self.case.parts[number]
             first, last = history.iloc[0], history.iloc[-1]
-            energy = part.energy.iloc[0]
-            work = "bearing_work_in_kN_mm" if "bearing_work_in_kN_mm" in energy else "work_in_kN_mm"
-            air = self.case.ambient if spec.ambient is None else spec.ambient
+            energy = part.energy.iloc[0].rename(lambda name: name.removeprefix("bearing_"))
             row: dict[str, Any] = {
                 "part": self.case.label(number),
                 "kind": spec.part,
-                "ambient_degC": air,
+                "ambient_degC": self.case.ambient if spec.ambient is None else spec.ambient,
                 "outcome": part.outcome,
                 "duration_s": last["time_s"],
                 "displacement_max_mm": history["displacement_mm"].abs().max(),
                 "force_max_kN": history["force_kN"].max(),
                 "force_min_kN": history["force_kN"].min(),
-                "energy_kN_mm": energy[work],
+                "energy_kN_mm": energy["work_in_kN_mm"],
             }
             degrees = [str(name) for name in history if str(name).endswith("_degC")]
             for name in ["displacement_mm", "force_kN", *degrees]:
@@ -142,17 +140,19 @@ class SequenceResult(Result):
     @property
     def rig(self) -> pd.DataFrame:
         """What each part asks of each limit of the rig; empty without a rig."""
-        return self._below({self.case.label(k): part.rig for k, part in enumerate(self.parts)})
+        return self._below("rig")
 
     @property
     def tested_range(self) -> pd.DataFrame:
         """What each part asks of the range that the bearing was tested in; empty if not given."""
-        parts = enumerate(self.parts)
-        return self._below({self.case.label(k): part.tested_range for k, part in parts})
+        return self._below("tested_range")
 
-    def _below(self, tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
-        """Return tables of the parts below each other, with the part of each row."""
-        found = {label: table for label, table in tables.items() if len(table)}
+    def _below(self, name: str) -> pd.DataFrame:
+        """Return a table of every part below each other, with the part of each row."""
+        tables = {self.case.label(k): getattr(part, name) for k, part in enumerate(self.parts)}
+        found: dict[str, pd.DataFrame] = {
+            label: table for label, table in tables.items() if len(table)
+        }
         if not found:
             return pd.DataFrame()
         return pd.concat(found, names=["part"]).reset_index("part").reset_index(drop=True)
@@ -228,10 +228,8 @@ def load_sequence(path: str | Path) -> SequenceResult:
     case = load_sequence_case(folder / RESOLVED)
     parts: list[PartResult] = []
     for number, part in enumerate(case.parts):
-        place = folder / PARTS / case.label(number)
-        if place.is_dir():
-            parts.append(
-                load_earthquake(place) if isinstance(part, HybridPart) else load_cyclic(place)
-            )
+        load = load_earthquake if isinstance(part, HybridPart) else load_cyclic
+        if (place := folder / PARTS / case.label(number)).is_dir():
+            parts.append(load(place))
     ended = bool(parts) and parts[-1].outcome != COMPLETED
     return SequenceResult(case, parts, interrupted=len(parts) < len(case.parts) and not ended)

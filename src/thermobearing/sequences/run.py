@@ -93,7 +93,8 @@ def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> Specimen
     """
     part = case.parts[number]
     air = case.ambient if part.ambient is None else part.ambient
-    element = _build_element(case, air, state)
+    constants = build_model(case.bearing, case.analysis, backbone=bilinear_parameters).constants
+    element = BearingElement.from_constants(constants, air, initial=state)
     start, dt = state.at, 1.0
 
     def force(x: float) -> float:
@@ -123,12 +124,6 @@ def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> Specimen
     return specimen_state(left.temperature, warm, state_memory(left)).model_copy(
         update={"zero": end}
     )
-
-
-def _build_element(case: SequenceCase, air: float, state: SpecimenState) -> BearingElement:
-    """Return the specimen where a part left it, modelled as in every part."""
-    constants = build_model(case.bearing, case.analysis, backbone=bilinear_parameters).constants
-    return BearingElement.from_constants(constants, air, initial=state)
 
 
 def _run_part(case: Case | EarthquakeCase) -> tuple[Result | EarthquakeResult, SpecimenState]:

@@ -81,8 +81,7 @@ class ValidationFigures(drawing.Figures):
         """Draw the error of the largest loop: a column for each measure (Figs. 5.11, 5.14)."""
         count = len(self._records)
         size = (drawing.WIDEST, 1.3 + max(0.22 * len(self._names), 0.35) * count)
-        title = "largest loop: model off the test"
-        figure, axes = drawing.panels(1, len(RATIOS), size, title)
+        figure, axes = drawing.panels(1, len(RATIOS), size, "largest loop: model off the test")
         for ax, measure in zip(axes, RATIOS, strict=True):
             for place, record in enumerate(self._records):
                 for item, colour in self._of(record):

@@ -62,9 +62,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
 def _answer(summary: Summary) -> list[str]:
     """Return sentences on the verdict, the largest errors, and the agreement of the force."""
     items = summary["comparisons"]
-    early = []
-    if summary["outcome"] != "completed":
-        early = [tidy(str(summary.get("sentence") or "The model did not get through every test"))]
+    early = [] if summary["outcome"] == "completed" else [tidy(str(summary["sentence"]))]
     known = [item for item in items if item["R2"] is not None]
     worst = []
     for name in summary["limits"]:
@@ -118,9 +116,8 @@ def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
     found = content.saved_figures(saved, CAPTIONS)
     if "fit" in saved.tables:
         choices: dict[str, list[Trace]] = {}
-        for (test, bearing, model), rows in saved["fit"].groupby(
-            ["test", "bearing", "model"], sort=False
-        ):
+        parts = saved["fit"].groupby(["test", "bearing", "model"], sort=False)
+        for (test, bearing, model), rows in parts:
             traces = choices.setdefault(str(test), [])
             if not traces:
                 traces.append(loop_trace("test", rows, "force_kN", "#9aa4b1"))

@@ -330,9 +330,8 @@ class CrossValidation(Result):
     @property
     def outcome(self) -> str:
         """Of the fits, and whether each completed the tests that it had not seen."""
-        fits = [self.final, *self.folds]
-        stopped = (found.outcome for found in fits if found.outcome != COMPLETED)
-        return next(stopped, self.held_out.outcome)
+        ended = (found.outcome for found in (self.final, *self.folds))
+        return next((name for name in ended if name != COMPLETED), self.held_out.outcome)
 
     @property
     def sentence(self) -> str:

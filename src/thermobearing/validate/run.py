@@ -79,7 +79,7 @@ def validate_bearing(
     """
     chosen = [bearings] if isinstance(bearings, Bearing | str | Path) else list(bearings)
     wanted: list[Model] = [models] if isinstance(models, str) else list(models)
-    tests = load_tests(records)
+    tests = _load_tests(records)
     for what, given in (("bearing", chosen), ("test", tests), ("model", wanted)):
         if not given:
             raise InputError(f"give at least one {what}")
@@ -88,12 +88,12 @@ def validate_bearing(
             raise InputError(f'model = "{model}"{nearest(model, get_args(Model))}')
     largest = check_limits(limits)
     found = [as_bearing(item) for item in chosen]
-    assumed = refuse_unusable(tests, found[0])
-    judged = judge(found, [as_fitted(record) for record in tests], wanted, largest)
+    assumed = _refuse_unusable(tests, found[0])
+    judged = judge(found, [_as_fitted(record) for record in tests], wanted, largest)
     return replace(judged, warnings=[*assumed, *judged.warnings])
 
 
-def load_tests(given: Sequence[Test] | Test) -> list[TestRecord]:
+def _load_tests(given: Sequence[Test] | Test) -> list[TestRecord]:
     """Return one or several tests, read where they are files."""
     several = [given] if isinstance(given, TestRecord | str | Path) else list(given)
     return [item if isinstance(item, TestRecord) else load_test(item) for item in several]
@@ -118,7 +118,7 @@ def judge(
     models: Sequence[Model] = ("multi-layer",),
     limits: Mapping[str, float] = LIMITS,
 ) -> Validation:
-    """Compare bearings with tests that are checked and treated already (`as_fitted`).
+    """Compare bearings with tests that are checked and treated already (`_as_fitted`).
 
     Each bearing has the models that it can have: `lead-alone` needs lead.
     """
@@ -140,7 +140,7 @@ def judge(
     return Validation(found, dict(limits), said, {"bearings": went_in})
 
 
-def as_fitted(record: TestRecord) -> TestRecord:
+def _as_fitted(record: TestRecord) -> TestRecord:
     """Return a test as a fit sees it: rests held and thinned, spikes and drift removed if asked.
 
     Otherwise a bearing would be judged by how logged rests relax, and by spikes.
@@ -153,7 +153,7 @@ def as_fitted(record: TestRecord) -> TestRecord:
     return record if all(np.array_equal(new, old) for new, old in pairs) else seen
 
 
-def refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> list[str]:
+def _refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> list[str]:
     """Return what had to be assumed about tests; refuse those that no model can be judged by."""
     found = [(one, check_test(one, bearing).findings) for one in records]
     refused = [
@@ -265,10 +265,10 @@ def cross_validate(
     tests = case.records
     if refused := [line for one in tests for line in check_test(one, case.bearing).refusals]:
         raise InputError(refused)
-    refuse_unusable(out, case.bearing)
+    _refuse_unusable(out, case.bearing)
     groups = _groups(tests, folds) if folds else [out]
     final, *fits = _fit(case, groups if folds else [], progress)
-    alike = {id(record): as_fitted(record) for record in [*tests, *out]}
+    alike = {id(record): _as_fitted(record) for record in [*tests, *out]}
     groups = [[alike[id(record)] for record in group] for group in groups]
     judged = [
         judge([one.bearing], group) for one, group in zip(fits or [final], groups, strict=True)
@@ -292,7 +292,7 @@ def split_tests(
     records: Sequence[Test] | Test, hold_out: Sequence[Test] | Test
 ) -> tuple[list[TestRecord], list[TestRecord]]:
     """Return the tests to fit and those held out, each once."""
-    kept, out = load_tests(records), load_tests(hold_out)
+    kept, out = _load_tests(records), _load_tests(hold_out)
     once = [one for i, one in enumerate(out) if not any(_same(one, other) for other in out[:i])]
     return [one for one in kept if not any(_same(one, other) for other in out)], once
 
