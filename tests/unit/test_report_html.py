@@ -22,7 +22,7 @@ from thermobearing.report.figures import (
     ALL_POINTS,
     FEWEST_POINTS,
     MOST_POINTS,
-    draw_plot,
+    _draw_plot,
     plot_json,
     points_each,
     thinned,
@@ -341,7 +341,7 @@ def test_boxes_say_what_they_are():
 def test_a_plot_is_drawn_for_paper(count):
     x = np.linspace(0.0, 1.0, 50)
     traces = [Trace("a", x, x), Trace("b", x, x**2, look="points")]
-    figure = draw_plot(Plot("x [mm]", "y", {f"motion {k}": traces for k in range(count)}))
+    figure = _draw_plot(Plot("x [mm]", "y", {f"motion {k}": traces for k in range(count)}))
     assert len(figure.axes) == min(count, figures.MOST_PANELS)
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["a", "b"]
     assert figure.axes[-1].get_title(loc="left") == ("" if count == 1 else f"motion {count - 1}")
@@ -351,7 +351,7 @@ def test_frames_of_a_slider_are_drawn_as_shades_and_equal_axes_stay_equal():
     x, frames = np.linspace(0.0, 1.0, 5), np.arange(100.0).reshape(20, 5)
     trace = Trace("a", x, frames[0], frames=frames)
     plot = Plot("x", "y", {"": [trace]}, [f"{k} s" for k in range(20)], "time", equal=True)
-    (ax,) = draw_plot(plot).axes
+    (ax,) = _draw_plot(plot).axes
     shades = [line.get_alpha() for line in ax.get_lines()]
     assert shades == sorted(shades)
     assert len(shades) == figures.MOST_FRAMES

@@ -2,6 +2,7 @@
 
 import difflib
 from collections.abc import Iterable
+from contextlib import suppress
 from itertools import islice
 from pathlib import Path
 from unicodedata import category
@@ -54,7 +55,7 @@ class OutputError(ThermobearingError):
 
 def read_bytes(path: Path, most: int) -> bytes:
     """Return the content of a file, at most so many bytes (a device may have no end)."""
-    shown = shortened(str(path), LONGEST_NAME)
+    shown, hint = shortened(str(path), LONGEST_NAME), ""
     try:
         if path.is_fifo() and not str(path).startswith(("/dev/", "/proc/")):
             raise InputError("is a named pipe, not a file", shown)  # it would wait for a writer
@@ -63,7 +64,10 @@ def read_bytes(path: Path, most: int) -> bytes:
     except InputError:
         raise
     except FileNotFoundError:
-        raise InputError(f"no such file{_beside(path)}", shown) from None
+        with suppress(OSError, ValueError):  # name a file of nearly that name
+            names = [item.name for item in islice(path.parent.iterdir(), MOST_BESIDE)]
+            hint = closest(path.name, names)
+        raise InputError(f"no such file{hint}", shown) from None
     except IsADirectoryError:
         raise InputError("is a directory, not a file", shown) from None
     except OSError as error:  # a name too long, no rights, a failing disk
@@ -73,15 +77,6 @@ def read_bytes(path: Path, most: int) -> bytes:
     if len(raw) > most:
         raise InputError(f"is larger than {most / 1e6:g} MB", shown)
     return raw
-
-
-def _beside(path: Path) -> str:
-    """A clause with a file of nearly that name in the same folder, if there is one."""
-    try:
-        names = [item.name for item in islice(path.parent.iterdir(), MOST_BESIDE)]
-    except (OSError, ValueError):
-        return ""
-    return closest(path.name, names)
 
 
 def is_file(path: Path) -> bool:

@@ -18,14 +18,12 @@ S = TypeVar("S", bound="Sourced")
 DEEPEST = 8  # files that are based on one another
 
 
-@cache
-def _data() -> Path:
-    return Path(str(resources.files("thermobearing").joinpath("data")))
+DATA = Path(str(resources.files("thermobearing").joinpath("data")))
 
 
 def data_path(*parts: str) -> Path:
-    """A file or folder of the data shipped with the package."""
-    return _data().joinpath(*parts)
+    """Return a file or folder of the data shipped with the package."""
+    return DATA.joinpath(*parts)
 
 
 def is_path(name_or_path: str | Path) -> bool:
@@ -44,10 +42,7 @@ def _names(folder: str) -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in data_path(folder).glob("*.toml")))
 
 
-@cache
-def _shipped(path: Path) -> dict[str, Any]:
-    """A file of the package, which stays as it is while a program runs: read once."""
-    return read_toml(path)
+_shipped = cache(read_toml)  # a file of the package stays as it is while a program runs
 
 
 @cache

@@ -166,11 +166,8 @@ class _Kind(NamedTuple):
 @cache
 def _kind(model: type[BaseModel], name: str) -> _Kind:
     parts = list(_parts(model.model_fields[name]))
-    units = [
-        part.func.unit
-        for part in parts
-        if isinstance(part, BeforeValidator) and isinstance(part.func, _InUnit)
-    ]
+    functions = [part.func for part in parts if isinstance(part, BeforeValidator)]
+    units = [function.unit for function in functions if isinstance(function, _InUnit)]
     types = {part for part in parts if isinstance(part, type)}
     return _Kind(
         unit=units[0] if units else None,

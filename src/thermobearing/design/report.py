@@ -98,13 +98,13 @@ def _bounds_answer(summary: Mapping[str, Any]) -> list[str]:
     if summary["outcome"] != "completed":
         sentence = tidy(str(summary.get("sentence", "")))
         early = [f"Not every run came to its end ({summary['outcome']}): {sentence}"]
-    unsafe = [pair for pair in rows if pair[1]["verdict"] == "unsafe"]
-    wasteful = [pair for pair in rows if pair[1]["verdict"] == "wasteful"]
+    verdicts = [row["verdict"] for _, row in rows]
+    unsafe, wasteful = verdicts.count("unsafe"), verdicts.count("wasteful")
     name, least = min(rows, key=lambda pair: pair[1]["envelope_over_coupled"])
     what = DEMANDS.get(least["demand"], (least["demand"],))[0]
     first = (
-        f"Of {counted(len(rows), 'demand')}, {len(unsafe)} are unsafe (below 0.95 of the coupled "
-        f"model) and {len(wasteful)} wasteful (above 1.3)."
+        f"Of {counted(len(rows), 'demand')}, {unsafe} are unsafe (below 0.95 of the coupled "
+        f"model) and {wasteful} wasteful (above 1.3)."
     )
     second = (
         f"The least safe is the {what} of {name} under {least['motion']}: the envelope of the "
@@ -244,7 +244,7 @@ def _factor_tables(summary: Summary) -> dict[str, Table]:
     marked: set[tuple[int, int]] = set()
     for at, (key, found) in enumerate(lines.items()):
         each = [found.get(air) for air in airs]
-        cells.append([*key, values.get(key), *(one and _cell(one, bands) for one in each)])
+        cells.append([*key, values.get(key), *(one and _cell(one) for one in each)])
         marked |= {
             (at, 5 + place)
             for place, one in enumerate(each)
@@ -269,18 +269,16 @@ def _factor_tables(summary: Summary) -> dict[str, Table]:
         tables["coldest"] = Table(caption, [Quantity("Factors")], words, note=f"{FOOTNOTE}.")
     if summary["codes"]:
         heads = [Quantity(head) for head in ("Code", "Says", "Source", "Verified")]
-        said = [
-            [one["code"], one["says"], one["source"], not one.get("unverified", False)]
-            for one in summary["codes"]
-        ]
+        keys = ("code", "says", "source")
+        said = [[*(c[k] for k in keys), not c.get("unverified", False)] for c in summary["codes"]]
         tables["codes"] = Table("What codes say", heads, said)
     return tables
 
 
-def _cell(row: Mapping[str, Any], bands: bool) -> Any:
+def _cell(row: Mapping[str, Any]) -> Any:
     """Return a factor, with its band where there is one."""
     low, high = row.get("factor_low"), row.get("factor_high")
-    if not bands or low is None or high is None or not np.isfinite([low, high]).all():
+    if low is None or high is None or not np.isfinite([low, high]).all():
         return row["factor"]
     return f"{row['factor']:.2f} ({low:.2f}–{high:.2f})"
 
@@ -302,9 +300,8 @@ def _design_pieces(saved: SavedResult) -> Pieces:
     case, text = read_toml(saved.path / RESOLVED), read_text(saved.path / RESOLVED)
     again = "thermobearing design case.resolved.toml"
     motions = [str(one.get("label") or one["name"]) for one in case["motions"]]
-    parts = content.saved_parts(saved, again) | {
-        "identity": identity_rows(str(summary["version"]), text, again)
-    }
+    identity = identity_rows(str(summary["version"]), text, again)
+    parts = content.saved_parts(saved, again) | {"identity": identity}
     return content.build_pieces(
         "design",
         f"Design of the bearings of {summary['structure']}",
@@ -327,20 +324,11 @@ def _design_pieces(saved: SavedResult) -> Pieces:
     )
 
 
-def _safe_file_names(summary: Summary) -> list[str]:
-    """Return the names of the bilinear bearings, in the order of the groups of lines."""
-    return list(np.atleast_1d(summary["bearing"]))
-
-
-def _chosen_rounds(summary: Summary) -> list[Summary]:
-    """Return the rounds of the turn that was taken, one for each group of lines."""
-    return [turn for turn in summary["rounds"] if turn["round"] == summary["chosen_round"]]
-
-
 def _design_answer(summary: Summary) -> list[str]:
     """Return the bearing, what the cold makes of it, limits and validity."""
     sizes = []
-    for name, turn in zip(_safe_file_names(summary), _chosen_rounds(summary), strict=True):
+    chosen = [turn for turn in summary["rounds"] if turn["round"] == summary["chosen_round"]]
+    for name, turn in zip(np.atleast_1d(summary["bearing"]), chosen, strict=True):
         size = (
             f"{number(turn['side_mm'], 'g')} mm square, {number(turn['layers'], 'g')} layers of "
             f"{number(turn['layer_thickness_mm'], 'g')} mm"
@@ -409,31 +397,19 @@ def _design_checks(summary: Summary) -> list[Check]:
         if one["what"].endswith("strain"):
             unit, factor = "%", 100.0
         of = f", {one['part']}" if one.get("part") else ""
-        found.append(
-            Check(
-                f"{one['what']}{of}",
-                factor * float(one["value"]),
-                factor * float(one["limit"]),
-                unit,
-                f"{one['source']}{'*' if one.get('unverified') else ''}",
-                PASSED if one["verdict"] == "OK" else EXCEEDED,
-                lower=bool(one["least"]),
-            )
-        )
+        value, limit = (factor * float(one[key]) for key in ("value", "limit"))
+        source = f"{one['source']}{'*' if one.get('unverified') else ''}"
+        verdict = PASSED if one["verdict"] == "OK" else EXCEEDED
+        what = f"{one['what']}{of}"
+        found.append(Check(what, value, limit, unit, source, verdict, bool(one["least"])))
     for row in summary["temperatures"]:
         failed = f": {row['fails']}" if row["fails"] else ""
         name = of_group(row["bearing"], row.get("group", ""))
-        found.append(
-            Check(
-                f"{name} at {degrees([row['ambient_degC']])}{failed}",
-                float("nan"),
-                float("nan"),
-                "",
-                "limits of the design, for layered bearings",
-                PASSED if row["verdict"] == "OK" else EXCEEDED,
-            )
-        )
-    names = [*_safe_file_names(summary), *(str(one["name"]) for one in summary["equal"])]
+        what = f"{name} at {degrees([row['ambient_degC']])}{failed}"
+        verdict = PASSED if row["verdict"] == "OK" else EXCEEDED
+        source = "limits of the design, for layered bearings"
+        found.append(Check(what, np.nan, np.nan, "", source, verdict))
+    names = [*np.atleast_1d(summary["bearing"]), *(str(one["name"]) for one in summary["equal"])]
     rows = summary.get("tested_range", [])
     return found + content.limit_checks(
         rows, content.IN_EARTHQUAKES, f"{content.TESTED_RANGE} of the bearing", names

@@ -1,6 +1,7 @@
 """How strong a ground motion is and how long it lasts, in the usual numbers."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -52,10 +53,8 @@ def significant_interval(
     growth = _arias_growth(motion)
     if growth[-1] <= 0.0:
         raise InputError("is zero throughout and has no duration", motion.name)
-    after = (
-        int(np.searchsorted(growth, start * growth[-1], side="right")),
-        int(np.searchsorted(growth, end * growth[-1], side="left")),
-    )
+    sides: tuple[tuple[float, Any], ...] = ((start, "right"), (end, "left"))
+    after = [int(np.searchsorted(growth, share * growth[-1], side=side)) for share, side in sides]
     times = [
         (k - 1 + (share * growth[-1] - growth[k - 1]) / (growth[k] - growth[k - 1])) * motion.dt
         for k, share in zip(after, (start, end), strict=True)

@@ -122,18 +122,15 @@ def kind_and_ground(kind: str | int, ground: str | int) -> tuple[str, str]:
     ('II', 'III')
     """
     numbers = {"1": "I", "2": "II", "3": "III"}
-    given = [numbers.get(str(text).strip(), str(text).strip().upper()) for text in (kind, ground)]
-    problems = [
-        f'{what}: "{text}" is not one of {", ".join(known)}'
-        for what, text, own, known in (
-            ("type of earthquake", kind, given[0], KINDS),
-            ("ground", ground, given[1], GROUNDS),
-        )
-        if own not in known
-    ]
+    found, problems = [], []
+    known = (("type of earthquake", kind, KINDS), ("ground", ground, GROUNDS))
+    for what, text, names in known:
+        found.append(numbers.get(str(text).strip(), str(text).strip().upper()))
+        if found[-1] not in names:
+            problems.append(f'{what}: "{text}" is not one of {", ".join(names)}')
     if problems:
         raise InputError(problems)
-    return given[0], given[1]
+    return found[0], found[1]
 
 
 def standard_spectrum(
@@ -160,15 +157,10 @@ def standard_target(kind: str, ground: str, zone_factor: float = 1.0) -> DesignS
             f"{LARGEST_ZONE_FACTOR:g}]",
             "standard_spectrum",
         )
-    return DesignSpectrum(
-        name=f"jra-{kind}-{ground}".lower(),
-        words=f"the standard spectrum of Level 2 Type {kind}, ground {ground}, "
-        f"c_z = {zone_factor:g}",
-        curve=_spectra()[kind, ground],
-        factor=zone_factor,
-        citation=CITATION,
-        caveat="NOT an accelerogram of the specifications",
-    )
+    words = f"the standard spectrum of Level 2 Type {kind}, ground {ground}, c_z = {zone_factor:g}"
+    caveat, curve = "NOT an accelerogram of the specifications", _spectra()[kind, ground]
+    name = f"jra-{kind}-{ground}".lower()
+    return DesignSpectrum(name, words, curve, zone_factor, CITATION, caveat)
 
 
 def list_spectra() -> list[str]:

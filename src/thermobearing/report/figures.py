@@ -111,7 +111,7 @@ def _in_fonts() -> Iterator[None]:
 def _pictured(figure: ReportFigure, missing: set[str]) -> ReportFigure:
     """Return a figure with its picture, of its own drawing or of its plot."""
     plot = figure.plot
-    draw = figure.draw or (None if plot is None else lambda: draw_plot(plot))
+    draw = figure.draw or (None if plot is None else lambda: _draw_plot(plot))
     if figure.image is not None or draw is None:
         return figure
     once = cache(_in_fonts()(draw))
@@ -167,7 +167,7 @@ LOOKS: Mapping[str, dict[str, Any]] = {
 }
 
 
-def draw_plot(plot: Plot) -> Figure:
+def _draw_plot(plot: Plot) -> Figure:
     """Draw a plot for paper: a panel for each choice, the places of a slider as shades.
 
     Of more choices than a page has room for, and of the places of a slider, some are drawn, evenly

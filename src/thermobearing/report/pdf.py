@@ -303,14 +303,14 @@ class Part(NamedTuple):
         room = self.widths[self.places.index(column)] - GAP
         count = max(3, int(room / (LETTER * POINT * self.size) + ROUNDING))
 
-        def seamed(found: re.Match[str]) -> str:
+        def _seamed(found: re.Match[str]) -> str:
             word = found[0]
             if len(word) <= count:
                 return word
             parts = re.findall(r"[^/\\_.,;:=-]*[/\\_.,;:=-]?", word)
             return SEAM.join(p[k : k + count] for p in parts for k in range(0, len(p), count))
 
-        return re.sub(r"\S+", seamed, text)
+        return re.sub(r"\S+", _seamed, text)
 
 
 def _table(table: Table, right: set[int] | None = None) -> list[Data]:

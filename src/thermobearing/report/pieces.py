@@ -234,15 +234,9 @@ Block = Heading | Paragraph | Bullets | TableBlock | FigureBlock | ChecksBlock
 
 @dataclass(frozen=True)
 class Document:
-    """What is written, whatever the format.
+    """What is written, whatever the format: the title block as given, the blocks in reading order.
 
-    Attributes
-    ----------
-    title : of the document.
-    block : the title block: project, structure, client, author, number, date, revision, as given.
-    logo : a PNG or SVG.
-    blocks : In reading order.
-    identity : as of `Pieces`; short of it stands in the foot of every page.
+    The logo is a PNG or SVG; `identity` is that of `Pieces`, short at the foot of every page.
     """
 
     title: str

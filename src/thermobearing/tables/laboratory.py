@@ -174,8 +174,11 @@ def read_laboratory(
     name, beside = str(path.absolute()), path.parent / f"{path.stem}.toml"
     if path.suffix.lower() == ".toml":
         given, name = split_sources(read_toml(path))[0], path.with_suffix(".csv").name
-    elif is_file(beside) and not _is_a_bearing(found := read_toml(beside)):
-        given, path, name = split_sources(found)[0], beside, path.name
+    elif is_file(beside):
+        found = read_toml(beside)
+        geometry = found.get("geometry")  # of a file that describes the bearing, not the test
+        if not (isinstance(geometry, dict) and "plan" in geometry):
+            given, path, name = split_sources(found)[0], beside, path.name
     sidecar = validated(Sidecar, given, str(path))
     readings = replace(_Reader(sidecar, path, optional).read(name), given=given)
     way, force = readings.values["displacement"], readings.values.get("force")
@@ -189,12 +192,6 @@ def read_laboratory(
     )
     flipped = readings.sidecar.model_copy(update={"flip_force": True})
     return replace(readings, sidecar=flipped, assumptions=[*readings.assumptions, note])
-
-
-def _is_a_bearing(table: dict[str, Any]) -> bool:
-    """Whether a TOML file beside a test describes the bearing, and not the test."""
-    geometry = table.get("geometry")
-    return isinstance(geometry, dict) and "plan" in geometry
 
 
 class _Reader:
