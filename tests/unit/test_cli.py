@@ -4,9 +4,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-import xarray as xr
 from typer.testing import Result
 
 import thermobearing as tb
@@ -21,15 +19,10 @@ from tests.unit.inputs import (
     last_line,
     quick_case,
     specimen_table,
-    steps_case,
     summary,
     write_toml,
 )
-from thermobearing.bearing.compound import list_compounds
-from thermobearing.structure.model import list_structures
 
-SUMMARY_KEYS = {"command", "bearing", "scheme", "version", "outcome", "runs"}
-RUN_KEYS = {"ambient_degC", "outcome", "layer_force_mismatch_max_kN", "cycles", "energy"}
 CYCLE_KEYS = {"amplitude_strain", "cycle", "G_eq_MPa", "h_eq", "stress_max_MPa", "stress_min_MPa"}
 CYCLE_KEYS |= {"energy_kN_mm", "rubber_degC", "lead_degC"}
 ENERGY_KEYS = {"work_in_kN_mm", "heat_released_kN_mm", "recoverable_kN_mm", "heat_stored_kN_mm"}
@@ -65,39 +58,6 @@ def test_good_run_writes_all_files_and_ends_with_json(saved: tuple[Path, Result]
         "files": sorted(content(directory)),
     }
     assert [path.name for path in directory.parent.iterdir() if path.name.startswith(".")] == []
-
-
-def test_summary_has_the_promised_keys(saved: tuple[Path, Result]) -> None:
-    told = summary(saved[0])
-    assert set(told) >= SUMMARY_KEYS
-    assert (told["command"], told["outcome"]) == ("cyclic", "completed")
-    assert told["scheme"] == "conservative"
-    assert [run["ambient_degC"] for run in told["runs"]] == [-20.0, 23.0]
-    for run in told["runs"]:
-        assert set(run) >= RUN_KEYS
-        assert set(run["energy"]) == ENERGY_KEYS
-        (cycle,) = run["cycles"]
-        assert set(cycle) >= CYCLE_KEYS
-        assert len(cycle["rubber_degC"]) == 3
-        assert cycle["lead_degC"] is None
-
-
-def test_netcdf_has_units_on_every_number(saved: tuple[Path, Result]) -> None:
-    with xr.open_dataset(saved[0] / "result.nc", engine="netcdf4") as data:
-        assert {"ambient", "time", "layer", "cell"} <= set(data.dims)
-        numbers = [v for v in data.variables.values() if np.issubdtype(v.dtype, np.floating)]
-        assert len(numbers) > 15
-        assert [v for v in numbers if not v.attrs.get("units")] == []
-        for name in ("case", "version", "scheme", "bearing"):
-            assert data.attrs[name]
-
-
-def test_history_csv(saved: tuple[Path, Result]) -> None:
-    lines = (saved[0] / "history.csv").read_text().splitlines()
-    assert lines[0] == HEADER
-    assert len(lines) == 1 + 2 * (1 + 200)  # two runs of a start and 200 steps
-    assert [line.split(",")[0] for line in (lines[1], lines[-1])] == ["-20", "23"]
-    assert all(line.count(",") == HEADER.count(",") for line in lines)
 
 
 def test_result_reads_back(saved: tuple[Path, Result]) -> None:
@@ -202,18 +162,6 @@ def test_names_are_no_markup(tmp_path: Path, name: str) -> None:
     assert "case[red].toml" in done.stdout.replace("\n", "")
 
 
-def test_list() -> None:
-    done = command("list", "--json")
-    assert done.exit_code == 0
-    told = last_line(done)
-    assert told["bearings"] == tb.list_bearings()
-    assert told["compounds"] == list_compounds()
-    assert told["structures"] == list_structures()
-    assert told["motions"] == tb.list_motions()
-    shown = [*tb.list_bearings(), *list_structures(), *told["bilinear_bearings"]]
-    assert all(name in done.stdout for name in shown)
-
-
 def test_check_of_a_bilinear_bearing(tmp_path: Path) -> None:
     library = Path(str(resources.files("thermobearing"))) / "data" / "bilinear"
     done = command("check", library / "shen-bilinear-bridge.toml")
@@ -232,38 +180,6 @@ def test_check_counts_the_runs_of_a_study(tmp_path: Path) -> None:
     done = command("check", path)
     assert done.exit_code == 0, done.output
     assert "runs 6, average-acceleration" in " ".join(done.output.split())
-
-
-def test_check_of_a_bearing_and_of_a_case(tmp_path: Path) -> None:
-    bearing = write_toml(tmp_path / "mine.toml", specimen_table())
-    done = command("check", bearing, "--json")
-    assert done.exit_code == 0
-    told = {"outcome": "valid", "kind": "bearing", "file": str(bearing), "warnings": []}
-    assert last_line(done) == told
-    assert "S1 = 12, S2 = 8" in done.stdout
-    rest = {"step": "rest", "within": "1 K"}
-    path = steps_case(tmp_path / "case.toml", CYCLES, rest)
-    done = command("check", path, "--json")
-    assert done.exit_code == 0
-    assert last_line(done)["kind"] == "case"
-    assert "100%; rest until within 1 K" in done.stdout
-    assert "at most" in done.stdout  # how long such a rest takes is not known beforehand
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "mine.toml"]
-
-
-def test_measure(tmp_path: Path) -> None:
-    turn = np.linspace(0.0, 4.0 * np.pi, 401)
-    rows = np.column_stack([30.0 * np.sin(turn), 60.0 * np.sin(turn) + 20.0 * np.cos(turn)])
-    path = tmp_path / "measured.csv"
-    header = "displacement_mm,force_kN"
-    np.savetxt(path, rows, delimiter=",", header=header, comments="")
-    done = command("measure", path, "--bearing", "shen-hdr-specimen", "--json")
-    assert done.exit_code == 0
-    cycles = last_line(done)["cycles"]
-    assert [cycle["amplitude_mm"] for cycle in cycles] == pytest.approx([30.0, 30.0], rel=1e-3)
-    np.savetxt(path, rows * [1.0, 0.0], delimiter=",", header=header, comments="")
-    done = command("measure", path, "--bearing", "shen-hdr-specimen", "--json")
-    assert last_line(done)["cycles"][0]["h_eq"] is None  # no force: no ratio, and no NaN in JSON
 
 
 @pytest.mark.parametrize(

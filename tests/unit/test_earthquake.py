@@ -67,22 +67,8 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out"
 
 
-def test_files_and_summary(saved: Path) -> None:
+def test_files_and_figures(saved: Path) -> None:
     assert {path.name for path in saved.iterdir()} == FILES
-    told = json.loads((saved / "summary.json").read_text())
-    assert told["command"] == "bridge"
-    assert told["bearing"] == "shen-lhdr-bridge"
-    assert told["mass"] == "consistent"
-    assert len(told["periods_s"]) == len(told["damping_ratios"]) == 4
-    assert len(told["initial_periods_s"]["shen-lhdr-bridge"]) == 4
-    assert told["initial_periods_s"]["shen-lhdr-bridge"][0] < told["periods_s"][0]
-    assert [one["ambient_degC"] for one in told["runs"]] == [-20.0, 23.0]
-    for one in told["runs"]:
-        assert set(one) >= RUN_KEYS
-        assert len(one["rubber_degC_max"]) == 3
-        assert one["lead_degC_max"] > one["ambient_degC"]
-        assert abs(one["energy"]["structure_residual"]) < tol.STRUCTURE_BOOKS
-        assert abs(one["energy"]["thermal_residual"]) < tol.ENERGY_BOOKS
     assert {path.name for path in (saved / "figures").iterdir()} == FIGURES
 
 

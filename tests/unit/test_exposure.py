@@ -170,12 +170,6 @@ def test_a_fit_refuses_them_and_the_forward_model_has_them_once() -> None:
     assert np.array_equal(one.force, other.force)
 
 
-def test_a_validation_names_them() -> None:
-    record = tb.synthetic_record(tb.load_bearing(LAYERED[0]), 23.0, TEST)
-    found = tb.validate_bearing(with_table(LAYERED[0]), record)
-    assert "exposure: stiffness x 1.3" in found.summary()["warnings"][0]
-
-
 @pytest.mark.parametrize(
     ("factors", "words"),
     [

@@ -1,11 +1,9 @@
 """Several bearing lines and piers: rows of their own, bearings, air and counts of their own."""
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -212,27 +210,6 @@ def test_a_line_in_colder_air(study: tb.EarthquakeResult) -> None:
 def case_of(structure: dict[str, Any], **more: Any) -> Any:
     given = {"lines": [{"line": "on A", "ambient": "-20 degC"}], "ambient": [23.0]} | more
     return make_earthquake_case({}, "test", structure=bridge_of(structure), **given)
-
-
-def test_files_say_every_line_and_pier(
-    study: tb.EarthquakeResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    folder = study.save(tmp_path / "out", figures=False)
-    assert list(pd.read_csv(folder / "lines.csv")["line"]) == ["on A", "on B"]
-    assert list(pd.read_csv(folder / "piers.csv")["pier"]) == ["B", "A"]
-    run = json.loads((folder / "summary.json").read_text())["runs"][0]
-    assert [line["line_bearing"] for line in run["lines"]] == ["shen-hdr-bridge"] * 2
-    assert run["piers"][1]["ductility"] is None
-    columns = set(pd.read_csv(folder / "history.csv").columns)
-    assert {"on A_displacement_mm", "on B_force_kN", "A_displacement_mm"} <= columns
-    assert "A_rotation_rad" not in columns
-    again = tb.load_result(folder)
-    pd.testing.assert_frame_equal(again.lines, study.lines)  # type: ignore[union-attr]
-    study.show()
-    shown = capsys.readouterr().out
-    assert "two piers" in shown
-    assert "on A" in shown
-    assert "ductility" in shown
 
 
 def test_the_figure_has_a_dot_for_every_part(study: tb.EarthquakeResult, tmp_path: Path) -> None:

@@ -7,12 +7,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-import tomli_w
-from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests.unit.inputs import command
-from thermobearing.cli import app
 from thermobearing.cyclic.case import load_rig, make_case
 from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
 from thermobearing.earthquake.run import run_earthquake
@@ -121,22 +118,6 @@ def test_each_part_runs_again_by_itself(result: SequenceResult, tmp_path: Path) 
     place = out / "parts" / "03-hybrid" / "case.resolved.toml"
     alone = run_earthquake(load_earthquake_case(place))
     assert np.array_equal(alone["bearing_force"], result[2].dataset["bearing_force"])
-
-
-def test_the_command(tmp_path: Path) -> None:
-    case = tmp_path / "case.toml"
-    case.write_text(tomli_w.dumps(TABLE | {"rig": "shen-rig"}))
-    words = ["sequence", str(case), "-o", str(tmp_path / "out"), "--json"]
-    done = CliRunner().invoke(app, words, env={"COLUMNS": "200"})
-    assert done.exit_code == 0, done.output
-    assert "01-CL-1st" in done.output
-    assert "rig cannot do it" not in done.output
-    assert "below the 50 % tested" in done.output
-    assert (tmp_path / "out" / "figures" / "sequence.png").stat().st_size > 5000
-    case.write_text(tomli_w.dumps(TABLE | {"parts": [{"part": "rest"}]}))
-    done = CliRunner().invoke(app, ["sequence", str(case), "-o", str(tmp_path / "new")])
-    assert done.exit_code == 2
-    assert not (tmp_path / "new").exists()
 
 
 def test_a_part_that_ends_early_is_the_last() -> None:

@@ -543,16 +543,6 @@ def test_piers_stand_side_by_side_and_the_deck_lies_over_them() -> None:
     assert not lay_out(load_structure("hybrid-pier")).scaled
 
 
-@pytest.mark.parametrize("name", ["pier-p1", "hybrid-pier"])
-def test_figures_say_every_part(name: str) -> None:
-    result = tb.examine_structure(name)
-    (ax,) = result.plot.model().axes
-    shown = " ".join(text.get_text() for text in ax.texts)
-    for part in result.parts["name"]:
-        assert part in shown
-    assert len([a for a in result.plot.modes().axes if a.get_visible()]) == len(result.table)
-
-
 ON_THE_GROUND = """name = "mass"
 [[bodies]]
 name = "deck"
