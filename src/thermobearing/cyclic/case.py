@@ -204,16 +204,16 @@ def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> Sp
             "of a version that did not keep them"
         )
 
-    def read(name: str) -> Any:
+    def _read(name: str) -> Any:
         values = data[name].values[run]
         return values[np.isfinite(values)] if np.ndim(values) else values
 
     memory = None
     if PREFIX + MEMORY[0] in data:
-        memory = {key: read(PREFIX + key) if PREFIX + key in data else [] for key in MEMORY}
-        memory |= {key: read(PREFIX + key) for key in OF_LOOPS if PREFIX + key in data}
+        memory = {key: _read(PREFIX + key) if PREFIX + key in data else [] for key in MEMORY}
+        memory |= {key: _read(PREFIX + key) for key in OF_LOOPS if PREFIX + key in data}
     lead = float(data["final_lead_temperature"].values[run])
-    return specimen_state(read("final_temperature"), lead, memory)
+    return specimen_state(_read("final_temperature"), lead, memory)
 
 
 def _same_run(data: xr.Dataset, ambient: list[float], bearing: str) -> int:

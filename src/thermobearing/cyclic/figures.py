@@ -113,17 +113,17 @@ class TimeAxis(DrawnAxis):
         reached = [(int(number[-1]), float(time[-1])) for number, time in ends]
         return reached.index(max(reached))
 
-    def inside(self, run: int, first: int, last: int) -> slice:
+    def _inside(self, run: int, first: int, last: int) -> slice:
         """Return the rows of segments first to last of a run, with the row where they start."""
         a, b = np.searchsorted(self._numbers[run], [first, last + 1])
         return slice(max(int(a) - 1, 0), int(b)) if b > a else NOTHING
 
-    def moving_rows(self, run: int) -> list[slice]:
+    def _moving_rows(self, run: int) -> list[slice]:
         """Return the rows of each stretch of a run in which the bearing moves."""
-        found = [self.inside(run, s.first, s.last) for s in self.stretches if not s.rest]
+        found = [self._inside(run, s.first, s.last) for s in self.stretches if not s.rest]
         return [inside for inside in found if inside != NOTHING]
 
-    def loading_ends(self) -> list[tuple[int, str]]:
+    def _loading_ends(self) -> list[tuple[int, str]]:
         """Return number and name of some segments whose ends are shown: loadings, if any."""
         found: list[int] = []
         for kinds in ({"cycles", "recorded"}, {"ramp"}, {"rest", "closing cycle"}):
@@ -139,7 +139,7 @@ class TimeAxis(DrawnAxis):
         """Yield the stretches that any run reached, not yet placed."""
         for rest, same in groupby(range(len(self._kinds)), lambda i: self._kinds[i] == "rest"):
             first, *_, last = [*same] * 2
-            reached = [(t, self.inside(run, first, last)) for run, t in enumerate(self.times)]
+            reached = [(t, self._inside(run, first, last)) for run, t in enumerate(self.times)]
             spans = [float(np.ptp(time[rows])) for time, rows in reached if rows != NOTHING]
             if spans:
                 yield Stretch(first, last, rest, min(spans), max(spans))
@@ -148,20 +148,23 @@ class TimeAxis(DrawnAxis):
         """Return places and thinned values of a history of a run; NaN between stretches."""
         pieces = []
         for s in self.stretches:
-            inside = self.inside(run, s.first, s.last)
+            inside = self._inside(run, s.first, s.last)
             if inside != NOTHING and not (self.cut and s.shortened):
                 y, time = values[inside], self.times[run][inside]
                 kept = drawing.thin(y, math.ceil(MOST_POINTS * s.width / self.end))
                 pieces.append((s.place(time[kept] - time[0]), y[kept]))
         return _joined(pieces)
 
-    def label_loadings(self, ax: Axes) -> None:
+    def _label_loadings(self, ax: Axes) -> None:
         """Write what is imposed above each loading that is wide enough for its label."""
         run = self.farthest
         for s in (s for s in self.stretches if not s.rest):
-            start = self.times[run][self.inside(run, s.first, s.last)]
+            start = self.times[run][self._inside(run, s.first, s.last)]
             for number in range(s.first, s.last + 1):
-                time, name = self.times[run][self.inside(run, number, number)], self._labels[number]
+                time, name = (
+                    self.times[run][self._inside(run, number, number)],
+                    self._labels[number],
+                )
                 if self._kinds[number] in ("cycles", "recorded") and len(time):
                     middle = s.left + 0.5 * (time[0] + time[-1]) - start[0]
                     if time[-1] - time[0] > BOLD_LETTER * len(name) * self.end:
@@ -237,7 +240,7 @@ class Figures(drawing.Figures):
             time.set_ticks(ax, labels=run == count - 1)
             time.shade_rests(ax, labels=run == 0)
             if run == 0:
-                time.label_loadings(ax)
+                time._label_loadings(ax)
             drawing.name_axes(ax, y=y, title=titles[run], pad=17.0 if ax.texts else 5.0)
             for values, look in lines:
                 ax.plot(*time.trace(run, values[run]), **look)
@@ -263,7 +266,7 @@ class Figures(drawing.Figures):
         strain.tick_params(labelsize=drawing.SMALL, color=drawing.GREY)
         strain.spines["right"].set_visible(False)  # the panel has one
         time.cut_out_rests(ax)
-        time.label_loadings(ax)
+        time._label_loadings(ax)
         return figure
 
     def loops(self, ax: Axes | None = None, *, label: str = "", color: str | None = None) -> Figure:
@@ -310,7 +313,7 @@ class Figures(drawing.Figures):
         """Return strain [%] and stress [MPa] where the bearing moves, thinned."""
         strain, stress = 100.0 * self._data["strain"].values, self._data["stress"].values
         spans = [max(float(np.nanmax(v) - np.nanmin(v)), 1e-9) for v in (strain, stress)]
-        moving = TimeAxis(self._result).moving_rows(run)
+        moving = TimeAxis(self._result)._moving_rows(run)
         paths = [(strain[run, rows], stress[run, rows]) for rows in moving]
         kept = [drawing.thin_loops(x, y, spans[0], spans[1]) for x, y in paths]
         return _joined([(x[k], y[k]) for (x, y), k in zip(paths, kept, strict=True)])
@@ -446,11 +449,11 @@ class Figures(drawing.Figures):
         """
         self._require("profiles")
         data, time, cored = self._data, TimeAxis(self._result), self._result.has_lead
-        shown, panels = time.loading_ends(), []
+        shown, panels = time._loading_ends(), []
         for run, title in enumerate(self._run_titles()):
             lines = []
             for place, (number, _) in enumerate(shown):
-                inside = time.inside(run, number, number)
+                inside = time._inside(run, number, number)
                 if inside != NOTHING:
                     row = inside.stop - 1
                     lead = data["lead_temperature"].values[run, row] if cored else None
@@ -464,14 +467,14 @@ class Figures(drawing.Figures):
         """Draw the displacement of each layer [mm] at the last peak of each amplitude."""
         self._require("layer_shear")
         data, time, titles = self._data, TimeAxis(self._result), self._run_titles()
-        shown, count, depth = time.loading_ends(), len(titles), _layer_depths(data)
+        shown, count, depth = time._loading_ends(), len(titles), _layer_depths(data)
         colours = drawing.ordered_colours(len(shown), "viridis")
         size = (max(5.5, 1.9 + 2.5 * count), 5.2)
         figure, axes = drawing.panels(1, count, size, self._title("shear of the layers"))
         look: drawing.Look = {"marker": "o", "markersize": 3.5, "linewidth": 1.1}
         for run, ax in enumerate(axes):
             for (number, _), colour in zip(shown, colours, strict=True):
-                rows = np.arange(time.rows[run])[time.inside(run, number, number)]
+                rows = np.arange(time.rows[run])[time._inside(run, number, number)]
                 if len(rows):
                     moved = np.abs(data["displacement"].values[run, rows])
                     peak = rows[np.flatnonzero(moved >= AT_PEAK * moved.max())[-1]]

@@ -153,7 +153,7 @@ class Rest(Strict):
         """Largest of its growing steps [s]."""
         return max(dt, min(self.span / REST_STEPS, 600.0))
 
-    def count(self, dt: float) -> float:
+    def _steps(self, dt: float) -> float:
         """Number of steps, or a few more: those that grow, and those that do not."""
         longest, shortest = self.longest_step(dt), min(dt, self.span, REST_START)
         return math.log(longest / shortest) / math.log(REST_GROWTH) + self.span / longest + 2.0
@@ -235,7 +235,7 @@ def _step_faults(
             end = step.target(rubber)
             steps, peak = step.seconds(abs(end - (at or 0.0))) / dt, abs(end)
         case Rest():
-            steps = step.count(dt)
+            steps = step._steps(dt)
         case Recorded():
             where = f"{step.file or step.name}: "
             try:

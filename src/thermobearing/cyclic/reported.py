@@ -93,17 +93,17 @@ def bearing_words(table: Inputs) -> str:
     if table.get("kind") == "bilinear":
         return f"{table['name']} (bilinear: no temperature, no rate)"
 
-    def plain(size: Any) -> str:
+    def _plain(size: Any) -> str:
         return number(float(str(size).split()[0]))
 
     geometry, lead = table["geometry"], table.get("lead")
     plan = dict(geometry["plan"])
     shape, layers = plan.pop("shape"), geometry["rubber_layers"]
-    words = f"{shape} {' x '.join(map(plain, plan.values()))} mm, {layers} layers of "
-    words += f"{plain(geometry['rubber_thickness'])} mm rubber"
+    words = f"{shape} {' x '.join(map(_plain, plan.values()))} mm, {layers} layers of "
+    words += f"{_plain(geometry['rubber_thickness'])} mm rubber"
     if lead:
         cores = "core" if lead["cores"] == 1 else "cores"
-        words += f", {lead['cores']} lead {cores} of {plain(lead['diameter'])} mm"
+        words += f", {lead['cores']} lead {cores} of {_plain(lead['diameter'])} mm"
     return f"{table['name']} ({table['kind']}, {words})"
 
 

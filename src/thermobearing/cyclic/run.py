@@ -168,7 +168,7 @@ def run_case(
     total = len(climates) * sum(len(segment.x) for segment in segments)
     done = 0
 
-    def report(steps: int) -> None:
+    def _report(steps: int) -> None:
         nonlocal done
         done += steps
         if progress:
@@ -190,7 +190,7 @@ def run_case(
             begin=begin,
             keep_every=case.analysis.keep_every,
             groups=case.analysis.keep,
-            progress=report,
+            progress=_report,
         )
         history.rows.books["displacement"][:] -= zero
         histories.append(history)

@@ -52,11 +52,15 @@ class Result:
     @property
     def rig(self) -> pd.DataFrame:
         """How far each run uses each limit of the rig; empty without a rig."""
-        return pd.DataFrame()
+        return self._rows("rig")
 
     @property
     def tested_range(self) -> pd.DataFrame:
         """How far each run goes in the range that its bearing was tested in; empty if unknown."""
+        return self._rows("tested_range")
+
+    def _rows(self, name: str) -> pd.DataFrame:
+        """Return the rows of limits of the rig or of the tested range."""
         return pd.DataFrame()
 
     def tables(self) -> dict[str, Table]:
@@ -114,7 +118,7 @@ class Result:
             left.
         """
 
-        def fill(folder: Path) -> None:
+        def _fill(folder: Path) -> None:
             self._write(folder)
             for name, table in ((RIG, self.rig), (TESTED_RANGE, self.tested_range)):
                 if len(table):
@@ -123,7 +127,7 @@ class Result:
                 self._draw(folder)
             write_summary(folder, self.summary())
 
-        return write_directory(Path(directory), fill, overwrite=overwrite)
+        return write_directory(Path(directory), _fill, overwrite=overwrite)
 
     def _write(self, folder: Path) -> None:
         """Write the files of the analysis but summary.json, limits and figures."""
@@ -138,7 +142,7 @@ class Result:
         return list(make_report(directory if self._report_of_files else self, directory, **options))
 
     def _view(self, name: str) -> Any:
-        """Return the module of that name beside the one that defines the class."""
+        """Return the module of that name in the package of the class."""
         return import_module(f"{type(self).__module__.rpartition('.')[0]}.{name}")
 
 
@@ -175,16 +179,6 @@ class DatasetResult(Result):
     def warnings(self) -> list[str]:
         """What a reader must know before using the numbers."""
         return list(from_attribute(self.dataset, "warnings"))
-
-    @property
-    def rig(self) -> pd.DataFrame:
-        """How far each run uses each limit of the rig; empty without a rig."""
-        return self._rows("rig")
-
-    @property
-    def tested_range(self) -> pd.DataFrame:
-        """How far each run goes in the range that its bearing was tested in; empty if unknown."""
-        return self._rows("tested_range")
 
     def largest_tested(self, run: str, limit: str) -> float:
         """Return the largest tested value of a quantity that a run exceeds; else infinity."""

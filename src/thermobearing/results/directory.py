@@ -1,12 +1,8 @@
-"""A result directory: checked before anything is computed, written whole or not at all.
+"""A result directory: checked before anything is computed, written as a whole or not at all.
 
-Everything is written into a hidden sibling directory that takes its place at the end
-(results/swap.py), so a full disk, an interruption or a crash leaves either the complete result
-or the earlier one.
-
-The new directory is made beside the final one under a hidden name, and locked while its
-process lives: what is not locked was left over by a process that was killed, and the next run
-takes it away. Locks belong to the open file, so that the system lets go of them by itself.
+Everything is written into a hidden sibling directory, locked while its process lives, that takes
+the place of the final one at the end: a full disk, an interruption or a crash leaves either the
+complete result or the earlier one, and the next run removes what a killed process left.
 
 HDF5 trusts what it finds in a file: a few changed bytes can keep it busy for ever, inside a
 call that no signal interrupts. So the digest of the content is appended to the file, where
@@ -163,16 +159,13 @@ def check_seal(file: Path) -> None:
         with file.open("rb") as stream:
             stream.seek(max(size, 0))
             end = stream.read()
-        whole = end == MARK + _digest(file, size)
+        complete = end == MARK + _digest(file, size)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror or error}", str(file)) from None
     if not end.startswith(MARK):
-        raise InputError(
-            "is not a result file of thermobearing, or its end is missing, or another program "
-            "(or an earlier version) wrote it; run its case again",
-            str(file),
-        )
-    if not whole:
+        fault = "is not a result file of thermobearing, or its end is missing, or another program "
+        raise InputError(f"{fault}(or an earlier version) wrote it; run its case again", str(file))
+    if not complete:
         raise InputError("is damaged: it was changed after it was written", str(file))
 
 
