@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import thermobearing as tb
 from thermobearing.border.errors import InputError
-from thermobearing.commands.study import app
+from thermobearing.commands.study import studies as app
 from thermobearing.earthquake.run import run_task
 from thermobearing.loading import load_result
 from thermobearing.studies.definition.case import make_study

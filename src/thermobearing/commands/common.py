@@ -1,4 +1,4 @@
-"""Options, help, progress and messages shared by all commands.
+"""The program, and what all commands share: help, messages, progress, results that are written.
 
 On a terminal typer draws panels with rich. Elsewhere the same panels are plain sections.
 """
@@ -35,28 +35,39 @@ from thermobearing.border.errors import InputError, OutputError, printable
 if TYPE_CHECKING:
     from thermobearing.report.title import TitleBlock
 
+T = TypeVar("T")
+Answer = dict[str, Any]  # last line of a command with --json; its exit_status is 0 by default
+BAD_INPUT, ENDED_EARLY, POOR_FIT, INTERRUPTED = 2, 3, 4, 130
+STATUSES = {
+    "completed": 0,
+    "poor_fit": POOR_FIT,
+    "interrupted": INTERRUPTED,
+    "files_left_out": BAD_INPUT,
+}
+COMPILING = "compiling: once after installing, for ten seconds to a minute"
+STEPPING = "march.march"  # the kernel that every analysis but those of structures begins with
+STRUCTURES = "newmark.newmark_march"
+# Panels of --help: of the list of commands, and of the options of one.
+ANALYSES, LABORATORY, OFFICE, FILES = (
+    "Tests and earthquakes",
+    "From laboratory tests",
+    "Design",
+    "Library and files",
+)
+INPUT, TEST, MODEL, SEARCH, RESULT = ("What", "Test", "Model", "Search", "Result")
+REPORT = "Report"
+
 FEW_LETTERS = {"dt"}  # no word of a sentence, like those with an underscore
 # Options of the command that runs, and whether each was given.
 RUNNING: ContextVar[dict[str, bool] | None] = ContextVar("running", default=None)
 
 
-def _long_options(context: Any) -> dict[str, bool]:
-    """The long options of a command, and whether the command line gives them."""
-    found: dict[str, bool] = {}
-    for parameter in context.command.params:
-        source = context.get_parameter_source(parameter.name)
-        given = source is not None and source.name == "COMMANDLINE"
-        words = [word for word in parameter.opts if word.startswith("--")]
-        found |= {word: given for word in words[:1]}
-    return found
-
-
 def _as_options(text: str) -> str:
-    """A message of the library with the options of the command that runs.
+    """Return a message of the library with the options of the command that runs.
 
-    A key that a value is said of ("test.dt = ...", "ambient[0] = ...") becomes the option that gave
-    it, if one did; a keyword in what is to be tried ("a larger dt", "say so with trust_unit") the
-    option of that name, if the command has it. Outside a command the text is unchanged.
+    A key with a value ("test.dt = ...", "ambient[0] = ...") becomes the option that gave it, if one
+    did; a keyword in advice ("a larger dt", "give trust_unit") becomes the option of that name, if
+    the command has it. Outside a command the text is unchanged.
 
     >>> before = RUNNING.set({"--dt": True, "--keep-every": False})
     >>> _as_options("command line: test.dt = '9 s': must be at most 1 s")
@@ -77,37 +88,122 @@ def _as_options(text: str) -> str:
     return text
 
 
-T = TypeVar("T")
-BAD_INPUT, ENDED_EARLY, POOR_FIT, INTERRUPTED = 2, 3, 4, 130
-COMPILING = "compiling: once after installing, for ten seconds to a minute"
-STEPPING = "march.march"  # the kernel that every analysis but those of structures begins with
-STRUCTURES = "newmark.newmark_march"
-# Panels of --help: of the list of commands, and of the options of one.
-ANALYSES, LABORATORY, OFFICE, FILES = (
-    "Tests and earthquakes",
-    "From laboratory tests",
-    "Design",
-    "Library and files",
-)
-INPUT, TEST, MODEL, SEARCH, RESULT = ("What", "Test", "Model", "Search", "Result")
-REPORT = "Report"
+def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
+    """Report a failure once, on stderr, and as JSON if asked for."""
+    typer.echo(f"thermobearing: {message}", err=True)
+    if as_json:
+        _echo_json({"outcome": outcome, "exit_status": status, "message": message})
+    return typer.Exit(status)
+
+
+def _echo_json(last: Answer) -> None:
+    from thermobearing.results.writing import json_line
+
+    typer.echo(json_line(last))
+
+
+def reported(command: Callable[..., Answer]) -> Callable[..., None]:
+    """Turn what a command raises or returns into one message, a line of JSON, an exit status."""
+
+    @functools.wraps(command)
+    def _wrapper(*, as_json: bool, **words: Any) -> None:
+        try:
+            last = command(**words)
+        except InputError as error:
+            raise _fail(_as_options(str(error)), BAD_INPUT, "bad_input", as_json) from None
+        except OutputError as error:
+            raise _fail(str(error), BAD_INPUT, "not_written", as_json) from None
+        except MemoryError:
+            message = "not enough memory; keep fewer histories (keep_every) or a larger dt"
+            raise _fail(_as_options(message), BAD_INPUT, "bad_input", as_json) from None
+        except KeyboardInterrupt:
+            message = "interrupted; nothing was written"
+            raise _fail(message, INTERRUPTED, "interrupted", as_json) from None
+        if as_json:
+            _echo_json(last)
+        if last.get("exit_status"):
+            raise typer.Exit(last["exit_status"])
+
+    return _wrapper
 
 
 @dataclass(frozen=True)
-class Documents:
-    """What is to be written of a result besides its files: what four options ask for."""
+class Printed:
+    """Where the result of a command goes, and what is printed: options of every command."""
+
+    output: Path | None = None
+    overwrite: bool = False
+    no_figures: bool = False
+    quiet: bool = False
+
+    def target(self, usual: str = "") -> Path:
+        """Return the result directory, which is free to be written."""
+        from thermobearing.results.directory import check_target
+
+        target = self.output or Path(re.sub(r"[^\w.+-]+", "-", usual))
+        check_target(target, overwrite=self.overwrite)
+        return target
+
+    def check(self) -> None:
+        """Refuse an output directory that cannot be written."""
+        if self.output is not None:
+            self.target()
+
+    def documents(self, target: Path) -> list[Path]:
+        """Write no documents: a command without a report."""
+        return []
+
+    def save(
+        self,
+        result: Any,
+        target: Path,
+        show: Callable[[], Any] | None = None,
+        outcome: str = "",
+        sentence: str = "",
+        **options: Any,
+    ) -> Answer:
+        """Save a result, print it, write its documents, say where they are."""
+        result.save(target, overwrite=self.overwrite, figures=not self.no_figures, **options)
+        if not self.quiet:
+            with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
+                (show or result.show)()
+        made = self.documents(target)
+        outcome = outcome or getattr(result, "outcome", "completed")  # a structure has none
+        status = STATUSES.get(outcome, ENDED_EARLY)
+        if status:
+            typer.echo(f"thermobearing: {outcome}: {sentence or result.sentence}", err=True)
+        files = [file for file in target.rglob("*") if file.is_file()]
+        if not self.quiet:
+            size = megabytes(sum(file.stat().st_size for file in files))
+            echo_written(target, f" ({size}){''.join(f'; {file.name}' for file in made)}")
+        names = sorted(str(file.relative_to(target)) for file in files)
+        last = {"outcome": outcome, "exit_status": status, "output": str(target)}
+        return last | {"files": names}
+
+    def save_if_asked(self, result: Any) -> Answer:
+        """Print a result, and save it where an output directory is given."""
+        if self.output is not None:
+            return self.save(result, self.output)
+        if not self.quiet:
+            result.show()
+        return {"exit_status": 0, **result.summary()}
+
+
+@dataclass(frozen=True)
+class Ending(Printed):
+    """The options of a command that writes a report too."""
 
     report: bool = False
     workbook: bool = False
-    title: Sequence[str] = ()
+    title: Sequence[str] | None = None
     template: Path | None = None
     case: Path | None = None  # the file of the command, which may have a title block
 
-    def check(self) -> None:
+    def __post_init__(self) -> None:
         """Refuse before a run what could not be written after it."""
-        if (self.title or self.template) and not (self.report or self.workbook):
+        if (self.title or self.template) and not self.with_report:
             raise InputError("--title and --template belong to a report: give --report too")
-        self.block().logo_bytes()
+        self._block().logo_bytes()
         # Imported where they are needed: drawing alone takes as long to import as a small run.
         if self.template is not None:
             from thermobearing.tables.text import read_text
@@ -122,24 +218,34 @@ class Documents:
 
             the_writer()
 
-    def block(self) -> "TitleBlock":
-        """The title block: of the options, and below them of the case file."""
+    @property
+    def with_report(self) -> bool:
+        """Whether any document is to be written."""
+        return self.report or self.workbook
+
+    def check(self) -> None:
+        """Refuse an output directory that cannot be written, and a report without one."""
+        super().check()
+        if self.output is None and self.with_report:
+            raise InputError("a report goes into a result directory: give -o")
+
+    def _block(self) -> "TitleBlock":
+        """Return the title block: of the options, and below them of the case file."""
         from thermobearing.report.title import read_title, title_given
 
-        return title_given(self.title).over(read_title(self.case))
+        return title_given(self.title or ()).over(read_title(self.case))
 
-    def write(self, target: Path) -> list[Path]:
-        """Write them into the directory of a result; of a case file its title block at least."""
+    def documents(self, target: Path) -> list[Path]:
+        """Write report and workbook into a result directory; the title block of a case at least."""
         from thermobearing.report.title import TitleBlock
 
-        title = self.block()
-        wanted = self.report or self.workbook
-        if not wanted and title == TitleBlock():
+        title = self._block()
+        if not self.with_report and title == TitleBlock():
             return []
         from thermobearing.reporting import Kinds, keep_title, make_documents
 
         try:
-            if not wanted:
+            if not self.with_report:
                 keep_title(target, title)
                 return []
             kinds = Kinds(html=self.report, pdf=self.report, workbook=self.workbook)
@@ -149,172 +255,28 @@ class Documents:
             raise type(error)(message) from None
 
 
-NO_DOCUMENTS = Documents()
-
-
-def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
-    """Report a failure once, on stderr, and as JSON if asked for."""
-    typer.echo(f"thermobearing: {message}", err=True)
-    if as_json:
-        echo_json({"outcome": outcome, "exit_status": status, "message": message})
-    return typer.Exit(status)
-
-
-def echo_json(last: dict[str, Any]) -> None:
-    """The last line of a command with --json."""
-    from thermobearing.results.writing import json_line
-
-    typer.echo(json_line(last))
-
-
-def reported(command: Callable[..., int]) -> Callable[..., None]:
-    """Turn what a command raises or returns into one message and an exit status."""
-
-    @functools.wraps(command)
-    def wrapper(*args: Any, **kwargs: Any) -> None:
-        as_json = bool(kwargs.get("as_json"))
-        try:
-            status = command(*args, **kwargs)
-        except InputError as error:
-            raise _fail(_as_options(str(error)), BAD_INPUT, "bad_input", as_json) from None
-        except OutputError as error:
-            raise _fail(str(error), BAD_INPUT, "not_written", as_json) from None
-        except MemoryError:
-            message = "not enough memory; keep fewer histories (keep_every) or a larger dt"
-            raise _fail(_as_options(message), BAD_INPUT, "bad_input", as_json) from None
-        except KeyboardInterrupt:
-            message = "interrupted; nothing was written"
-            raise _fail(message, INTERRUPTED, "interrupted", as_json) from None
-        if status:
-            raise typer.Exit(status)
-
-    return wrapper
-
-
-@dataclass(frozen=True)
-class Printed:
-    """Where the result of a command goes, and what is printed: five options of every command."""
-
-    output: Path | None = None
-    overwrite: bool = False
-    no_figures: bool = False
-    as_json: bool = False
-    quiet: bool = False
-    documents: Documents = NO_DOCUMENTS
-
-    def target(self, usual: str = "") -> Path:
-        """Return the result directory, which is free to be written."""
-        from thermobearing.results.directory import check_target
-
-        target = self.output or Path(re.sub(r"[^\w.+-]+", "-", usual))
-        check_target(target, overwrite=self.overwrite)
-        return target
-
-    def check(self) -> None:
-        """Refuse an output directory that is given and cannot be written, and a report without."""
-        if self.output is not None:
-            self.target()
-        elif self.documents.report or self.documents.workbook:
-            raise InputError("a report goes into a result directory: give -o")
-
-    def progress(
-        self,
-        call: Callable[[Callable[[int, int], None] | None], T],
-        what: str,
-        kernel: str = STEPPING,
-    ) -> T:
-        """Return what `call` returns; see `with_progress`."""
-        return with_progress(call, what, self.quiet, kernel)
-
-    def save(
-        self, result: Any, target: Path, show: Callable[[], Any] | None = None, **options: Any
-    ) -> int:
-        """Save a result, print it, write its documents; the exit status."""
-        result.save(target, overwrite=self.overwrite, figures=not self.no_figures, **options)
-        return self.written(result.outcome, result.sentence, target, show or result.show)
-
-    def written(
-        self,
-        outcome: str,
-        sentence: str,
-        target: Path,
-        show: Callable[[], Any] | None = None,
-    ) -> int:
-        """Print a result that is saved, write its documents, say where; the exit status."""
-        if not self.quiet and show is not None:
-            with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
-                show()
-        made = self.documents.write(target)
-        status = STATUSES.get(outcome, ENDED_EARLY)
-        if status:
-            typer.echo(f"thermobearing: {outcome}: {sentence}", err=True)
-        files = [file for file in target.rglob("*") if file.is_file()]
-        if not self.quiet:
-            size = megabytes(sum(file.stat().st_size for file in files))
-            names = "; " + ", ".join(file.name for file in made) if made else ""
-            typer.echo(f"written: {printable(str(target))} ({size}){names}")
-        if self.as_json:
-            last = {"outcome": outcome, "exit_status": status, "output": str(target)}
-            echo_json(last | {"files": sorted(str(file.relative_to(target)) for file in files)})
-        return status
-
-    def save_if_asked(self, result: Any, show: Callable[[], Any] | None = None) -> int:
-        """Print a result, and save it where an output directory is given; the exit status."""
-        if not self.quiet:
-            (show or result.show)()
-        if self.output is not None:
-            result.save(self.output, overwrite=self.overwrite, figures=not self.no_figures)
-            outcome = getattr(result, "outcome", "completed")  # a structure has none
-            return self.written(outcome, getattr(result, "sentence", ""), self.output)
-        if self.as_json:
-            echo_json({"exit_status": 0, **result.summary()})
-        return 0
-
-
-class Ending(Printed):
-    """The same of a command that writes a report too, with four more options."""
-
-
-STATUSES = {
-    "completed": 0,
-    "poor_fit": POOR_FIT,
-    "interrupted": INTERRUPTED,
-    "files_left_out": BAD_INPUT,
-}
+def echo_written(target: Path, more: str = "") -> None:
+    """Say which file or directory was written."""
+    typer.echo(f"written: {printable(str(target))}{more}")
 
 
 def megabytes(size: float) -> str:
-    """A size in bytes as one would say it."""
+    """Return a size in bytes as text in megabytes."""
     return f"{size / 1e6:.1f} MB" if size < 1e7 else f"{size / 1e6:.0f} MB"
 
 
-def numbers_by_name(given: Sequence[str], option: str, form: str) -> dict[str, float]:
-    """Numbers from words of an option such as "sigma_Y=0.1"; `form` says what to give."""
-    found = {}
-    for text in given:
-        name, _, number = text.partition("=")
+def values_by_name(
+    words: Sequence[str] | None, option: str, form: str, texts: Sequence[str] = ()
+) -> dict[str, Any]:
+    """Return numbers by name from words such as "sigma_Y=0.1"; those in `texts` stay text."""
+    found: dict[str, Any] = {}
+    for word in words or ():
+        name, _, value = (part.strip() for part in word.partition("="))
         try:
-            found[name.strip()] = float(number)
+            found[name] = value if name in texts else float(value)
         except ValueError:
-            raise InputError(f'{option} "{text}": give {form}') from None
+            raise InputError(f'{option} "{word}": give {form}') from None
     return found
-
-
-def exposure_given(words: Sequence[str] | None) -> dict[str, Any] | None:
-    """The table `exposure` from words such as "stiffness=1.3" and "source=..."; None without."""
-    if not words:
-        return None
-    table: dict[str, Any] = {}
-    for word in words:
-        name, equals, value = word.partition("=")
-        name = name.strip()
-        if not equals or name in table:
-            raise InputError(f'--exposure "{word}": give each key once, such as stiffness=1.3')
-        try:
-            table[name] = value.strip() if name == "source" else float(value)
-        except ValueError:
-            raise InputError(f'--exposure "{word}": must be a number, such as 1.3') from None
-    return table
 
 
 def announce_compiling(quiet: bool, kernel: str = STEPPING) -> None:
@@ -331,15 +293,13 @@ def with_progress(
     quiet: bool,
     kernel: str = STEPPING,
 ) -> T:
-    """`call` with a progress bar (on stderr, only on a terminal); it reports (done, all).
+    """Return what `call` returns, with a progress bar (on stderr, only on a terminal).
 
-    Says first that it compiles, if the machine code of the named kernel is not there yet.
+    `call` takes a function to report (done, all) to. A kernel that is compiled first is announced.
     """
     announce_compiling(quiet, kernel)
     if quiet or not sys.stderr.isatty():
         return call(None)
-    from rich.console import Console
-
     with _progress_bar(Console(stderr=True)) as bar:
         task = bar.add_task(what, total=None)
         return call(
@@ -347,37 +307,72 @@ def with_progress(
         )
 
 
+LOOKS_BACK = 600.0  # what was done before that says little of the rest [s]
+
+
+class Rate(ProgressColumn):
+    """How many are done in a second; in a minute where that is less than one."""
+
+    def render(self, task: Task) -> Text:
+        """Return the rate; nothing until two are done."""
+        speed = task.speed
+        if not speed:
+            return Text("")
+        message = f"{speed:.3g} a second" if speed >= 1.0 else f"{60.0 * speed:.3g} a minute"
+        return Text(message, style="progress.data.speed")
+
+
+def _progress_bar(console: Console) -> Progress:
+    """Return a bar that vanishes when all is done."""
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        Rate(),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+        console=console,
+        transient=True,
+        speed_estimate_period=LOOKS_BACK,
+    )
+
+
 WIDTH, MOST = 100, 200  # letters of a line where COLUMNS does not say, and at most
-
-
-def _plain(command: Any, ctx: Any, formatter: Any) -> None:
-    """Usage, help, a section for each panel, the example."""
-    formatter.width = min(shutil.get_terminal_size((WIDTH, 24)).columns, MOST)
-    command.format_usage(ctx, formatter)
-    command.format_help_text(ctx, formatter)
-    sections: dict[str, list[tuple[str, str]]] = {}
-    for parameter in command.get_params(ctx):
-        record = parameter.get_help_record(ctx)
-        if record is not None:
-            usual = "Arguments" if parameter.param_type_name == "argument" else "Options"
-            panel = getattr(parameter, "rich_help_panel", None) or usual
-            sections.setdefault(panel, []).append(record)
-    for name, item in getattr(command, "commands", {}).items():
-        panel = getattr(item, "rich_help_panel", None) or "Commands"
-        sections.setdefault(panel, []).append((name, item.get_short_help_str(limit=200)))
-    for panel, rows in sections.items():
-        with formatter.section(panel):
-            formatter.write_dl(rows, col_max=48)
-    if command.epilog:
-        formatter.write_paragraph()
-        formatter.write_text(command.epilog)
-
-
 EARLIER_OPTIONS = {"--force": "--overwrite"}  # the same option in earlier versions, and now
 
 
-class Command(typer.core.TyperCommand):
-    """A command with plain help in a pipe, whose messages may name its options."""
+class _WithHelp:
+    """Help in panels on a terminal, in plain sections elsewhere."""
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        """Write usage, help, a section for each panel, the examples."""
+        if sys.stdout.isatty():
+            super().format_help(ctx, formatter)  # type: ignore[misc]
+            return
+        command: Any = self
+        formatter.width = min(shutil.get_terminal_size((WIDTH, 24)).columns, MOST)
+        command.format_usage(ctx, formatter)
+        command.format_help_text(ctx, formatter)
+        sections: dict[str, list[tuple[str, str]]] = {}
+        for parameter in command.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            if record is not None:
+                usual = "Arguments" if parameter.param_type_name == "argument" else "Options"
+                panel = getattr(parameter, "rich_help_panel", None) or usual
+                sections.setdefault(panel, []).append(record)
+        for name, item in getattr(command, "commands", {}).items():
+            panel = getattr(item, "rich_help_panel", None) or "Commands"
+            sections.setdefault(panel, []).append((name, item.get_short_help_str(limit=200)))
+        for panel, rows in sections.items():
+            with formatter.section(panel):
+                formatter.write_dl(rows, col_max=48)
+        if command.epilog:
+            formatter.write_paragraph()
+            formatter.write_text(command.epilog)
+
+
+class Command(_WithHelp, typer.core.TyperCommand):
+    """A command whose messages may name its options."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse, with options of earlier versions by their present names, and a warning."""
@@ -391,39 +386,49 @@ class Command(typer.core.TyperCommand):
 
     def invoke(self, ctx: Any) -> Any:
         """Run, its options known to `_as_options`."""
-        before = RUNNING.set(_long_options(ctx))
+        found: dict[str, bool] = {}
+        for parameter in ctx.command.params:
+            source = ctx.get_parameter_source(parameter.name)
+            given = source is not None and source.name == "COMMANDLINE"
+            words = [word for word in parameter.opts if word.startswith("--")]
+            found |= {word: given for word in words[:1]}
+        before = RUNNING.set(found)
         try:
             return super().invoke(ctx)
         finally:
             RUNNING.reset(before)
 
-    def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Panels on a terminal, sections elsewhere."""
-        if sys.stdout.isatty():
-            super().format_help(ctx, formatter)
-        else:
-            _plain(self, ctx, formatter)
 
-
-class Group(typer.core.TyperGroup):
-    """A group of commands with plain help in a pipe, and plain faults of usage there."""
-
-    def format_help(self, ctx: Any, formatter: Any) -> None:
-        """Panels on a terminal, sections elsewhere."""
-        if sys.stdout.isatty():
-            super().format_help(ctx, formatter)
-        else:
-            _plain(self, ctx, formatter)
+class Group(_WithHelp, typer.core.TyperGroup):
+    """A group of commands; a fault of usage has a frame on a terminal only."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
-        """Run; a fault of usage has a frame on a terminal only."""
+        """Run; wrong usage too ends with a line of JSON if --json is among the words."""
+        words = args[0] if args else kwargs.get("args")
+        words = sys.argv[1:] if words is None else words
         drawn = self.rich_markup_mode
         if not sys.stderr.isatty():
             self.rich_markup_mode = None
         try:
             return super().main(*args, **kwargs)
+        except SystemExit as end:
+            usage = getattr(end.__context__, "format_message", None)
+            if end.code == BAD_INPUT and usage is not None and "--json" in words:
+                _echo_json({"outcome": "bad_input", "exit_status": BAD_INPUT, "message": usage()})
+            raise
         finally:
             self.rich_markup_mode = drawn
+
+
+app = typer.Typer(
+    name="thermobearing",
+    cls=Group,
+    help="Rubber isolation bearings in the cold: heat conduction coupled to hysteresis.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",  # or units in brackets vanish from the help
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 
 
 class Patient:
@@ -472,33 +477,3 @@ def patient_streams() -> None:
         elif isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
             setattr(sys, name, Patient(stream))
-
-
-LOOKS_BACK = 600.0  # what was done before that says little of the rest [s]
-
-
-class Rate(ProgressColumn):
-    """How many are done in a second; in a minute where that is less than one."""
-
-    def render(self, task: Task) -> Text:
-        """Nothing until two are done."""
-        speed = task.speed
-        if not speed:
-            return Text("")
-        message = f"{speed:.3g} a second" if speed >= 1.0 else f"{60.0 * speed:.3g} a minute"
-        return Text(message, style="progress.data.speed")
-
-
-def _progress_bar(console: Console) -> Progress:
-    """A bar that vanishes when all is done."""
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        Rate(),
-        TimeRemainingColumn(),
-        TextColumn("left"),
-        console=console,
-        transient=True,
-        speed_estimate_period=LOOKS_BACK,
-    )

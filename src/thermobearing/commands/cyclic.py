@@ -7,15 +7,25 @@ import typer
 
 from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
+    ANALYSES,
     INPUT,
     MODEL,
     RESULT,
     TEST,
+    Answer,
     Ending,
-    exposure_given,
+    app,
     megabytes,
+    with_progress,
 )
-from thermobearing.commands.options import COMPARE, EXPOSURE, command, fields, option
+from thermobearing.commands.options import (
+    COMPARE,
+    EXPOSURE,
+    command,
+    exposure_given,
+    fields,
+    option,
+)
 
 WORTH_TELLING = 20e6  # size of a result that is announced before it is computed [bytes]
 OPTIONS = (
@@ -25,13 +35,18 @@ SHORT = "strain cycles wave speed frequency period rest"  # of a test in a few w
 
 
 @command(
+    app,
+    "cyclic",
     fields("cyclic.case:Case", "bearing ambient rig", INPUT),
     fields("cyclic.protocol:cyclic_test", SHORT, TEST),
     fields("cyclic.protocol:CyclicTest", "dt", TEST),
     fields("model.options:ModelOptions", OPTIONS, MODEL),
     fields("cyclic.case:Analysis", "keep_every", RESULT),
+    examples="cyclic --bearing shen-lhdr-specimen --ambient -20 --ambient 23 -o my-run\n"
+    "cyclic --strain 1.75 --wave sine --frequency 0.5 --cycles 11",
+    panel=ANALYSES,
 )
-def cyclic(
+def _cyclic(
     case: Annotated[
         Path | None, typer.Argument(help="Case file; without one, Table 3.4 on the HDR specimen.")
     ],
@@ -47,7 +62,7 @@ def cyclic(
         ),
     ],
     end: Ending,
-) -> int:
+) -> Answer:
     """Displacement-controlled cyclic test of a bearing, heat and hysteresis coupled."""
     from thermobearing.cyclic.case import load_case, make_case
     from thermobearing.cyclic.comparison import compare_models
@@ -65,7 +80,7 @@ def cyclic(
     size = expected_size(whole)
     if size > WORTH_TELLING and not end.quiet:
         typer.echo(f"histories: up to {megabytes(size)} before compression", err=True)
-    result = end.progress(lambda show: run_case(whole, progress=show), "stepping")
+    result = with_progress(lambda show: run_case(whole, progress=show), "stepping", end.quiet)
     if compare and result.outcome == "completed":
         if len(result.cycles) == 0:
             raise InputError("--compare needs a test with cycles")
@@ -73,17 +88,23 @@ def cyclic(
     return end.save(result, target)
 
 
-@command(fields("sequences.case:SequenceCase", "bearing ambient rig"))
-def sequence(
+@command(
+    app,
+    "sequence",
+    fields("sequences.case:SequenceCase", "bearing ambient rig"),
+    examples="sequence case.toml -o sequence",
+    panel=ANALYSES,
+)
+def _sequence(
     case: Annotated[Path, typer.Argument(help="Case file, see docs/files.md.")],
     given: dict[str, Any],
     end: Ending,
-) -> int:
+) -> Answer:
     """Hybrid and cyclic tests and rests, one after the other on one specimen."""
     from thermobearing.sequences.case import load_sequence_case
     from thermobearing.sequences.run import run_sequence
 
     complete = load_sequence_case(case, **given)
     target = end.target(f"sequence-{case.stem}")
-    result = end.progress(lambda show: run_sequence(complete, progress=show), "parts")
+    result = with_progress(lambda show: run_sequence(complete, progress=show), "parts", end.quiet)
     return end.save(result, target)

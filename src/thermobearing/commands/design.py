@@ -7,12 +7,21 @@ from typing import Annotated, Any
 import typer
 
 from thermobearing.border.errors import InputError
-from thermobearing.commands.common import STRUCTURES, Ending, announce_compiling
+from thermobearing.commands.common import (
+    OFFICE,
+    STRUCTURES,
+    Answer,
+    Ending,
+    announce_compiling,
+    app,
+)
 from thermobearing.commands.earthquake import FIXED_BASE
 from thermobearing.commands.options import command, fields, option
 
 
 @command(
+    app,
+    "design",
     fields("earthquake.case:EarthquakeCase", "structure motions", motions="--motion"),
     fields(
         "design.case:DesignCase",
@@ -20,8 +29,10 @@ from thermobearing.commands.options import command, fields, option
         compound="|G8, G10 or G12; G8 by default.",
         compound_kind="--compound-kind --kind|HDR or HDR-S; HDR by default.",
     ),
+    examples="design --motion jra-ii-i-1 --compound G10 -o design",
+    panel=OFFICE,
 )
-def design(
+def _design(
     case: Annotated[
         Path | None, typer.Argument(help="Case file; without one, the bridge of section 6.2.")
     ],
@@ -35,7 +46,7 @@ def design(
         ),
     ],
     end: Ending,
-) -> int:
+) -> Answer:
     """Size isolation bearings: assume a displacement, size, analyse, compare, repeat."""
     from thermobearing.bearing.library import load_bearing
     from thermobearing.design.case import load_design_case, make_design_case
@@ -54,12 +65,13 @@ def design(
     if not end.quiet:
         print_head(complete)
     found = run_design(complete, None if end.quiet else print_round, templates=templates)
-    found.save(target, overwrite=end.overwrite, figures=not end.no_figures)
     outcome = "completed" if found.usable else found.outcome
-    return end.written(outcome, found.sentence, target, found.show)
+    return end.save(found, target, outcome=outcome)
 
 
 @command(
+    app,
+    "bounds",
     fields(
         "earthquake.case:EarthquakeCase",
         "bearings motions structure",
@@ -72,8 +84,10 @@ def design(
         ambient="|Temperatures of the coupled model [degC]; may be repeated.",
         strain="|Shear strain of the bilinear models; 1.75 by default.",
     ),
+    examples="bounds --bearing shen-hdr-bridge --ambient -20",
+    panel=OFFICE,
 )
-def bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> int:
+def _bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> Answer:
     """Is a bounding analysis good enough? Two bilinear bounds against the coupled model."""
     from thermobearing.design.bounds import BEARINGS
     from thermobearing.design.run import run_bounds
@@ -86,6 +100,8 @@ def bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> int:
 
 
 @command(
+    app,
+    "lambda",
     fields(
         "design.run:run_factors",
         "reference temperatures strains period speed",
@@ -96,9 +112,11 @@ def bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> int:
         "bearing's rubber by default.",
         period="|Period of the sine [s], in [0.2, 1000]; 2 by default.",
         speed="|Mean speed [mm/s] instead of the period.",
-    )
+    ),
+    examples="lambda shen-hdr-bridge --strain 1.75 -o factors",
+    panel=OFFICE,
 )
-def lambda_(
+def _lambda(
     bearing: Annotated[
         list[str],
         typer.Argument(help="Name or TOML file; several (a posterior) make bands."),
@@ -112,7 +130,7 @@ def lambda_(
     end: Ending,
     cycles: Annotated[str, option(help="3, 1-3, 2-11, all-but-first, or as 2,3,4.")] = "1-3",
     samples: Annotated[int, option(help="Number of samples of the posterior.")] = 20,
-) -> int:
+) -> Answer:
     """Temperature factors from the coupled model: K_eq, Q_d, K_d, h_eq, energy; and bounds."""
     from thermobearing.bearing.library import load_bearing
     from thermobearing.design.factors import PRESETS

@@ -6,21 +6,23 @@ from typing import Annotated, Any
 import typer
 
 from thermobearing.commands.common import (
+    ANALYSES,
+    FILES,
     INPUT,
     MODEL,
     STRUCTURES,
+    Answer,
     Ending,
     Group,
     Printed,
-    echo_json,
-    exposure_given,
+    app,
+    with_progress,
 )
 from thermobearing.commands.options import (
     COMPARE,
     EXPOSURE,
-    AsJson,
-    add,
     command,
+    exposure_given,
     fields,
     option,
 )
@@ -47,33 +49,44 @@ ANALYSIS = fields(
 )
 
 
-@command(INPUTS, ANALYSIS)
-def bridge(
+@command(
+    app,
+    "bridge",
+    INPUTS,
+    ANALYSIS,
+    examples="bridge --motion jra-ii-i-1 --ambient -20 -o pier",
+    panel=ANALYSES,
+)
+def _bridge(
     case: CaseFile,
     given: dict[str, Any],
     fixed_base: FIXED_BASE,
     exposure: EXPOSURE,
     compare: COMPARE,
     end: Ending,
-) -> int:
+) -> Answer:
     """A bridge pier on isolation bearings in earthquakes, at several temperatures."""
     given |= {"fixed_base": fixed_base or None, "exposure": exposure_given(exposure)}
     return _analyse("bridge", case, given, compare, end)
 
 
 @command(
+    app,
+    "hybrid",
     fields("earthquake.case:Laboratory", "mode delay force_noise seed", LABORATORY),
     INPUTS,
     ANALYSIS,
+    examples="hybrid --mode rt --mode pd --ambient -20 -o hybrid",
+    panel=ANALYSES,
 )
-def hybrid(
+def _hybrid(
     case: CaseFile,
     given: dict[str, Any],
     fixed_base: FIXED_BASE,
     exposure: EXPOSURE,
     compare: COMPARE,
     end: Ending,
-) -> int:
+) -> Answer:
     """A hybrid test, simulated: a specimen in the loop with a calculated pier."""
     from thermobearing.border.schema import overridden
     from thermobearing.earthquake.case import Laboratory
@@ -86,7 +99,7 @@ def hybrid(
 
 def _analyse(
     name: str, path: Path | None, given: dict[str, Any], compare: bool, end: Ending
-) -> int:
+) -> Answer:
     """Read the case, check the target, run, write."""
     from thermobearing.earthquake.analysis import compare_models, refuse_incomparable
     from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
@@ -101,45 +114,47 @@ def _analyse(
         refuse_incomparable(case)
     predicted = case.analysis.method == "predictor-corrector"
     kernel = "predictor.predictor_march" if predicted else STRUCTURES
-    result = end.progress(lambda show: run_earthquake(case, progress=show), "runs", kernel)
+    result = with_progress(
+        lambda show: run_earthquake(case, progress=show), "runs", end.quiet, kernel
+    )
     if compare and result.outcome == "completed":
         result.compared = compare_models(case)
     return end.save(result, target)
 
 
 HELP = "Structures: built in, or drawn and checked before they are shaken."
-app = typer.Typer(cls=Group, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
+structures = typer.Typer(cls=Group, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
+app.add_typer(structures, name="structures", rich_help_panel=FILES)
 
 
-@add(app, "list", "structures list")
-@command()
-def list_(as_json: AsJson) -> int:
+@command(structures, "list", examples="structures list")
+def _list() -> Answer:
     """The built-in structures."""
     from thermobearing.structure.model import list_structures, load_structure
 
     names = list_structures()
     for name in names:
         print(f"{name:15}{load_structure(name).description}", flush=True)
-    if as_json:
-        echo_json({"structures": names})
-    return 0
+    return {"structures": names}
 
 
-@add(app, "show", "structures show pier-p1 -o pier")
 @command(
+    structures,
+    "show",
     fields(
         "structure.result:examine_structure",
         "mass damping",
         mass="|consistent (default) or published.",
         damping="|modal, rayleigh, element, none or source; by default that of the structure.",
-    )
+    ),
+    examples="structures show pier-p1 -o pier",
 )
-def show(
+def _show(
     structure: Annotated[str, typer.Argument(help="Name or TOML file.", metavar="NAME/FILE")],
     given: dict[str, Any],
     fixed_base: FIXED_BASE,
     end: Printed,
-) -> int:
+) -> Answer:
     """Parts, periods, damping and mode shapes; with -o a drawing of the model too."""
     from thermobearing.structure.result import examine_structure
 

@@ -1,23 +1,26 @@
 """Calibrate bearings to tests, and validate them."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from thermobearing.border.errors import InputError, printable
+from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
     BAD_INPUT,
     INPUT,
+    LABORATORY,
     SEARCH,
+    Answer,
     Ending,
     announce_compiling,
-    echo_json,
-    numbers_by_name,
+    app,
+    echo_written,
+    values_by_name,
+    with_progress,
 )
-from thermobearing.commands.options import LIMITS, command, fields, option
+from thermobearing.commands.options import command, fields, option
 
 if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
@@ -26,9 +29,16 @@ if TYPE_CHECKING:
     from thermobearing.validate.result import CrossValidation
 
 TESTS = Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOML sidecars.")]
-
-
-@command(
+LIMITS = Annotated[
+    list[str] | None,
+    option(
+        "--limit",
+        help="Largest relative error of K_eq, h_eq (0.15 each), energy, force, temperature or "
+        "NRMSE, of tests that are not fitted; may be repeated.",
+        metavar="QUANTITY=NUMBER",
+    ),
+]
+FIT_OPTIONS = (
     fields(
         "identify.case:bearing_of",
         "start",
@@ -83,7 +93,16 @@ TESTS = Annotated[list[Path], typer.Argument(help="Tests: CSV files or their TOM
         accept_poor="|Write the bearing of a poor calibration (status 4) unmarked.",
     ),
 )
-def identify(
+
+
+@command(
+    app,
+    "identify",
+    *FIT_OPTIONS,
+    examples="identify cold.csv warm.csv --bearing mine.toml -o fit",
+    panel=LABORATORY,
+)
+def _identify(
     tests: TESTS,
     from_start: Annotated[
         bool, option("--from-start", help="Begin at the bearing's own values.", panel=INPUT)
@@ -92,7 +111,7 @@ def identify(
     check: Annotated[bool, option("--check", help="Only look the tests over; written with -o.")],
     limit: LIMITS,
     end: Ending,
-) -> int:
+) -> Answer:
     """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
     from thermobearing.identify.case import bearing_of
     from thermobearing.identify.records.record import load_test
@@ -114,26 +133,22 @@ def identify(
         )
     target = end.target(f"identify-{records[0].name}")
     records = to_be_treated(records, **treatment)
-    posterior, predict = given.pop("posterior", False), given.pop("ambients", [])
-    if posterior:
+    sampled, predicted = given.pop("posterior", False), given.pop("ambients", [])
+    if sampled:
         need_emcee()
     announce_compiling(end.quiet)
-    assumed = given.pop("assumed", [])
-    given |= {
-        "blind": not from_start,
-        "assumed": numbers_by_name(assumed, "--assumed", "KEY=NUMBER, such as sigma_Y=0.1"),
-    }
+    form = "KEY=NUMBER, such as sigma_Y=0.1"
+    assumed = values_by_name(given.pop("assumed", []), "--assumed", form)
+    given |= {"blind": not from_start, "assumed": assumed}
     if "free" in given:
         given["free"] = [name.strip() for name in ",".join(given["free"]).split(",")]
     if len(records) > len(tests) or "folds" in given or limit:
         given |= {"hold_out": records[len(tests) :], "limits": _limits(limit)}
     found = _fit(records[: len(tests)], bearing, given, end)
     drawn = None
-    if posterior or predict:
-        drawn = _forecast(found, posterior, predict, given.get("seed", 0), end.quiet)
-    found.save(target, overwrite=end.overwrite, figures=not end.no_figures, forecast=drawn)
-    show = lambda: _show(found, drawn)  # noqa: E731
-    return end.written(found.outcome, found.sentence, target, show)
+    if sampled or predicted:
+        drawn = _forecast(found, sampled, predicted, given.get("seed", 0), end.quiet)
+    return end.save(found, target, lambda: _show(found, drawn), forecast=drawn)
 
 
 def _fit(
@@ -146,8 +161,8 @@ def _fit(
 
     if "hold_out" not in given:
         return run_identify(make_identify_case(records, bearing, **given))
-    return end.progress(
-        lambda show: cross_validate(records, bearing, progress=show, **given), "fits"
+    return with_progress(
+        lambda show: cross_validate(records, bearing, progress=show, **given), "fits", end.quiet
     )
 
 
@@ -181,38 +196,40 @@ def _show(found: "Identification | CrossValidation", drawn: Any) -> None:
         found.predict(drawn).show()
 
 
-def _limits(given: Sequence[str] | None) -> dict[str, float]:
-    return numbers_by_name(given or [], "--limit", "QUANTITY=NUMBER, such as K_eq=0.1")
+def _limits(words: list[str] | None) -> dict[str, float]:
+    return values_by_name(words, "--limit", "QUANTITY=NUMBER, such as K_eq=0.1")
 
 
-def _look_over(records: "list[TestRecord]", bearing: "Bearing | None", end: Ending) -> int:
+def _look_over(records: "list[TestRecord]", bearing: "Bearing | None", end: Ending) -> Answer:
     """Print the findings of the tests, without a fit; status 2 if one of them cannot be used."""
     from thermobearing.identify.output import print_checks, save_checks
     from thermobearing.identify.records.checks import check_test
 
     target = end.output
-    if target is None and (end.documents.report or end.documents.workbook):
+    if target is None and end.with_report:
         raise InputError("a look at tests is written where -o says: give -o DIR with --report")
     reports = [check_test(record, bearing) for record in records]
-    made: list[Path] = []
+    documents: list[Path] = []
     if target is not None:
         save_checks(reports, target, overwrite=end.overwrite, figures=not end.no_figures)
-        made = end.documents.write(target)
+        documents = end.documents(target)
     if not end.quiet:
         print_checks(reports)
         if target is not None:
-            where = printable(str(target))
-            typer.echo(", ".join([f"written: {where}", *(file.name for file in made)]))
+            echo_written(target, "".join(f", {file.name}" for file in documents))
     status = BAD_INPUT if any(report.outcome == "refused" for report in reports) else 0
-    if end.as_json:
-        outcomes = {report.record.name: report.outcome for report in reports}
-        last: dict[str, Any] = {"outcome": outcomes, "exit_status": status}
-        echo_json(last if target is None else last | {"output": str(target)})
-    return status
+    outcomes = {report.record.name: report.outcome for report in reports}
+    last: Answer = {"outcome": outcomes, "exit_status": status}
+    return last if target is None else last | {"output": str(target)}
 
 
-@command()
-def validate(
+@command(
+    app,
+    "validate",
+    examples="validate mine.toml other-test.csv --limit energy=0.2",
+    panel=LABORATORY,
+)
+def _validate(
     bearing: Annotated[str, typer.Argument(help="Bearing: a name or a TOML file.")],
     tests: TESTS,
     beside: Annotated[
@@ -225,7 +242,7 @@ def validate(
     ],
     limit: LIMITS,
     end: Ending,
-) -> int:
+) -> Answer:
     """Validate a bearing with tests it was not fitted to; nothing is fitted."""
     from thermobearing.bearing.library import as_bearing
     from thermobearing.validate.run import check_limits, validate_bearing

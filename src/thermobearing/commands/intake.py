@@ -8,12 +8,17 @@ from typing import Annotated
 import typer
 
 from thermobearing.border.errors import printable
-from thermobearing.commands.common import Printed, echo_json
+from thermobearing.commands.common import LABORATORY, Answer, Printed, app, echo_written
 from thermobearing.commands.options import command, option
 
 
-@command()
-def intake(
+@command(
+    app,
+    "intake",
+    examples="intake cold.xlsx warm.csv --bearing mine.toml -o looked",
+    panel=LABORATORY,
+)
+def _intake(
     files: Annotated[
         list[Path],
         typer.Argument(help="Tables of samples (CSV, text, .xlsx), or TOML sidecars."),
@@ -30,7 +35,7 @@ def intake(
         bool, option("--beside", help="Put each sidecar beside its file too; never over one.")
     ],
     end: Printed,
-) -> int:
+) -> Answer:
     """Look at laboratory files: columns, units, blocks, rests, spikes, drift, ambient [degC].
 
     Writes a picture and a TOML sidecar for each file, to be corrected and kept; identify,
@@ -43,12 +48,11 @@ def intake(
     stem = re.sub(r"[^\w.+-]+", "-", files[0].stem)[:80] or "file"
     target = end.target(f"intake-{stem}")
     found = take_in(files, bearing)
-    found.save(target, overwrite=end.overwrite, figures=not end.no_figures, beside=beside)
-    return end.written(found.outcome, "\n".join(found.problems), target, found.show)
+    return end.save(found, target, sentence="\n".join(found.problems), beside=beside)
 
 
-@command()
-def measure(
+@command(app, "measure", examples="measure test.csv --bearing shen-hdr-specimen", panel=LABORATORY)
+def _measure(
     file: Annotated[
         Path, typer.Argument(help="Displacement and force: CSV, text, .xlsx, or a TOML sidecar.")
     ],
@@ -61,7 +65,7 @@ def measure(
         ),
     ],
     end: Printed,
-) -> int:
+) -> Answer:
     """Equivalent modulus, damping and energy of each cycle of a measured history.
 
     For example: `thermobearing measure test.csv --bearing shen-hdr-specimen`. Units come from the
@@ -76,20 +80,20 @@ def measure(
     end.check()
     specimen = load_bearing(bearing)
     found = measured_cycles(file, specimen)
+    last: Answer = {
+        "cycles": [
+            dataclasses.asdict(cycle) | {"ends": ends}
+            for cycle, ends in zip(found.measures, found.ends, strict=True)
+        ],
+        "notes": found.notes,
+    }
     if end.output is not None:
         found.save(end.output, overwrite=end.overwrite, figures=not end.no_figures)
+        last["output"] = str(end.output)
     if not end.quiet:
-        rubber = specimen.total_rubber_thickness
-        show_table(measured_table(found.measures, found.ends, rubber))
+        show_table(measured_table(found.measures, found.ends, specimen.total_rubber_thickness))
         for note in found.notes:
             typer.echo(printable(note))
         if end.output is not None:
-            typer.echo(f"written: {printable(str(end.output))}")
-    if end.as_json:
-        cycles = [
-            dataclasses.asdict(cycle) | {"ends": ends}
-            for cycle, ends in zip(found.measures, found.ends, strict=True)
-        ]
-        last = {"cycles": cycles, "notes": found.notes}
-        echo_json(last if end.output is None else last | {"output": str(end.output)})
-    return 0
+            echo_written(end.output)
+    return last

@@ -5,11 +5,12 @@ from typing import Annotated, Any
 import typer
 
 from thermobearing.border.errors import InputError
-from thermobearing.commands.common import Ending, Group, echo_json
-from thermobearing.commands.options import AsJson, add, command, fields
+from thermobearing.commands.common import FILES, Answer, Ending, Group, app, with_progress
+from thermobearing.commands.options import command, fields
 
 HELP = "Ground motions: built in, read, made to fit a spectrum."
-app = typer.Typer(cls=Group, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
+motions = typer.Typer(cls=Group, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
+app.add_typer(motions, name="motions", rich_help_panel=FILES)
 
 RECORD = Annotated[str, typer.Argument(help="A record, or the name of a built-in motion.")]
 READING = "unit dt component trust_unit"  # what a file does not say
@@ -31,9 +32,8 @@ EXAMINED = fields(
 )
 
 
-@add(app, "list", "motions list")
-@command()
-def list_(as_json: AsJson) -> int:
+@command(motions, "list", examples="motions list")
+def _list() -> Answer:
     """The built-in motions: stand-ins that fit the standard spectra of Level 2."""
     from thermobearing.motions.library import list_motions, load_motion
     from thermobearing.motions.record import MM_S2_PER_GAL
@@ -42,30 +42,28 @@ def list_(as_json: AsJson) -> int:
     for motion in map(load_motion, names):
         size = f"{motion.pga / MM_S2_PER_GAL:5.0f} gal {motion.duration:6.1f} s"
         typer.echo(f"{motion.name:15}{size}  {motion.description}")
-    if as_json:
-        echo_json({"motions": names})
-    return 0
+    return {"motions": names}
 
 
-def _examined(file: str, given: dict[str, Any], command: str = "motions show") -> Any:
-    """Return a look at a record."""
+def _examine(file: str, given: dict[str, Any], end: Ending, command: str) -> Answer:
+    """Print a look at a record, and save it where an output directory is given."""
     from thermobearing.motions.library import load_motion
     from thermobearing.motions.run import examine_motion
 
-    read = {name: given.pop(name) for name in READING.split() if name in given}
-    return examine_motion(load_motion(file, **read), command=command, **given)
-
-
-@add(app, "show", "motions show record.csv --unit gal -o record")
-@command(READ, EXAMINED)
-def show(file: RECORD, given: dict[str, Any], end: Ending) -> int:
-    """Size, duration and ends of a motion; with -o its histories, spectra and figures."""
     end.check()
-    return end.save_if_asked(_examined(file, given))
+    read = {name: given.pop(name) for name in READING.split() if name in given}
+    return end.save_if_asked(examine_motion(load_motion(file, **read), command=command, **given))
 
 
-@add(app, "spectrum", "motions spectrum jra-ii-i-1 --type II --ground I")
+@command(motions, "show", READ, EXAMINED, examples="motions show record.csv --unit gal -o record")
+def _show(file: RECORD, given: dict[str, Any], end: Ending) -> Answer:
+    """Size, duration and ends of a motion; with -o its histories, spectra and figures."""
+    return _examine(file, given, end, "motions show")
+
+
 @command(
+    motions,
+    "spectrum",
     READ,
     EXAMINED,
     fields(
@@ -73,15 +71,16 @@ def show(file: RECORD, given: dict[str, Any], end: Ending) -> int:
         "damping",
         damping="|Ratio of critical damping; 0.05 by default.",
     ),
+    examples="motions spectrum jra-ii-i-1 --type II --ground I",
 )
-def spectrum(file: RECORD, given: dict[str, Any], end: Ending) -> int:
+def _spectrum(file: RECORD, given: dict[str, Any], end: Ending) -> Answer:
     """Response spectrum of a motion, compared with a standard one (5 % damping)."""
-    end.check()
-    return end.save_if_asked(_examined(file, given, "motions spectrum"))
+    return _examine(file, given, end, "motions spectrum")
 
 
-@add(app, "make", "motions make --type II --ground I --seed 7 -o motion")
 @command(
+    motions,
+    "make",
     fields(
         "motions.run:make_motion_case",
         "kind ground seed record dt zone_factor unit component trust_unit",
@@ -94,9 +93,10 @@ def spectrum(file: RECORD, given: dict[str, Any], end: Ending) -> int:
         unit="|Unit of the acceleration, if the file does not say.",
         component="|Name such as NS, or number from 1, if the file holds several.",
         trust_unit="|Accept a size that is implausible for the unit.",
-    )
+    ),
+    examples="motions make --type II --ground I --seed 7 -o motion",
 )
-def make(given: dict[str, Any], end: Ending) -> int:
+def _make(given: dict[str, Any], end: Ending) -> Answer:
     """A motion that fits a standard spectrum: from a seed, or from the phases of a record."""
     from thermobearing.motions.run import make_motion_case, run_motion
 
@@ -106,7 +106,6 @@ def make(given: dict[str, Any], end: Ending) -> int:
         raise InputError("--seed belongs to random phases; --from keeps those of a record")
     case = make_motion_case(given.pop("kind", "II"), given.pop("ground", "I"), **given)
     target = end.target(f"motion-{case.name}")
-    result = end.progress(
-        lambda show: run_motion(case, progress=show), "rounds of the fit, at most"
-    )
+    what = "rounds of the fit, at most"
+    result = with_progress(lambda show: run_motion(case, progress=show), what, end.quiet)
     return end.save(result, target)

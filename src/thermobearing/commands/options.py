@@ -1,6 +1,6 @@
 """Commands made of functions: options from the fields of records and the arguments of functions.
 
-A name, a type, a unit and a sentence are said once, where the record or the function is defined;
+A name, a type, a unit and a sentence are written once, where the record or the function is defined;
 `fields` names them, and help shows them. Records are imported when a command is used, not before,
 so that `thermobearing --help` is quick.
 """
@@ -21,11 +21,12 @@ from thermobearing.commands.common import (
     MODEL,
     REPORT,
     RESULT,
+    Answer,
     Command,
-    Documents,
     Ending,
     Printed,
     reported,
+    values_by_name,
 )
 
 
@@ -39,15 +40,6 @@ Quiet = Annotated[bool, option("-q", "--quiet", help="No progress bar, no tables
 Overwrite = Annotated[
     bool, option("--overwrite", help="Replace an earlier result directory.", panel=RESULT)
 ]
-RESULT_OPTIONS = {
-    "output": Annotated[
-        Path | None, option("-o", "--output", help="Result directory.", panel=RESULT)
-    ],
-    "overwrite": Overwrite,
-    "no_figures": Annotated[bool, option("--no-figures", help="Draw no figures.", panel=RESULT)],
-    "as_json": AsJson,
-    "quiet": Quiet,
-}
 Title = Annotated[
     list[str] | None,
     option(
@@ -63,14 +55,21 @@ Template = Annotated[
     option("--template", help="Markdown that orders the report.", metavar="FILE", panel=REPORT),
 ]
 Workbook = Annotated[bool, option("--xlsx", help="Write report.xlsx.", panel=REPORT)]
+# Fields of `Printed`, and of `Ending` besides.
+RESULT_OPTIONS = {
+    "output": Annotated[
+        Path | None, option("-o", "--output", help="Result directory.", panel=RESULT)
+    ],
+    "overwrite": Overwrite,
+    "no_figures": Annotated[bool, option("--no-figures", help="Draw no figures.", panel=RESULT)],
+    "quiet": Quiet,
+}
 REPORT_OPTIONS = {
     "report": Annotated[bool, option("--report", help="Write report.html and .pdf.", panel=REPORT)],
     "workbook": Workbook,
     "title": Title,
     "template": Template,
 }
-
-
 COMPARE = Annotated[bool, option("--compare", help="Compare with earlier models.", panel=MODEL)]
 EXPOSURE = Annotated[
     list[str] | None,
@@ -82,22 +81,19 @@ EXPOSURE = Annotated[
         panel=MODEL,
     ),
 ]
-LIMITS = Annotated[
-    list[str] | None,
-    option(
-        "--limit",
-        help="Largest relative error of K_eq, h_eq (0.15 each), energy, force, temperature or "
-        "NRMSE, of tests that are not fitted; may be repeated.",
-        metavar="QUANTITY=NUMBER",
-    ),
-]
+
+
+def exposure_given(words: Sequence[str] | None) -> dict[str, Any] | None:
+    """Return the table `exposure` from the words of its option; None without."""
+    form = "a key and a number, such as stiffness=1.3"
+    return values_by_name(words, "--exposure", form, texts=["source"]) or None
 
 
 class Fields(NamedTuple):
     """Options to be made: where they are defined, their names there, the panel of the help."""
 
     place: str
-    names: Sequence[str]
+    names: str
     panel: str | None
     flags: dict[str, str]
 
@@ -105,45 +101,38 @@ class Fields(NamedTuple):
 def fields(place: str, names: str, panel: str | None = None, **flags: str) -> Fields:
     """Return options of a record or a function, such as "cyclic.case:Case", "ambient rig".
 
-    Parameters
-    ----------
-    place : module and name in the package.
-    names : of fields or arguments, with spaces.
-    panel : heading in the help.
-    flags : words, help and metavar of an option where they are others, with lines between:
-        `kind="--type|I or II."`; each may be left out.
+    `place`: module and name in the package; `names`: of fields or arguments, with spaces; `panel`:
+    heading in the help; `flags`: words, help and metavar of an option where they differ, with lines
+    between: `kind="--type|I or II."`; each may be left out.
     """
-    return Fields(place, names.split(), panel, flags)
+    return Fields(place, names, panel, flags)
 
 
-def command(*made: Fields) -> Callable[[Callable[..., int]], Callable[[], None]]:
-    """Make a function a command, for `Lazy`.
+def command(
+    app: typer.Typer, name: str, *made: Fields, examples: str = "", panel: str | None = None
+) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
+    """Add a function to a program as a command, with examples (one a line) at the end of its help.
 
     Its argument `given` takes the values of the options of `made` that were given, by name; an
     argument of the type `Ending` those of where the result goes, of `Printed` without a report.
-    The others are options written by hand.
+    The others are options written by hand. What the function returns is printed with --json; its
+    "exit_status" is that of the command.
     """
 
-    def decorate(function: Callable[..., int]) -> Callable[[], None]:
-        def light() -> None:
+    def _decorate(function: Callable[..., Answer]) -> Callable[..., Answer]:
+        def _light() -> None:
             """Stand in until the command is used."""
 
-        light.__name__, light.__doc__ = function.__name__, function.__doc__
-        light.__dict__["whole"] = lambda: _whole(function, made)
-        return light
+        _light.__doc__ = function.__doc__
+        _light.__dict__["make"] = lambda: _whole(function, made)
+        epilog = "\n\n".join(f"Example: thermobearing {line}" for line in examples.splitlines())
+        app.command(name, cls=_Lazy, rich_help_panel=panel, epilog=epilog)(_light)
+        return function
 
-    return decorate
-
-
-def add(
-    app: typer.Typer, name: str, *examples: str, panel: str | None = None
-) -> Callable[[Callable[[], None]], Callable[[], None]]:
-    """Add a command to a program, with examples at the end of its help."""
-    epilog = "\n\n".join(f"Example: thermobearing {line}" for line in examples)
-    return app.command(name, cls=Lazy, rich_help_panel=panel, epilog=epilog)
+    return _decorate
 
 
-class Lazy(Command):
+class _Lazy(Command):
     """A command whose options are made when it is used."""
 
     @cached_property
@@ -152,7 +141,7 @@ class Lazy(Command):
         app = typer.Typer(
             add_completion=False, rich_markup_mode="markdown", pretty_exceptions_enable=False
         )
-        whole = self.callback.whole()  # type: ignore[union-attr]
+        whole = self.callback.make()  # type: ignore[union-attr]
         app.command(self.name, cls=Command, epilog=self.epilog)(whole)
         return typer.main.get_command(app)
 
@@ -161,26 +150,27 @@ class Lazy(Command):
         return self.whole.make_context(info_name, args, parent, **extra)
 
 
-def _whole(function: Callable[..., int], made: Sequence[Fields]) -> Callable[..., None]:
+def _whole(function: Callable[..., Answer], made: Sequence[Fields]) -> Callable[..., None]:
     """Return the function with all options as its arguments."""
-    options = {name: kind for each in made for name, kind in _made(each)}
+    options = {name: kind for each in made for name, kind in _options_from(each)}
     own = inspect.signature(function).parameters
-    ends = {name: one.annotation for name, one in own.items() if _is_ending(one.annotation)}
     kinds: dict[str, Any] = {}
-    defaults: dict[str, Any] = {}
+    ends: dict[str, tuple[type[Printed], list[str]]] = {}
     for name, one in own.items():
+        kind = one.annotation
         if name == "given":
             kinds |= options
-        elif name in ends:
-            kinds |= RESULT_OPTIONS | (REPORT_OPTIONS if ends[name] is Ending else {})
+        elif isinstance(kind, type) and issubclass(kind, Printed):
+            asked = RESULT_OPTIONS | (REPORT_OPTIONS if kind is Ending else {})
+            ends[name] = (kind, list(asked))
+            kinds |= asked
         else:
-            kinds[name] = one.annotation
-            if one.default is not inspect.Parameter.empty:
-                defaults[name] = one.default
+            kinds[name] = kind
+    kinds["as_json"] = AsJson
 
     @reported
     @functools.wraps(function)
-    def call(**words: Any) -> int:
+    def _call(**words: Any) -> Answer:
         given = {name: words.pop(name) for name in options}
         if "given" in own:
             words["given"] = {
@@ -188,36 +178,29 @@ def _whole(function: Callable[..., int], made: Sequence[Fields]) -> Callable[...
                 for name, value in given.items()
                 if value is not None and value != [] and (value is not False or _two(options[name]))
             }
-        for name, kind in ends.items():
-            asked = {key: words.pop(key) for key in RESULT_OPTIONS}
+        for name, (kind, keys) in ends.items():
+            asked = {key: words.pop(key) for key in keys}
             if kind is Ending:
-                report = {key: words.pop(key) for key in REPORT_OPTIONS}
-                asked["documents"] = Documents(
-                    **{key: value for key, value in report.items() if value},
-                    case=words.get("case"),
-                )
-                asked["documents"].check()
+                asked["case"] = words.get("case")
             words[name] = kind(**asked)
         return function(**words)
 
-    call.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+    def _default_value(name: str) -> Any:
+        """Return the default of the function, else that of the type of the option."""
+        default = own[name].default if name in own else inspect.Parameter.empty
+        return _usual(kinds[name]) if default is inspect.Parameter.empty else default
+
+    _call.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
         [
             inspect.Parameter(
-                name,
-                inspect.Parameter.KEYWORD_ONLY,
-                annotation=kind,
-                default=defaults[name] if name in defaults else _usual(kind),
+                name, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=_default_value(name)
             )
             for name, kind in kinds.items()
         ]
     )
-    call.__annotations__ = dict(kinds)
-    del call.__wrapped__  # type: ignore[attr-defined]
-    return call
-
-
-def _is_ending(kind: Any) -> bool:
-    return isinstance(kind, type) and issubclass(kind, Printed)
+    _call.__annotations__ = dict(kinds)
+    del _call.__wrapped__  # type: ignore[attr-defined]
+    return _call
 
 
 def _usual(kind: Any) -> Any:
@@ -228,16 +211,16 @@ def _usual(kind: Any) -> Any:
 
 
 def _two(kind: Any) -> bool:
-    """Whether an option may have no value; of a switch, whether it can be switched off."""
+    """Return whether an option may have no value; of a switch, whether it can be switched off."""
     return types.NoneType in get_args(get_args(kind)[0])
 
 
-def _made(each: Fields) -> Iterator[tuple[str, Any]]:
+def _options_from(each: Fields) -> Iterator[tuple[str, Any]]:
     """Yield the options of a record or a function as annotations for typer."""
     module, _, name = each.place.partition(":")
     item = getattr(import_module(f"thermobearing.{module}"), name)
     hints = get_type_hints(item, include_extras=True)
-    for key in each.names:
+    for key in each.names.split():
         kind, several, choices, named = _type_of(hints[key])
         flag = "--" + key.replace("_", "-")
         words, said, called, *_ = (*each.flags.get(key, "").split("|"), "", "")
@@ -264,24 +247,19 @@ def _type_of(hint: Any) -> tuple[Any, bool, list[str], bool]:
     leaves: set[Any] = set()
     choices: list[str] = []
     several = False
-
-    def walk(part: Any) -> None:
-        nonlocal several
+    left = [hint]
+    while left:
+        part = left.pop(0)
         origin = get_origin(part)
         if origin is Literal:
-            choices.extend(str(value) for value in get_args(part))
+            choices += map(str, get_args(part))
         elif origin is Annotated:
-            walk(get_args(part)[0])
+            left.insert(0, get_args(part)[0])
         elif origin is not None:
-            several = several or (
-                isinstance(origin, type) and issubclass(origin, Sequence | Mapping)
-            )
-            for inner in get_args(part):
-                walk(inner)
+            several |= isinstance(origin, type) and issubclass(origin, Sequence | Mapping)
+            left[:0] = get_args(part)
         elif isinstance(part, type):
             leaves.add(part)
-
-    walk(hint)
     text = str in leaves or bool(choices)
     kind = next((one for one in (float, int, bool) if one in leaves and not text), str)
     return kind, several, choices, kind is str and bool(leaves - PLAIN)
@@ -290,17 +268,12 @@ def _type_of(hint: Any) -> tuple[Any, bool, list[str], bool]:
 def _default(item: Any, name: str) -> Any:
     """Return the default of a field or an argument; empty for an argument without one."""
     if hasattr(item, "model_fields"):
-        return (
-            item.model_fields[name].get_default()
-            if not item.model_fields[name].is_required()
-            else None
-        )
+        field = item.model_fields[name]
+        return None if field.is_required() else field.get_default()
     return inspect.signature(item).parameters[name].default
 
 
 ENTRY = r"^ *(?:[\w, *]+, )?{}(?:, [\w, *]+)? :(.*(?:\n(?!(?: *[\w, *]+ :| *\n)).*)*)"
-
-
 TYPE = re.compile(r" (str|int|float|bool|mapping|sequence|list|dict|Path|array|[A-Z]\w+)\b[^.;]*$")
 
 
@@ -309,26 +282,21 @@ def _help_of(item: Any, name: str, choices: Sequence[str] = (), default: Any = N
 
     Choices, unit and default are added where the sentence does not have them.
 
-    Examples
-    --------
     >>> from thermobearing.cyclic.protocol import CyclicTest
     >>> _help_of(CyclicTest, "dt", default=0.005)
     'Largest time step while the bearing moves [s], in [1e-6, 10]; 0.005 by default.'
     """
     texts = (inspect.getdoc(one) or "" for one in getattr(item, "__mro__", [item]))
-    found = next(
-        filter(None, (re.search(ENTRY.format(name), t, re.MULTILINE) for t in texts)), None
-    )
+    matches = (re.search(ENTRY.format(name), text, re.MULTILINE) for text in texts)
+    found = next(filter(None, matches), None)
     first, _, rest = found[1].partition("\n") if found else (name.replace("_", " "), "", "")
     said = rest if rest and TYPE.match(first) else f"{first} {rest}"
     text = " ".join(said.split()).rstrip(".")
-    unit = None
-    if hasattr(item, "model_fields"):
+    if hasattr(item, "model_fields") and "[" not in text:
         from thermobearing.border.schema import find_unit
 
         unit = find_unit(item, name)
-    if unit and "[" not in text:
-        text += f" [{unit}]"
+        text += f" [{unit}]" if unit else ""
     if choices and not all(f'"{choice}"' in text for choice in choices):
         text += f": {', '.join(choices[:-1])} or {choices[-1]}"
     usual = isinstance(default, int | float | str) and not isinstance(default, bool)

@@ -6,30 +6,24 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from thermobearing.border.errors import printable
 from thermobearing.commands.common import (
+    ANALYSES,
     ENDED_EARLY,
     INTERRUPTED,
     STRUCTURES,
+    Answer,
     Group,
     Printed,
     announce_compiling,
-    echo_json,
+    app,
+    echo_written,
     megabytes,
     with_progress,
 )
-from thermobearing.commands.options import (
-    AsJson,
-    Overwrite,
-    Quiet,
-    add,
-    command,
-    fields,
-    option,
-)
+from thermobearing.commands.options import Overwrite, Quiet, command, fields, option
 
 if TYPE_CHECKING:
-    from thermobearing.studies.run.status import Forecast, Status
+    from thermobearing.studies.run.status import Status
 
 DIRECTORY = Annotated[Path, typer.Argument(help="Directory of the study.", metavar="DIR")]
 HELP = "Parameter studies: `study STUDY.toml -o DIR` runs or resumes one."
@@ -48,11 +42,13 @@ class _Study(Group):
         return super().parse_args(ctx, args)
 
 
-app = typer.Typer(cls=_Study, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
+studies = typer.Typer(cls=_Study, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
+app.add_typer(studies, name="study", rich_help_panel=ANALYSES)
 
 
-@add(app, RUN, "study run p1.toml -o p1 --jobs 8", "study run p1.toml --dry-run")
 @command(
+    studies,
+    RUN,
     fields(
         "studies.run.engine:run_study",
         "jobs executor address shard",
@@ -61,18 +57,14 @@ app = typer.Typer(cls=_Study, help=HELP, no_args_is_help=True, rich_markup_mode=
         executor="|process (default) or dask.",
         address="|Address of Dask's scheduler, tcp://HOST:8786.",
         shard="|Every n-th part from the i-th, i/n, for batch systems.",
-    )
+    ),
+    examples="study run p1.toml -o p1 --jobs 8\nstudy run p1.toml --dry-run",
 )
-def run(
+def _run(
     study: Annotated[Path, typer.Argument(help="Study file.", metavar="STUDY.toml")],
     output: Annotated[
         Path | None,
-        option(
-            "-o",
-            "--output",
-            help="Directory, new or where this study was begun.",
-            panel=WHERE,
-        ),
+        option("-o", "--output", help="Directory, new or where this study was begun.", panel=WHERE),
     ],
     dry_run: Annotated[
         bool,
@@ -83,9 +75,8 @@ def run(
         ),
     ],
     given: dict[str, Any],
-    as_json: AsJson,
     quiet: Quiet,
-) -> int:
+) -> Answer:
     """Run or resume a study."""
     from thermobearing.studies.definition.case import load_study
     from thermobearing.studies.definition.motions import is_matched
@@ -94,7 +85,7 @@ def run(
     made = load_study(study)
     jobs = given.get("jobs")
     if dry_run:
-        return _show_forecast(made, jobs, as_json, quiet)
+        return _show_forecast(made, jobs, quiet)
     target = output or Path(f"study-{made.name}")
     if is_matched(made):
         check_start(target, **given)
@@ -102,56 +93,51 @@ def run(
     status = with_progress(
         lambda show: run_study(made, target, progress=show, **given), "runs", quiet, STRUCTURES
     )
-    return _ended(status, as_json, quiet, part="shard" in given)
+    return _answer(status, quiet, part="shard" in given)
 
 
-@add(app, "status", "study status p1")
-@command()
-def status_(directory: DIRECTORY, as_json: AsJson) -> int:
+@command(studies, "status", examples="study status p1")
+def _status(directory: DIRECTORY) -> Answer:
     """How far it is, and why runs failed; looks only, whoever is writing there."""
     from thermobearing.studies.run.status import study_status
 
     found = study_status(directory)
     found.show()
-    if as_json:
-        echo_json({"exit_status": 0, "output": str(directory), **found.summary()})
-    return 0
+    return {"exit_status": 0, "output": str(directory), **found.summary()}
 
 
-@add(app, "table", "study table p1 -o p1.csv")
-@command()
-def table(
+@command(studies, "table", examples="study table p1 -o p1.csv")
+def _table(
     directory: DIRECTORY,
     output: Annotated[
         Path | None,
         option("-o", "--output", help="File, .csv or .xlsx; DIR.csv by default.", metavar="FILE"),
     ],
     overwrite: Overwrite,
-    as_json: AsJson,
-) -> int:
+) -> Answer:
     """All runs that are done as one file, a row each."""
     from thermobearing.studies.store import Store, write_table
 
     found = Store(directory).table()
     file = output or Path(f"{directory}.csv")
     write_table(found, file, overwrite=overwrite)
-    typer.echo(f"written: {printable(str(file))} ({len(found)} runs)")
-    if as_json:
-        echo_json({"exit_status": 0, "output": str(file), "runs": len(found)})
-    return 0
+    echo_written(file, f" ({len(found)} runs)")
+    return {"exit_status": 0, "output": str(file), "runs": len(found)}
 
 
-@add(app, "figures", "study figures p1 --hazard site.csv --capacity 4")
 @command(
+    studies,
+    "figures",
     fields(
         "studies.options:Asked",
         "demand capacity hazard weather method failed",
         capacity="|Capacity in the unit of the demand; fragility needs it.",
         hazard="|Hazard curve of the site: a file.",
         weather="|Hourly weather of the site: file or climate.",
-    )
+    ),
+    examples="study figures p1 --hazard site.csv --capacity 4",
 )
-def figures(directory: DIRECTORY, given: dict[str, Any], as_json: AsJson, quiet: Quiet) -> int:
+def _figures(directory: DIRECTORY, given: dict[str, Any], quiet: Quiet) -> Answer:
     """Draw demand, IDA curves, fragility, annual rates and shares of variance into DIR/figures.
 
     The settings are kept in DIR/question.toml; `thermobearing report DIR` uses the same.
@@ -167,20 +153,21 @@ def figures(directory: DIRECTORY, given: dict[str, Any], as_json: AsJson, quiet:
     if not quiet:
         result.show()
         for file in files:
-            typer.echo(f"written: {printable(str(file))}")
-    if as_json:
-        echo_json({"exit_status": 0, **result.summary(), "files": [str(file) for file in files]})
-    return 0
+            echo_written(file)
+    return {"exit_status": 0, **result.summary(), "files": [str(file) for file in files]}
 
 
-@add(app, "worst", "study worst p1")
-@command(fields("studies.options:Asked", "demand"))
-def worst(
+@command(
+    studies,
+    "worst",
+    fields("studies.options:Asked", "demand"),
+    examples="study worst p1",
+)
+def _worst(
     directory: DIRECTORY,
     given: dict[str, Any],
-    as_json: AsJson,
     count: Annotated[int, option(help="How many.", min=1)] = 10,
-) -> int:
+) -> Answer:
     """List the worst runs and one example of each failure mode, with the command to repeat each."""
     from thermobearing.results.screen import say, show_table
     from thermobearing.studies.report import worst_table
@@ -191,18 +178,15 @@ def worst(
     show_table(worst_table(result, table.drop(columns="command")))
     for line in table["command"]:
         say(line)
-    if as_json:
-        echo_json({"exit_status": 0, "runs": table.to_dict("records")})
-    return 0
+    return {"exit_status": 0, "runs": table.to_dict("records")}
 
 
-@add(app, "repeat", "study repeat p1 12 -o p1-run-12")
-@command()
-def repeat(
+@command(studies, "repeat", examples="study repeat p1 12 -o p1-run-12")
+def _repeat(
     directory: DIRECTORY,
     run: Annotated[int, typer.Argument(help="Number of the run.", metavar="RUN", min=0)],
     end: Printed,
-) -> int:
+) -> Answer:
     """Carry out one run of a study again with everything kept, as `bridge` does."""
     from thermobearing.studies.definition.case import load_study
     from thermobearing.studies.run.engine import repeat_run
@@ -228,13 +212,13 @@ def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> An
     )
 
 
-def _show_forecast(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> int:
+def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
     """What a study will cost."""
     from thermobearing.results.screen import print_facts
     from thermobearing.studies.run.status import forecast, say_duration
 
     announce_compiling(quiet, STRUCTURES)
-    found: Forecast = forecast(study, jobs)
+    found = forecast(study, jobs)
     if not quiet:
         size = f"{found.size / 1e3:.0f} kB" if found.size < 1e6 else megabytes(found.size)
         failed = f", {found.failed} of which failed" if found.failed else ""
@@ -249,24 +233,20 @@ def _show_forecast(study: Any, jobs: int | None, as_json: bool, quiet: bool) -> 
         if not found.motions:
             del facts["motions"]
         print_facts(f"{study.name}: nothing is written", facts)
-    if as_json:
-        echo_json(
-            {
-                "outcome": "dry_run",
-                "exit_status": 0,
-                "runs": found.runs,
-                "seconds_a_run": found.seconds,
-                "motions_to_make": found.motions,
-                "seconds_a_motion": found.motion_seconds,
-                "jobs": found.jobs,
-                "seconds": found.whole_seconds,
-                "bytes": found.size,
-            }
-        )
-    return 0
+    return {
+        "outcome": "dry_run",
+        "exit_status": 0,
+        "runs": found.runs,
+        "seconds_a_run": found.seconds,
+        "motions_to_make": found.motions,
+        "seconds_a_motion": found.motion_seconds,
+        "jobs": found.jobs,
+        "seconds": found.whole_seconds,
+        "bytes": found.size,
+    }
 
 
-def _ended(status: "Status", as_json: bool, quiet: bool, *, part: bool) -> int:
+def _answer(status: "Status", quiet: bool, *, part: bool) -> Answer:
     """Say how far a study is and why runs failed; the exit status."""
     codes = {"interrupted": INTERRUPTED, "some_failed": ENDED_EARLY}
     code = codes.get(status.outcome, 0)
@@ -277,6 +257,4 @@ def _ended(status: "Status", as_json: bool, quiet: bool, *, part: bool) -> int:
             status.show(part=part)
         elif code:
             typer.echo(f"thermobearing: {status.sentence}", err=True)
-    if as_json:
-        echo_json({"exit_status": code, "output": str(status.directory), **status.summary()})
-    return code
+    return {"exit_status": code, "output": str(status.directory), **status.summary()}

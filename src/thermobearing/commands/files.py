@@ -1,0 +1,175 @@
+"""What is built in, a look at a file, a new bearing, and reports of results."""
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from thermobearing.commands.common import FILES, REPORT, Answer, app, echo_written, megabytes
+from thermobearing.commands.options import (
+    Overwrite,
+    Quiet,
+    Template,
+    Title,
+    Workbook,
+    command,
+    fields,
+    option,
+)
+
+if TYPE_CHECKING:
+    from thermobearing.bearing.model import Bearing
+
+NOT_MEASURED = {"assumed", "borrowed", "chosen"}  # words in sources
+WORD = re.compile(r"[a-z]+")
+MEASURED = re.compile(r"(?<!not )\bmeasured\b")
+
+
+@command(app, "list", examples="list", panel=FILES)
+def _list() -> Answer:
+    """What is built in."""
+    from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
+    from thermobearing.bearing.compound import list_compounds, load_compound
+    from thermobearing.bearing.library import list_bearings, load_bearing
+    from thermobearing.cyclic.case import RIGS, load_rig
+    from thermobearing.motions.library import list_motions
+    from thermobearing.structure.model import list_structures, load_structure
+
+    for bearing in map(load_bearing, list_bearings()):
+        typer.echo(f"{bearing.name:24}  {bearing.kind:8}  {bearing.description}")
+    for backbone in map(load_bilinear, list_bilinear()):
+        typer.echo(f"{backbone.name:24}  {backbone.kind:8}  {backbone.description}")
+    typer.echo("")
+    for compound in map(load_compound, list_compounds()):
+        typer.echo(f"{compound.name:24}  compound  {compound.description}")
+    typer.echo("")
+    for structure in map(load_structure, list_structures()):
+        typer.echo(f"{structure.name:24}  structure  {structure.description}")
+    for rig in map(load_rig, RIGS.names()):
+        typer.echo(f"{rig.name:24}  rig        {rig.description}")
+    motions = list_motions()
+    typer.echo(f"\n{len(motions)} ground motions, see `thermobearing motions list`")
+    return {
+        "bearings": list_bearings(),
+        "bilinear_bearings": list_bilinear(),
+        "compounds": list_compounds(),
+        "structures": list_structures(),
+        "rigs": RIGS.names(),
+        "motions": motions,
+    }
+
+
+@command(app, "check", examples="check bearing.toml", panel=FILES)
+def _check(
+    file: Annotated[Path, typer.Argument(help="A bearing, a compound, a case, or any other TOML.")],
+) -> Answer:
+    """Validate a file without running it, and say what was understood.
+
+    Numbers that usual bearings do not have are warnings: units, signs. Of a bearing also what its
+    heat cells cost in accuracy, by a short test on it.
+    """
+    from thermobearing.commands.check import cells_facts, check_file
+    from thermobearing.results.screen import print_facts, print_warnings
+
+    kind, facts, warnings = check_file(file)
+    facts |= cells_facts(file) if kind == "bearing" else {}
+    print_facts(f"{file}: a valid {kind}", facts)
+    print_warnings(warnings)
+    return {"outcome": "valid", "kind": kind, "file": str(file), "warnings": warnings}
+
+
+@command(
+    app,
+    "new",
+    fields(
+        "bearing.new:new_bearing",
+        "compound layers shim plan diameter end_plate sealing_plate lead cores confined "
+        "end_spreading",
+    ),
+    examples="new pier-3 --compound natural-rubber --plan 1000x1000mm --layers 20x8mm --shim 3mm "
+    "--lead 180mm",
+    panel=FILES,
+)
+def _new(
+    name: Annotated[str, typer.Argument(help="Name of the new bearing; its file is NAME.toml.")],
+    given: dict[str, Any],
+    output: Annotated[
+        Path | None, option("-o", "--output", help="File to write; NAME.toml by default.")
+    ],
+    overwrite: Overwrite,
+    quiet: Annotated[bool, option("-q", "--quiet", help="Print nothing.")],
+) -> Answer:
+    """Make a bearing from a compound and its sizes, and write it as a TOML file."""
+    from thermobearing.bearing.library import save_bearing
+    from thermobearing.bearing.new import new_bearing
+    from thermobearing.bearing.plausible import implausible
+    from thermobearing.commands.check import bearing_facts
+    from thermobearing.results.screen import print_facts, print_warnings
+
+    bearing = new_bearing(name, **given)
+    target = output or Path(f"{name}.toml")
+    save_bearing(bearing, target, overwrite=overwrite)
+    unmeasured = _not_measured(bearing)
+    if not quiet:
+        facts = bearing_facts(bearing)
+        if "end_plate" not in given:
+            facts["end plates"] += ", assumed: give --end-plate"
+        if unmeasured:
+            facts["not measured"] = _rows(unmeasured)
+        print_facts(f"{target}: a new bearing", facts)
+        print_warnings(implausible(bearing))
+        echo_written(target)
+    last = {"outcome": "completed", "exit_status": 0, "output": str(target)}
+    return last | {"not_measured": unmeasured}
+
+
+def _not_measured(bearing: "Bearing") -> dict[str, str]:
+    """Return numbers that nobody measured on this rubber, by dotted key, with their sources.
+
+    Those that were chosen, assumed or borrowed, and the thermal constants of which the compound's
+    record does not say that they were measured: a fit of a specimen leaves them as they were.
+    """
+    return {
+        key: text
+        for key, text in bearing.sources.items()
+        if (key.startswith("materials.") and not MEASURED.search(text))
+        or NOT_MEASURED & set(WORD.findall(text))
+    }
+
+
+def _rows(unmeasured: dict[str, str]) -> str:
+    """Return a row for each source, the table of its keys written once: "lead.cores, diameter"."""
+    keys_of: dict[str, list[str]] = {}
+    for key, text in unmeasured.items():
+        keys_of.setdefault(text, []).append(key)
+    rows = []
+    for text, keys in keys_of.items():
+        shown, before = [], ""
+        for key in keys:
+            table, _, name = key.rpartition(".")
+            shown.append(name if table == before else key)
+            before = table
+        rows.append(f"{', '.join(shown)}: {text}")
+    return "\n".join(rows)
+
+
+@command(app, "report", examples="report pier --title number=B12-7 --title revision=B", panel=FILES)
+def _report(
+    directory: Annotated[Path, typer.Argument(help="Result directory of any command.")],
+    title: Title,
+    template: Template,
+    no_pdf: Annotated[bool, option("--no-pdf", help="The HTML page alone.", panel=REPORT)],
+    xlsx: Workbook,
+    quiet: Quiet,
+) -> Answer:
+    """Write report.html and report.pdf of a result into its directory; nothing is run again."""
+    from thermobearing.report.title import title_given
+    from thermobearing.reporting import make_report
+
+    block = title_given(title or [])
+    files = make_report(directory, title=block, template=template, pdf=not no_pdf, workbook=xlsx)
+    if not quiet:
+        for file in files:
+            echo_written(file, f" ({megabytes(file.stat().st_size)})")
+    return {"outcome": "completed", "exit_status": 0, "files": [str(file) for file in files]}
