@@ -16,7 +16,7 @@ from thermobearing.core.march import march
 from thermobearing.core.records import rows as records
 from thermobearing.core.types import Books, Constants, Kept, Path, new_state, new_workspace
 from thermobearing.model.constants import build_constants
-from thermobearing.model.stack import Face, build_stack
+from thermobearing.model.stack import EndFace, build_stack
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks, with_shared_cells
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import Line, prepare_structure
@@ -37,7 +37,7 @@ def constants_of(name: str, stiffer: float) -> Constants:
     more = {"layer_stiffness": stiffer * hysteresis.layer_stiffness}
     bearing = bearing.model_copy(update={"hysteresis": hysteresis.model_copy(update=more)})
     stack = build_stack(bearing, half=True)
-    return build_constants(bearing, stack, upper=Face(eta=2.0), lower=None)
+    return build_constants(bearing, stack, upper=EndFace(eta=2.0), lower=None)
 
 
 def cycles(name: str, lane: int) -> tuple[Any, ...]:

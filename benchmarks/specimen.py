@@ -10,7 +10,7 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.core.types import Constants
 from thermobearing.cyclic.history import History, Segment, build_segments, run_segments
 from thermobearing.model.constants import LeadEnds, build_constants
-from thermobearing.model.stack import Face, build_stack
+from thermobearing.model.stack import EndFace, build_stack
 
 NAME = "shen-hdr-specimen"
 AMBIENTS = (-20.0, 0.0, 23.0)  # [degC]
@@ -21,7 +21,7 @@ def specimen_constants(name: str = NAME, lead_ends: LeadEnds = "half-space") -> 
     """Of the half stack, conservative scheme, exact integrator."""
     bearing = tb.load_bearing(name)
     stack = build_stack(bearing, half=True)
-    return build_constants(bearing, stack, upper=Face(eta=ETA), lower=None, lead_ends=lead_ends)
+    return build_constants(bearing, stack, upper=EndFace(eta=ETA), lower=None, lead_ends=lead_ends)
 
 
 def table_34(name: str = NAME) -> list[Segment]:

@@ -14,7 +14,7 @@ from thermobearing.core.types import Floats
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.model.constants import build_constants
-from thermobearing.model.stack import Face, build_stack
+from thermobearing.model.stack import EndFace, build_stack
 from thermobearing.motions.library import load_motion
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import Line, prepare_structure, run_structure
@@ -38,7 +38,7 @@ def one_analysis() -> float:
     """Fastest of some analyses with every step kept [ms]."""
     bearing = tb.load_bearing(BEARING)
     stack = build_stack(bearing, half=True)
-    constants = build_constants(bearing, stack, upper=Face(eta=2.0), lower=None)
+    constants = build_constants(bearing, stack, upper=EndFace(eta=2.0), lower=None)
     prepared = prepare_structure(load_structure(STRUCTURE))
     acceleration = ground()
     line = Line(constants, np.full(len(constants.cells.capacity), AMBIENT))

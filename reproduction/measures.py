@@ -45,8 +45,7 @@ from thermobearing.design.factors import scaled_bearing
 from thermobearing.design.sizing import damping_ratio, load_rubber, shear_modulus
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.element import BearingElement
-from thermobearing.model.options import EndFace
-from thermobearing.model.stack import Stack, build_stack
+from thermobearing.model.stack import EndFace, Stack, build_stack
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.results.metrics import CycleMeasures
 from thermobearing.structure.model import Structure

@@ -46,8 +46,8 @@ from .intake.run import take_in as take_in
 from .loading import load_result as load_result
 from .model.element import BearingElement as BearingElement
 from .model.element import element as element
-from .model.options import EndFace as EndFace
 from .model.options import ModelOptions as ModelOptions
+from .model.stack import EndFace as EndFace
 from .motions.library import list_motions as list_motions
 from .motions.library import load_motion as load_motion
 from .motions.record import GroundMotion as GroundMotion

@@ -20,7 +20,7 @@ from thermobearing.cyclic.equivalent import backbone
 from thermobearing.model.constants import build_constants
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.model.options import ModelOptions, build_model
-from thermobearing.model.stack import Face, build_stack, conservative_rates
+from thermobearing.model.stack import EndFace, build_stack, conservative_rates
 
 HDR, LHDR = tb.load_bearing("shen-hdr-specimen"), tb.load_bearing("shen-lhdr-specimen")
 RUBBER = build_model(HDR).constants.rubber
@@ -213,7 +213,7 @@ def test_bound_of_the_margin_is_on_the_safe_side() -> None:
     assert passed > 0.8 * healthy
 
 
-ETA = Face(eta=2.0)
+ETA = EndFace(eta=2.0)
 STEEL, RUBBER_MATERIAL = HDR.materials.steel, HDR.materials.rubber
 
 
@@ -280,7 +280,7 @@ def test_losses_through_unlike_faces() -> None:
     stack = build_stack(HDR, half=False)
     capacity = stack.heat_capacity
     k, dx = STEEL.conductivity / 1e3, 2.5
-    loss = conservative_rates(stack, Face(eta=2.5), Face(film=20.0)).end_loss * capacity
+    loss = conservative_rates(stack, EndFace(eta=2.5), EndFace(film=20.0)).end_loss * capacity
     assert_allclose(loss[0], 1.5 * k / dx * HDR.area, rtol=tol.LOOP)
     film = 20e-6
     assert_allclose(loss[-1], HDR.area / (1.0 / film + 0.5 * dx / k), rtol=tol.LOOP)

@@ -25,7 +25,8 @@ from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.parameters import parameter_set
 from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.model.earlier import models_that_fit
-from thermobearing.model.options import EndFace, ModelOptions, build_model
+from thermobearing.model.options import ModelOptions, build_model
+from thermobearing.model.stack import EndFace
 
 HDR = "shen-hdr-bridge"
 SHORT = tb.cyclic_test(strain=[1.0], cycles=1, rest=None, dt=0.02)

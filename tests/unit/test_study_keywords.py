@@ -13,7 +13,8 @@ import thermobearing.earthquake.analysis as study
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.case import Keep
 from thermobearing.earthquake.case import EarthquakeAnalysis, EarthquakeCase, Stepping
-from thermobearing.model.options import EndFace, ModelKeywords, ModelOptions
+from thermobearing.model.options import ModelKeywords, ModelOptions
+from thermobearing.model.stack import EndFace
 from thermobearing.structure.model import load_structure
 
 BOTH = [study.bridge, study.hybrid]

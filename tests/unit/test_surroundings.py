@@ -12,8 +12,8 @@ import thermobearing as tb
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
 from thermobearing.earthquake.report import input_tables
 from thermobearing.earthquake.run import build_device
-from thermobearing.model.options import EndFace, ModelOptions, Side, build_model, outdoors
-from thermobearing.model.stack import film_at_face, through_side
+from thermobearing.model.options import ModelOptions, Side, build_model, outdoors
+from thermobearing.model.stack import EndFace, film_at_face, through_side
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import list_targets, moves_warmth
 from thermobearing.studies.options import Question
@@ -106,7 +106,7 @@ def test_a_mass_behind_a_face_is_a_cell(lower: EndFace) -> None:
     assert cells.to_next[0] * cells.capacity[0] == pytest.approx(plate, rel=1e-12)
     if both:
         assert cells.end_loss[-1] * cells.capacity[-1] == pytest.approx(3e-6 * area, rel=1e-9)
-    assert film_at_face(upper.face(), model.stack, 0) == np.inf  # for the plate, held by the mass
+    assert film_at_face(upper, model.stack, 0) == np.inf  # for the plate, held by the mass
     modes = model.constants.lead_modes
     assert np.isfinite(modes["resistance"]).all()
     plain = build_model(bearing, ModelOptions(stack="full")).constants

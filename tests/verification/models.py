@@ -12,7 +12,7 @@ from thermobearing.core.march import march
 from thermobearing.core.records import Floats, Rows, labels, rows
 from thermobearing.core.types import Books, Constants, Kept, Path, new_state, new_workspace
 from thermobearing.model.constants import build_constants
-from thermobearing.model.stack import Face, build_stack
+from thermobearing.model.stack import EndFace, build_stack
 
 
 def specimen() -> Bearing:
@@ -32,12 +32,12 @@ def assembled(
     bearing: Bearing,
     *,
     half: bool = True,
-    upper: Face | None = None,
-    lower: Face | None = None,
+    upper: EndFace | None = None,
+    lower: EndFace | None = None,
     **options: Any,
 ) -> Constants:
     """Constants of a half stack, or of a full one whose faces are alike unless `lower` is given."""
-    upper = upper or Face(eta=2.0)
+    upper = upper or EndFace(eta=2.0)
     lower = None if half else (lower or upper)
     stack = build_stack(bearing, half=half)
     return build_constants(bearing, stack, upper=upper, lower=lower, **options)

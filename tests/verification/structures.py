@@ -8,7 +8,7 @@ import thermobearing as tb
 from thermobearing.core.types import Constants, Floats
 from thermobearing.model.constants import build_constants
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
-from thermobearing.model.stack import Face, build_stack
+from thermobearing.model.stack import EndFace, build_stack
 from thermobearing.motions.library import load_motion
 from thermobearing.structure import run
 from thermobearing.structure.matrices import hinge_stiffness
@@ -35,7 +35,7 @@ def linear_bearing(stiffness: float) -> Constants:
 def real_bearing(name: str, **options: Any) -> Constants:
     bearing = tb.load_bearing(name)
     stack = build_stack(bearing, half=True)
-    return build_constants(bearing, stack, upper=Face(eta=2.0), lower=None, **options)
+    return build_constants(bearing, stack, upper=EndFace(eta=2.0), lower=None, **options)
 
 
 def shaken(

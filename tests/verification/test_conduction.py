@@ -29,7 +29,7 @@ from tests.verification.models import (
 )
 from thermobearing.bearing.model import Bearing, Material
 from thermobearing.core.types import Floats
-from thermobearing.model.stack import Face, build_stack
+from thermobearing.model.stack import EndFace, build_stack
 
 RUBBER = Material(conductivity=0.31, specific_heat=1732.0, density=1146.0)
 STEEL = Material(conductivity=38.76, specific_heat=432.0, density=7740.0)
@@ -38,7 +38,7 @@ B, H = 10.0, 30.0  # mm, as slab() makes them
 SLENDERNESS = 400.0 / 1e4  # perimeter over area of its plan, a square of 100 mm [1/mm]
 FILM = 800.0  # W/(m2 K) at the end face
 SIDE = 30.0  # W/(m2 K)
-ADIABATIC, FIXED = Face(eta=1.0), Face(eta=3.0)
+ADIABATIC, FIXED = EndFace(eta=1.0), EndFace(eta=3.0)
 
 Profile = Callable[[Floats], Floats]
 
@@ -63,12 +63,12 @@ class Mode:
     rubber: Material
     steel: Material
     side_film: float
-    face: Face
+    face: EndFace
     rate: float
     profile: Profile
 
 
-def single_mode(wave: float, face: Face, material: Material, side_film: float) -> Mode:
+def single_mode(wave: float, face: EndFace, material: Material, side_film: float) -> Mode:
     """cos(wave y) in one material, cooled by conduction and through the side."""
     side = side_film * 1e-6 * SLENDERNESS / material.volumetric_heat
     rate = diffusivity(material) * wave**2 + side
@@ -84,7 +84,7 @@ def film_mode() -> Mode:
         0.5 * math.pi / H,
         xtol=1e-16,
     )
-    return single_mode(wave, Face(film=FILM), STEEL, 0.0)
+    return single_mode(wave, EndFace(film=FILM), STEEL, 0.0)
 
 
 def composite_mode() -> Mode:
@@ -147,7 +147,7 @@ def test_decaying_mode_has_order_two_in_space(name: str, measured: Recorder) -> 
 def test_crank_nicolson_has_order_two_in_time(half: bool, measured: Recorder) -> None:
     """Against expm of the same rate matrix, on the specimen's mesh: no error in space."""
     constants = assembled(
-        changed(specimen(), materials={"side_film": SIDE}), half=half, upper=Face(eta=2.0)
+        changed(specimen(), materials={"side_film": SIDE}), half=half, upper=EndFace(eta=2.0)
     )
     n = len(constants.cells.capacity)
     start, ambient, duration = np.random.default_rng(7).uniform(-20.0, 20.0, n), -5.0, 8.0
@@ -194,7 +194,7 @@ def test_steady_composite_fin_has_order_two(measured: Recorder) -> None:
     source, ambient, dt, errors = 2e-4, -20.0, 3.0, []
     for cells in MESHES:
         bearing = slab(rubber=RUBBER, steel=STEEL, side_film=SIDE, cells=cells)
-        constants = assembled(bearing, upper=Face(film=FILM))
+        constants = assembled(bearing, upper=EndFace(film=FILM))
         y = heights(bearing)
         rise = np.asarray((y < B) * (source / RUBBER.volumetric_heat), dtype=np.float64)
         steady = np.asarray(np.linalg.solve(rate_matrix(constants), rise), dtype=np.float64)

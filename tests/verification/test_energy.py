@@ -12,13 +12,13 @@ from tests.conftest import Recorder
 from tests.tolerances import CLOSED_CYCLE, ENERGY_BOOKS, HEAT_BALANCE, NEW_EXTREME, RECIPROCITY
 from tests.verification import models
 from thermobearing.core.types import Constants, Floats
-from thermobearing.model.stack import Face, build_stack
+from thermobearing.model.stack import EndFace, build_stack
 
 START, AMBIENT = -10.0, -20.0  # degC: the bearing also cools, through faces and sides
 FACES = {
-    "eta": (Face(eta=2.0), Face(eta=2.0)),
-    "film": (Face(film=25.0), Face(film=25.0)),
-    "unlike": (Face(eta=3.0), Face(film=5.0)),
+    "eta": (EndFace(eta=2.0), EndFace(eta=2.0)),
+    "film": (EndFace(film=25.0), EndFace(film=25.0)),
+    "unlike": (EndFace(eta=3.0), EndFace(film=5.0)),
 }
 
 
@@ -141,11 +141,11 @@ def test_losses_are_those_of_the_face_and_side_temperatures(half: bool) -> None:
 
 
 AMBIENT_BALANCE = -20.0
-FACES_BALANCE = {"eta": Face(eta=2.0), "fixed": Face(eta=3.0), "film": Face(film=25.0)}
+FACES_BALANCE = {"eta": EndFace(eta=2.0), "fixed": EndFace(eta=3.0), "film": EndFace(film=25.0)}
 
 
 def stack(face: str, half: bool) -> Constants:
-    lower = None if half else Face(film=5.0)
+    lower = None if half else EndFace(film=5.0)
     return models.assembled(models.specimen(), half=half, upper=FACES_BALANCE[face], lower=lower)
 
 
@@ -220,7 +220,9 @@ def test_cooling_is_monotone_for_any_step(face: str, dt: float) -> None:
 def test_a_bearing_at_the_ambient_temperature_stays_there() -> None:
     """Side film, end film and eta all vanish at the ambient: not one bit of drift."""
     bearing = models.changed(models.specimen(), materials={"side_film": 500.0})
-    constants = models.assembled(bearing, half=False, upper=Face(eta=2.0), lower=Face(film=40.0))
+    constants = models.assembled(
+        bearing, half=False, upper=EndFace(eta=2.0), lower=EndFace(film=40.0)
+    )
     still = np.full(len(constants.cells.capacity), AMBIENT_BALANCE)
     change = models.heat_step(constants, still, 0.5, AMBIENT_BALANCE, np.zeros(len(still))).change
     assert not change.any()

@@ -30,7 +30,7 @@ from thermobearing.cyclic.history import room_for
 from thermobearing.model import lead_ends as way
 from thermobearing.model.constants import build_constants
 from thermobearing.model.lead_ends import _core_side, _core_sizes, end_state_at
-from thermobearing.model.stack import Face, build_stack
+from thermobearing.model.stack import EndFace, build_stack
 
 SPECIMEN = "shen-lhdr-specimen"
 
@@ -41,7 +41,7 @@ def constants_of(name: str = SPECIMEN, **lead: object) -> types.Constants:
         changed = bearing.lead.model_copy(update=lead)  # type: ignore[union-attr]
         bearing = bearing.model_copy(update={"lead": changed})
     stack = build_stack(bearing, half=True)
-    return build_constants(bearing, stack, upper=Face(eta=2.0), lower=None)
+    return build_constants(bearing, stack, upper=EndFace(eta=2.0), lower=None)
 
 
 def exact_factor(t_plus: float) -> float:
@@ -309,7 +309,7 @@ def test_few_terms_are_enough(name: str, measured: Recorder) -> None:
 
 
 def still(
-    half: bool, warm: float, dt: float, steps: int, sides: bool = False, **faces: Face
+    half: bool, warm: float, dt: float, steps: int, sides: bool = False, **faces: EndFace
 ) -> Any:
     """A bearing at rest whose lead is warmer than the rest by `warm` [K]; states by time."""
     bearing = touching("shen-lhdr-specimen", sides)

@@ -18,7 +18,7 @@ from thermobearing.core.lead import end_factor
 from thermobearing.core.step import step
 from thermobearing.core.types import Constants, Floats, new_state, new_workspace
 from thermobearing.model.constants import build_constants
-from thermobearing.model.stack import Face, build_stack
+from thermobearing.model.stack import EndFace, build_stack
 
 # Table 4.1 and Fig. 4.2b in SI units, typed again: metres, watts, kilograms.
 K_S, K_R, FILM = 38.76, 0.31, 11.6
@@ -90,7 +90,7 @@ def core_system(constants: Constants, dt: float) -> tuple[Floats, Floats, Floats
 
 
 def published(eta: float) -> Constants:
-    return assembled(specimen(), upper=Face(eta=eta), scheme="published")
+    return assembled(specimen(), upper=EndFace(eta=eta), scheme="published")
 
 
 @pytest.mark.parametrize("dt", [5e-3, 0.1])
@@ -215,7 +215,9 @@ def printed_step(dt: float, t: Floats, lead: float, one_over_f: float) -> tuple[
 def test_one_step_is_the_printed_one(dt: float) -> None:
     bearing = tb.load_bearing("shen-lhdr-specimen")
     stack = build_stack(bearing, half=True)
-    constants = build_constants(bearing, stack, upper=Face(eta=ETA), lower=None, scheme="published")
+    constants = build_constants(
+        bearing, stack, upper=EndFace(eta=ETA), lower=None, scheme="published"
+    )
     rng = np.random.default_rng(5)
     cells, lead = rng.uniform(-20.0, 30.0, 29), 60.0
     state, new = new_state(constants, cells, lead), new_state(constants, cells, lead)

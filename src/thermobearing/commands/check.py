@@ -52,14 +52,6 @@ SHIPPED = "data of the package"  # read key by key
 LIBRARIES = {"bearings", "bilinear", "compounds", "rigs", "structures", "studies"}  # of things
 
 
-def _data_facts(kind: str, path: Path) -> dict[str, str]:
-    """What a data file holds."""
-    table, _ = split_sources(read_toml(path))
-    if kind in DATA:
-        validated(DATA[kind][1], table, str(path))
-    return {"entries": ", ".join(str(key) for key in table if key != "citation")}
-
-
 # Keys that files of one kind alone have, to tell files that do not say what they are.
 DESIGNS = set(DesignCase.model_fields) - set(EarthquakeCase.model_fields)
 DESIGNS -= set(Sidecar.model_fields)
@@ -84,8 +76,11 @@ def check_file(path: Path) -> Checked:
     """
     table, _ = split_sources(read_toml(path))
     kind = find_kind(table, path)
-    if kind not in KINDS:
-        return Checked(kind, _data_facts(kind, path), [])
+    if kind not in KINDS:  # data of the package
+        if kind in DATA:
+            validated(DATA[kind][1], table, str(path))
+        entries = ", ".join(str(key) for key in table if key != "citation")
+        return Checked(kind, {"entries": entries}, [])
     load, facts, parts = KINDS[kind]
     thing = load(path)
     found = parts(thing)
@@ -129,7 +124,6 @@ def find_kind(table: dict[str, Any], path: Path) -> str:
 
 
 def _case_facts(case: Case) -> dict[str, str]:
-    """What a cyclic test would do."""
     segments = build_segments(case.test, case.bearing.total_rubber_thickness)
     time = sum(float(segment.dt.sum()) for segment in segments)
     steps = sum(len(segment.x) for segment in segments)
@@ -145,7 +139,6 @@ def _case_facts(case: Case) -> dict[str, str]:
 
 
 def _design_facts(case: DesignCase) -> dict[str, str]:
-    """What a design loop would begin with."""
     loads = [
         f"{bearing_weight(case, group):.0f} kN a bearing{' of ' if group.name else ''}{group.name}"
         for group in case.groups
@@ -161,7 +154,6 @@ def _design_facts(case: DesignCase) -> dict[str, str]:
 
 
 def _record_facts(record: TestRecord) -> dict[str, str]:
-    """What a test record holds."""
     return {
         "name": record.name,
         "bearing": record.bearing or "not named",
@@ -195,7 +187,6 @@ def cells_facts(path: Path) -> dict[str, str]:
 
 
 def _earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
-    """What an analysis would run."""
     climates = case.weather or ", ".join(f"{value:g} degC" for value in case.ambient)
     count = len(case.bearings) * len(case.motions) * (1 if case.weather else len(case.ambient))
     return {
@@ -209,7 +200,6 @@ def _earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
 
 
 def _study_facts(study: Study) -> dict[str, str]:
-    """What a study would run."""
     facts = {"design": study.design.kind, "runs": str(len(plan(with_stand_ins(study))))}
     for column in list_columns(study):
         said = f"{len(column.levels)} levels"
@@ -225,7 +215,6 @@ def _study_facts(study: Study) -> dict[str, str]:
 
 
 def _sequence_facts(case: SequenceCase) -> dict[str, str]:
-    """What a sequence would do."""
     return {
         "bearing": f"{case.bearing.name} ({case.bearing.description})",
         "ambient": f"{case.ambient:g} degC",
@@ -249,7 +238,6 @@ def _structure_facts(structure: Structure, damping: DampingKind | None = None) -
 
 
 def _bilinear_facts(bearing: BilinearBearing) -> dict[str, str]:
-    """The backbone."""
     return {
         "name": bearing.name,
         "description": bearing.description,
@@ -305,11 +293,9 @@ def _tested(tested: Validity | None) -> str:
     """What a bearing or a compound was tested at."""
     if tested is None:
         return "range not given (tested_range)"
-    ranges = tested.ranges()
+    shown = [(*TESTED[name][1:4], *ends) for name, ends in tested.ranges().items()]
     return ", ".join(
-        f"{TESTED[name][1]} {TESTED[name][2] * low:g} to {TESTED[name][2] * high:g}"
-        f"{TESTED[name][3]}"
-        for name, (low, high) in ranges.items()
+        f"{what} {k * low:g} to {k * high:g}{unit}" for what, k, unit, low, high in shown
     )
 
 
@@ -323,7 +309,6 @@ def _range(law: TemperatureLaw | None) -> str:
 
 
 def _rig_facts(rig: Rig) -> dict[str, str]:
-    """Limits of a rig."""
     limits = {name: getattr(rig, name) for name in LIMITS}
     said = {name: f"{v:g} {LIMITS[name][0]}" for name, v in limits.items() if v is not None}
     return {"name": rig.name, "description": rig.description, **said}

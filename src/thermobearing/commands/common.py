@@ -175,10 +175,10 @@ class Printed:
         files = [file for file in target.rglob("*") if file.is_file()]
         if not self.quiet:
             size = megabytes(sum(file.stat().st_size for file in files))
-            echo_written(target, f" ({size}){''.join(f'; {file.name}' for file in made)}")
-        names = sorted(str(file.relative_to(target)) for file in files)
+            names = "; " + ", ".join(file.name for file in made) if made else ""
+            echo_written(target, f" ({size}){names}")
         last = {"outcome": outcome, "exit_status": status, "output": str(target)}
-        return last | {"files": names}
+        return last | {"files": sorted(str(file.relative_to(target)) for file in files)}
 
     def save_if_asked(self, result: Any) -> Answer:
         """Print a result, and save it where an output directory is given."""

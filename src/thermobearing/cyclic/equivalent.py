@@ -18,7 +18,8 @@ from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import cyclic_test
 from thermobearing.model.earlier import BilinearParameters, isothermal
-from thermobearing.model.options import EndFace, ModelOptions, build_model
+from thermobearing.model.options import ModelOptions, build_model
+from thermobearing.model.stack import EndFace
 from thermobearing.results.metrics import CycleMeasures, measure_cycle
 
 DESIGN_STRAIN = 1.75  # usual in Japanese qualification tests

@@ -43,7 +43,6 @@ from thermobearing.model.handover import (
     OF_LOOPS,
     PREFIX,
     SpecimenState,
-    memory_attributes,
     memory_dimension,
     specimen_state,
     state_memory,
@@ -108,8 +107,8 @@ def _labelled_ends(
     for key, dimension in dims.items():
         parts = [np.atleast_1d(end.get(key, np.nan)) for end in ends]
         whole = padded(parts, (max(len(part) for part in parts),), float)
-        own = (key, quantity(key).attributes) if key not in memory else ()
-        name, about = own or (PREFIX + key, memory_attributes(key))
+        name = PREFIX + key if key in memory else key
+        about = quantity(name).attributes
         if dimension is None:
             data[name] = (("run",), whole[:, 0], about)
         elif whole.size:

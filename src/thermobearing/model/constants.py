@@ -25,7 +25,7 @@ from thermobearing.model.lead_ends import half_space, lead_network
 from thermobearing.model.outcomes import limits_of_a_step
 from thermobearing.model.stack import (
     MM_PER_M,
-    Face,
+    EndFace,
     Scheme,
     Stack,
     conservative_rates,
@@ -116,8 +116,8 @@ def build_constants(
     bearing: Bearing,
     stack: Stack,
     *,
-    upper: Face,
-    lower: Face | None,
+    upper: EndFace,
+    lower: EndFace | None,
     scheme: Scheme = "conservative",
     integrator: Integrator = "exact",
     heat_source: HeatSource = "work",

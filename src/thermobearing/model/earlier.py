@@ -127,14 +127,6 @@ def _one_cell(layers: int) -> Rows[LayerCells]:
     return filled(LayerCells, first=np.zeros(layers), last=1, upper_middle=0, lower_middle=0)
 
 
-def _lead_alone(constants: Constants) -> Constants:
-    """Only the lead warms up, against steel and rubber at ambient temperature.
-
-    Kalpakidis & Constantinou (2009), Eq. 2.7-2.9.
-    """
-    return isothermal(constants)
-
-
 def _temperature_blind(constants: Constants) -> Constants:
     """Bouc-Wen with the stiffness of the reference temperature, whatever the weather.
 
@@ -165,10 +157,7 @@ def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
 
 
 def bilinear_constants(parameters: BilinearParameters) -> Constants:
-    """A bilinear bearing that is nothing else: one layer, one cell that never warms.
-
-    Return of the coupled step.
-    """
+    """Return constants of a bilinear bearing alone: one layer, one cell that never warms."""
     return Constants(
         law=no_table(),
         rubber=_backbone_rubber(1.0, parameters),
@@ -264,8 +253,8 @@ def apply_model(
         return _lumped(constants, stack)
     if model == "single-temperature":
         return _lumped_with_losses(constants, bearing, stack)
-    if model == "lead-alone":
-        return _lead_alone(constants)
+    if model == "lead-alone":  # Kalpakidis & Constantinou (2009), Eq. 2.7-2.9
+        return isothermal(constants)
     if model == "temperature-blind":
         return _temperature_blind(constants)
     if model == "bilinear" and backbone is not None:

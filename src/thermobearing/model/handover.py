@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, find_unit, in_unit
+from thermobearing.border.schema import Strict, in_unit
 from thermobearing.core.records import Floats
 from thermobearing.core.types import DEPTH, NEVER_MOVED, Constants, State, new_state
 
@@ -44,17 +44,7 @@ BRANCHES = {
     "moving_for": "clock",
     "resting_for": "idle",
 }
-BOOKS = {
-    name: name
-    for name in (
-        "displacement",
-        "force",
-        "rubber_force",
-        "lead_force",
-        "viscous_force",
-        "recoverable",
-    )
-}
+BOOKS = ("displacement", "force", "rubber_force", "lead_force", "viscous_force", "recoverable")
 # Turning points of each layer, the newest first, filled up with zeros; where small loops close.
 TURNS = {"turn_displacement": "d", "turn_hysteretic": "z"}
 COUNT = "layer_turns"
@@ -62,27 +52,6 @@ ENDS = "lead_terms"
 MEMORY = (*LAYERS, *BRANCHES, *BOOKS, ENDS)
 OF_LOOPS = (COUNT, *TURNS)
 PREFIX = "state_"  # of the variables in a dataset
-MEANINGS = {
-    "layer_displacement": "shear displacement of each modelled rubber layer at the end",
-    "layer_hysteretic": "Z of each modelled rubber layer at the end",
-    "layer_stored": "recoverable energy of one layer at the end",
-    "layer_farthest": "largest displacement so far, virgin rubber",
-    "layer_virgin": "share of the virgin stiffness that is left",
-    "core_force": "force of one lead core at the end",
-    "maxwell_force": "force of the rate-dependent branch at the end",
-    "moving_for": "time since the motion began, clock of Eq. 5.6",
-    "resting_for": "time since the motion stopped; 1e30 if it never began",
-    "displacement": "displacement of the bearing at the end",
-    "force": "force of the bearing at the end",
-    "rubber_force": "share of the rubber in it",
-    "lead_force": "share of the lead cores in it",
-    "viscous_force": "share of the rate-dependent branch in it",
-    "recoverable": "recoverable energy at the end",
-    COUNT: "turning points that the layer remembers",
-    "turn_displacement": f"where they are, the newest first, {DEPTH} of each layer",
-    "turn_hysteretic": "Z there",
-    ENDS: "excess temperatures of the terms of what leads heat out of the lead",
-}
 
 
 class SpecimenState(Strict):
@@ -165,7 +134,7 @@ def state_memory(state: State) -> dict[str, Any]:
     """What a state remembers beside its temperatures, by key of `SpecimenState`."""
     found: dict[str, Any] = {key: state.layers[name].copy() for key, name in LAYERS.items()}
     found |= {key: float(state.branches[name][0]) for key, name in BRANCHES.items()}
-    found |= {key: float(state.books[name][0]) for key, name in BOOKS.items()}
+    found |= {name: float(state.books[name][0]) for name in BOOKS}
     if state.turns.shape[1]:
         found[COUNT] = state.layers["turns"].astype(int)
         used = np.arange(DEPTH) < found[COUNT][:, np.newaxis]
@@ -200,8 +169,8 @@ def begun_from(given: SpecimenState, constants: Constants, lead: float | None = 
             state.layers[name] = getattr(given, key)
         for key, name in BRANCHES.items():
             state.branches[name] = getattr(given, key)
-        for key, name in BOOKS.items():
-            state.books[name] = getattr(given, key)
+        for name in BOOKS:
+            state.books[name] = getattr(given, name)
         state.ends[:] = given.lead_terms
         state.layers["heading"] = np.sign(state.layers["z"])  # as after a first loading
     if given.layer_turns is not None and constants.rubber.closed_loops:
@@ -221,7 +190,8 @@ def misfit(given: SpecimenState, constants: Constants) -> str:
     layer_count = len(constants.multiplicity)
     counts = [("temperatures", "cells", len(given.temperature), len(constants.cells.capacity))]
     if given.whole:
-        layers = [("layers", "modelled layers", n, layer_count) for n in sizes(given)]
+        sizes = [len(getattr(given, key)) for key in LAYERS]
+        layers = [("layers", "modelled layers", size, layer_count) for size in sizes]
         terms = len(given.lead_terms or [])
         counts += [*layers, ("lead_terms", "terms of lead", terms, len(constants.lead_modes))]
     if given.layer_turns is not None:
@@ -246,18 +216,8 @@ def misfit(given: SpecimenState, constants: Constants) -> str:
     return ""
 
 
-def sizes(given: SpecimenState) -> list[int]:
-    """How many layers each list of a whole state has."""
-    return [len(getattr(given, key)) for key in LAYERS]
-
-
 def memory_dimension(key: str) -> str | None:
     """The dimension of a part of the memory in a dataset; None for a single number."""
     if key in TURNS:
         return "turn"
     return "layer" if key in LAYERS or key == COUNT else "lead_term" if key == ENDS else None
-
-
-def memory_attributes(key: str) -> dict[str, str]:
-    """Unit and meaning of a part of the memory, for a dataset."""
-    return {"units": find_unit(SpecimenState, key) or "1", "long_name": MEANINGS[key]}

@@ -28,7 +28,7 @@ import numpy as np
 from thermobearing.bearing.model import Bearing, Material
 from thermobearing.core.records import Floats, Rows, filled, rows
 from thermobearing.core.types import Constants, LeadCell, Mode
-from thermobearing.model.stack import MM_PER_M, Face, Stack, film_at_face
+from thermobearing.model.stack import MM_PER_M, EndFace, Stack, film_at_face
 
 RADIAL = 400  # modes of a disc on a plate
 AXIAL = 200  # modes of a core
@@ -353,7 +353,7 @@ def longest_rest_step(constants: Constants) -> float:
     return float(resistance[:2].sum() / per_step[:2].sum() / STEPS_OF_LEAD)
 
 
-def lead_network(bearing: Bearing, stack: Stack, upper: Face, lower: Face | None) -> Network:
+def lead_network(bearing: Bearing, stack: Stack, upper: EndFace, lower: EndFace | None) -> Network:
     """Ports of the lead cores of a bearing.
 
     `upper`, `lower`: heat exchange of the end faces; `lower` is None for a half stack.

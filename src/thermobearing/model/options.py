@@ -31,45 +31,12 @@ from thermobearing.model.earlier import (
     needs_full_stack,
 )
 from thermobearing.model.earlier import Model as ModelName
-from thermobearing.model.stack import Face, Scheme, Stack, build_stack, through_side
+from thermobearing.model.stack import EndFace, Scheme, Stack, build_stack, through_side
 
 Stacked = Literal["auto", "half", "full"]
 WITH_LEAD_ENDS = ("multi-layer", "temperature-blind")  # the others have the formula of Eq. 5.5
 WITH_CLOCK = (*WITH_LEAD_ENDS, "lead-alone")  # in the others lead passes no heat, or at once
 DEFAULT_ETA = 2.0  # Shen (2023) uses a "middle" value between 1 and 3 (Eq. 4.15)
-
-
-class EndFace(Strict):
-    """How one end face passes heat: by `eta` or by a film coefficient.
-
-    Attributes
-    ----------
-    eta : factor of Eq. 4.15, in [1, 3]: 1 is adiabatic, 3 holds the face at ambient.
-    film : film coefficient [W/(m^2 K)], in [0, 1e5].
-    heat_capacity : of the girder or pier top behind the face, per area of the face [kJ/(m^2 K)],
-        in (0, 1e6]; the film is then between it and the air. None for nothing behind the face.
-
-    Examples
-    --------
-    >>> EndFace(eta=1.0).film is None
-    True
-    """
-
-    eta: Annotated[float, Field(ge=1, le=3)] | None = None
-    film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0, le=1e5)] | None = None
-    heat_capacity: Annotated[float, in_unit("kJ/(m^2 K)"), Field(gt=0, le=1e6)] | None = None
-
-    @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        if ("eta" in given) == ("film" in given):
-            return ["give either eta (1 adiabatic to 3 at ambient) or film"]
-        if "eta" in given and "heat_capacity" in given:
-            return ["heat_capacity goes with film, not with eta"]
-        return []
-
-    def face(self) -> Face:
-        """The same, for the stack."""
-        return Face(eta=self.eta, film=self.film, heat_capacity=self.heat_capacity or 0.0)
 
 
 class Side(Strict):
@@ -293,8 +260,8 @@ def build_model(
     constants = build_constants(
         bearing,
         stack,
-        upper=options.upper_face.face(),
-        lower=None if options.half else options.lower_face.face(),
+        upper=options.upper_face,
+        lower=None if options.half else options.lower_face,
         scheme=options.scheme,
         integrator=options.integrator,
         heat_source=options.heat_source or default_heat_source(bearing),

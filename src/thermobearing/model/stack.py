@@ -9,15 +9,16 @@ Two schemes give the rates at which cells exchange heat (specification, section 
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from thermobearing.bearing.model import Bearing, Material
-from thermobearing.border.errors import InputError
+from thermobearing.border.schema import Strict, in_unit
+from thermobearing.core.records import Floats
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Scheme = Literal["conservative", "published"]
 OUTSIDE_LEAD = ("end_plate", "mass")  # parts that lead cores do not pass through
@@ -28,27 +29,34 @@ LUMP = 1e-6  # thickness of the cell that stands for what is behind a face [mm]
 FACE_HELD = 1e-9  # of the resistance to the middle of the outer cell: less lies beyond the face
 
 
-@dataclass(frozen=True)
-class Face:
-    """Heat exchange of one end face with the ambient: eta_B (Eq. 4.15) or a film coefficient.
+class EndFace(Strict):
+    """How one end face passes heat: by `eta` or by a film coefficient.
 
-    `eta` lies in [1, 3]: 1 adiabatic, 3 face at ambient temperature. It is tied to the cell
-    size (its conductance is (eta - 1) k / dx); a film coefficient [W/(m2 K)] is not.
-    `heat_capacity` [kJ/(m2 K)] is that of what stands behind the face (girder, pier top), which
-    touches the face and exchanges heat with the air through the film; 0 for nothing.
+    Attributes
+    ----------
+    eta : factor eta_B of Eq. 4.15, in [1, 3]: 1 is adiabatic, 3 holds the face at ambient. It is
+        tied to the cell size: its conductance is (eta - 1) k / dx.
+    film : film coefficient [W/(m^2 K)], in [0, 1e5]; independent of the cell size.
+    heat_capacity : of the girder or pier top behind the face, per area of the face [kJ/(m^2 K)],
+        in (0, 1e6]; the film is then between it and the air. None for nothing behind the face.
+
+    Examples
+    --------
+    >>> EndFace(eta=1.0).film is None
+    True
     """
 
-    eta: float | None = None
-    film: float | None = None
-    heat_capacity: float = 0.0
+    eta: Annotated[float, Field(ge=1, le=3)] | None = None
+    film: Annotated[float, in_unit("W/(m^2 K)"), Field(ge=0, le=1e5)] | None = None
+    heat_capacity: Annotated[float, in_unit("kJ/(m^2 K)"), Field(gt=0, le=1e6)] | None = None
 
-    def __post_init__(self) -> None:
-        if (self.eta is None) == (self.film is None):
-            raise InputError("an end face takes either eta (1 to 3) or a film coefficient")
-        if self.eta is not None and not 1.0 <= self.eta <= 3.0:
-            raise InputError(f"eta = {self.eta}: must be between 1 (adiabatic) and 3 (ambient)")
-        if self.film is not None and not 0.0 <= self.film < np.inf:
-            raise InputError(f"film = {self.film} W/(m2 K): must be zero or more, and finite")
+    @classmethod
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
+        if ("eta" in given) == ("film" in given):
+            return ["give either eta (1 adiabatic to 3 at ambient) or film"]
+        if "eta" in given and "heat_capacity" in given:
+            return ["heat_capacity goes with film, not with eta"]
+        return []
 
 
 @dataclass(frozen=True)
@@ -219,7 +227,7 @@ class Rates:
     side_implicit: bool
 
 
-def _end_conductance(face: Face, conductivity: float, thickness: float) -> float:
+def _end_conductance(face: EndFace, conductivity: float, thickness: float) -> float:
     """Conductance per area from the outermost cell centre to the ambient [kN/(s mm K)]."""
     if face.eta is not None:
         return (face.eta - 1.0) * conductivity / thickness
@@ -227,9 +235,9 @@ def _end_conductance(face: Face, conductivity: float, thickness: float) -> float
     return film / (1.0 + 0.5 * film * thickness / conductivity)
 
 
-def film_at_face(face: Face, stack: Stack, cell: int) -> float:
+def film_at_face(face: EndFace, stack: Stack, cell: int) -> float:
     """Film at the face itself [kN/(s mm K)], without half the outer cell: 0 to inf."""
-    if face.heat_capacity > 0.0:
+    if face.heat_capacity:
         return float("inf")
     k, thickness = stack.conductivity[cell], stack.thickness[cell]
     to_middle = _end_conductance(face, k, thickness)
@@ -237,7 +245,7 @@ def film_at_face(face: Face, stack: Stack, cell: int) -> float:
     return to_middle / beyond if beyond > FACE_HELD else float("inf")
 
 
-def _end_losses(stack: Stack, upper: Face, lower: Face | None, capacity: Floats) -> Floats:
+def _end_losses(stack: Stack, upper: EndFace, lower: EndFace | None, capacity: Floats) -> Floats:
     """Rates of loss through the end faces; none through the symmetry plane (lower None)."""
     loss = np.zeros(len(capacity))
     for i, face in ((0, upper), (-1, lower)):
@@ -247,7 +255,7 @@ def _end_losses(stack: Stack, upper: Face, lower: Face | None, capacity: Floats)
     return loss
 
 
-def conservative_rates(stack: Stack, upper: Face, lower: Face | None) -> Rates:
+def conservative_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> Rates:
     """Finite-volume balance: what leaves one cell enters the next."""
     resistance = 0.5 * stack.thickness / stack.conductivity
     face_area = np.minimum(stack.area[:-1], stack.area[1:])
@@ -263,7 +271,7 @@ def conservative_rates(stack: Stack, upper: Face, lower: Face | None) -> Rates:
     )
 
 
-def published_rates(stack: Stack, upper: Face, lower: Face | None) -> Rates:
+def published_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> Rates:
     """The printed coefficients, Eq. 4.23-4.31, with their departures P1 and P2.
 
     2 beta/dt of Shen (2023) is `diffusion` here. A shim of one cell receives twice the flux
