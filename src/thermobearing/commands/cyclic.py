@@ -37,7 +37,14 @@ SHORT = "strain cycles wave speed frequency period rest"  # of a test in a few w
 @command(
     app,
     "cyclic",
-    fields("cyclic.case:Case", "bearing ambient rig", INPUT),
+    fields(
+        "cyclic.case:Case",
+        "bearing ambient rig",
+        INPUT,
+        bearing="|What is tested: a library name or a TOML file.",
+        ambient="|Ambient temperatures [degC], in [-100, 100]; each is a run; may be repeated.",
+        rig="|Limits of a test rig, its name or file; a warning says which a run exceeds.",
+    ),
     fields("cyclic.protocol:cyclic_test", SHORT, TEST),
     fields("cyclic.protocol:CyclicTest", "dt", TEST),
     fields("model.options:ModelOptions", OPTIONS, MODEL),
