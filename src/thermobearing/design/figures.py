@@ -1,5 +1,6 @@
 """What a designer looks at: rounds of the loop, bounds, temperature factors, the size effect."""
 
+import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -171,12 +172,8 @@ class FactorFigures(drawing.Figures):
 def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
     """Draw bars between the bounds, dots of the coupled model: a dot above its bar is unsafe."""
     table = least_safe(table)
-    names = [str(name) for name in table.columns]
-    temperatures = [
-        float(name.split("_")[1])
-        for name in names
-        if name.startswith("coupled_") and name.endswith("_degC") and name != "coupled_at_degC"
-    ]
+    ends = (re.fullmatch(r"coupled_(.*\d)_degC", str(name)) for name in table.columns)
+    temperatures = [float(end[1]) for end in ends if end]
     colours = drawing.ambient_colours(np.array(temperatures))
     motions = list(dict.fromkeys(table["motion"]))
     wide = max(4.4, 0.5 * len(motions) + 1.2)

@@ -181,10 +181,8 @@ def _ended(
             f"{one.difference:+.0%}: assumed {one.assumed:.0f}, found {one.found:.0f} mm."
             for one in far
         ]
-        tried = (
-            "Try thinner layers (the size jumps by whole layers), more rounds, or a larger "
-            "tolerance."
-        )
+        tried = "Try thinner layers (the size jumps by whole layers), more rounds, or a larger "
+        tried += "tolerance."
         return "not_converged", " ".join([*said, tried]), last
     return "", "", last
 

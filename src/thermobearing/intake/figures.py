@@ -28,11 +28,8 @@ class IntakeFigures(drawing.Figures):
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return what draws each picture, by name of its file."""
-        found = self._result
-        return {
-            name: partial(draw_intake, item)
-            for name, item in zip(found.names, found.files, strict=True)
-        }
+        pairs = zip(self._result.names, self._result.files, strict=True)
+        return {name: partial(draw_intake, item) for name, item in pairs}
 
 
 def draw_intake(found: Intake) -> Figure:

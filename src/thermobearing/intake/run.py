@@ -96,11 +96,7 @@ class Intake:
         """Content of summary.json about the file."""
         return {
             "file": str(self.file),
-            "sheet": self.sheet,
-            "separator": self.separator,
-            "decimal": self.decimal,
-            "rows": self.rows,
-            "blocks": self.blocks,
+            **{k: getattr(self, k) for k in ("sheet", "separator", "decimal", "rows", "blocks")},
             "ambient_degC": self.record.ambient,
             "columns": [vars(column) for column in self.columns],
             "unused_columns": list(self.record.unused),
@@ -189,12 +185,8 @@ class Intakes(Result):
     @property
     def table(self) -> pd.DataFrame:
         """What each column of each file is taken for."""
-        rows = [
-            {"file": item.file.name, **vars(column)}
-            for item in self.files
-            for column in item.columns
-        ]
-        return pd.DataFrame(rows)
+        pairs = [(item.file.name, column) for item in self.files for column in item.columns]
+        return pd.DataFrame([{"file": name, **vars(column)} for name, column in pairs])
 
     def show(self) -> None:
         """Print columns and findings of each file."""
@@ -323,12 +315,12 @@ def _take_in_one(path: Path, bearing: Bearing | str | Path | None) -> Intake:
     elif "ambient" not in keys["columns"]:
         keys["ambient"] = f"{record.ambient:g} degC"
     keys |= {key: value for key, value in given.items() if key not in TABLES}
-    sheet = found.sheet
+    name, separator = found.sheet.name, found.sheet.separator
     return Intake(
         file=found.file,
-        sheet=sheet.name,
-        separator="" if sheet.name else SEPARATORS.get(sheet.separator, sheet.separator),
-        decimal=sheet.decimal,
+        sheet=name,
+        separator="" if name else SEPARATORS.get(separator, separator),
+        decimal=found.sheet.decimal,
         rows=len(record.time),
         blocks=parts,
         columns=found.columns,

@@ -104,14 +104,9 @@ def _spectra() -> dict[tuple[str, str], StandardSpectrum]:
         for ground in GROUNDS:
             row = about["grounds"][ground]
             first, second = (parse_quantity(text, "s") for text in row["corners"])
-            found[kind, ground] = StandardSpectrum(
-                rise=gal(row["rise"]),
-                rise_power=float(Fraction(about["rise_power"])),
-                plateau=gal(row["plateau"]),
-                fall=gal(row["fall"]),
-                fall_power=float(Fraction(about["fall_power"])),
-                corners=(first, second),
-            )
+            sizes = {key: gal(row[key]) for key in ("rise", "plateau", "fall")}
+            powers = {k: float(Fraction(about[k])) for k in ("rise_power", "fall_power")}
+            found[kind, ground] = StandardSpectrum(**sizes, **powers, corners=(first, second))
     return found
 
 

@@ -236,13 +236,8 @@ def _verdict(
 
 def beyond_mark(rows: Iterable[Row], run: str, limit: str, value: float) -> bool:
     """Return whether a value of a run lies outside the range, and the run was found to leave it."""
-    return any(
-        row["passed"]
-        and row["run"] == run
-        and row["limit"] == limit
-        and not row["lowest"] <= value <= row["largest"]
-        for row in rows
-    )
+    mine = [row for row in rows if (row["run"], row["limit"]) == (run, limit) and row["passed"]]
+    return any(not row["lowest"] <= value <= row["largest"] for row in mine)
 
 
 # Inputs.

@@ -45,7 +45,8 @@ class TitleBlock(Strict):
     def words(self) -> dict[str, str]:
         """Return what is given, by the word that stands before it."""
         given = self.model_dump(exclude_none=True, exclude={"logo"})
-        return {LABELS.get(key, key.capitalize()): value for key, value in given.items()}
+        labels = {"number": "Document"}  # where the key is not the word
+        return {labels.get(key, key.capitalize()): value for key, value in given.items()}
 
     def logo_bytes(self) -> bytes | None:
         """Return the picture."""
@@ -63,9 +64,6 @@ class TitleBlock(Strict):
     def to_toml(self) -> str:
         """Return as a file that `read_title` reads."""
         return tomli_w.dumps({KEY: self.model_dump(exclude_none=True)})
-
-
-LABELS = {"number": "Document"}  # of the title block, where the key is not the word
 
 
 def logo_kind(raw: bytes) -> str:

@@ -84,7 +84,9 @@ def guessed_columns(
     for quantity in ("time", "ambient", "displacement", "force"):
         best = None if quantity in known.values() else _best(columns, quantity, taken)
         if best is not None and best.title not in places:
-            taken[best.number] = (quantity, _reason(best, quantity))
+            word = "a word in the title" if holds_word(best.name, quantity) else DOUBTFUL[3]
+            why = "title" if is_called(best.name, quantity) else word
+            taken[best.number] = (quantity, "time stamps" if best.stamped else why)
     _by_numbers(columns, taken)
     held = {quantity for quantity, _ in taken.values()}
     missing = [name for name in needed if name not in held]
@@ -204,14 +206,6 @@ def _runs(values: Floats) -> bool:
     """Whether numbers go on like a clock, which may start anew."""
     steps = np.diff(values)
     return len(steps) > 0 and float(np.median(steps)) > 0.0 and (steps > 0.0).mean() > 0.9
-
-
-def _reason(column: _Column, quantity: str) -> str:
-    if column.stamped:
-        return "time stamps"
-    if is_called(column.name, quantity):
-        return "title"
-    return "a word in the title" if holds_word(column.name, quantity) else DOUBTFUL[3]
 
 
 def _by_numbers(columns: list[_Column], taken: Taken) -> None:
