@@ -9,19 +9,7 @@ from typer.testing import Result
 
 import thermobearing as tb
 import thermobearing.cyclic.history
-from tests.unit.inputs import (
-    CYCLES,
-    FILES,
-    changed_table,
-    command,
-    content,
-    cyclic,
-    last_line,
-    quick_case,
-    specimen_table,
-    summary,
-    write_toml,
-)
+from tests.unit import inputs
 
 CYCLE_KEYS = {"amplitude_strain", "cycle", "G_eq_MPa", "h_eq", "stress_max_MPa", "stress_min_MPa"}
 CYCLE_KEYS |= {"energy_kN_mm", "rubber_degC", "lead_degC"}
@@ -34,28 +22,28 @@ HEADER += "rubber1_degC,rubber2_degC,rubber3_degC,lead_degC"
 
 @pytest.fixture
 def case(tmp_path: Path) -> Path:
-    return quick_case(tmp_path / "case.toml")
+    return inputs.quick_case(tmp_path / "case.toml")
 
 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
     folder = tmp_path_factory.mktemp("saved")
-    path = quick_case(folder / "case.toml")
+    path = inputs.quick_case(folder / "case.toml")
     words = ["--ambient", -20, "--ambient", 23, "-o", folder / "out", "--json"]
-    return folder / "out", command("cyclic", path, *words)
+    return folder / "out", inputs.command("cyclic", path, *words)
 
 
 def test_good_run_writes_all_files_and_ends_with_json(saved: tuple[Path, Result]) -> None:
     directory, done = saved
     assert done.exit_code == 0
-    figures = {name for name in content(directory) if name.startswith("figures/")}
+    figures = {name for name in inputs.content(directory) if name.startswith("figures/")}
     assert len(figures) >= 5
-    assert set(content(directory)) == {*FILES, *figures}
-    assert last_line(done) == {
+    assert set(inputs.content(directory)) == {*inputs.FILES, *figures}
+    assert inputs.last_line(done) == {
         "outcome": "completed",
         "exit_status": 0,
         "output": str(directory),
-        "files": sorted(content(directory)),
+        "files": sorted(inputs.content(directory)),
     }
     assert [path.name for path in directory.parent.iterdir() if path.name.startswith(".")] == []
 
@@ -63,13 +51,13 @@ def test_good_run_writes_all_files_and_ends_with_json(saved: tuple[Path, Result]
 def test_result_reads_back(saved: tuple[Path, Result]) -> None:
     result = tb.load_result(saved[0])
     assert result.outcome == "completed"
-    assert result.summary() == summary(saved[0])
+    assert result.summary() == inputs.summary(saved[0])
 
 
 def test_quiet_says_nothing(case: Path, tmp_path: Path) -> None:
-    done = cyclic(case, "-o", tmp_path / "out", "-q")
+    done = inputs.cyclic(case, "-o", tmp_path / "out", "-q")
     assert (done.exit_code, done.stdout, done.stderr) == (0, "", "")
-    loud = cyclic(case, "-o", tmp_path / "out", "--overwrite")
+    loud = inputs.cyclic(case, "-o", tmp_path / "out", "--overwrite")
     assert "G_e" in loud.stdout
     size = sum(path.stat().st_size for path in (tmp_path / "out").iterdir())
     assert loud.stdout.endswith(f"written: {tmp_path / 'out'} ({size / 1e6:.1f} MB)\n")
@@ -78,7 +66,7 @@ def test_quiet_says_nothing(case: Path, tmp_path: Path) -> None:
 def test_overrides(case: Path, tmp_path: Path) -> None:
     words = ["--dt", 0.02, "--ambient", 5, "--ambient", -5, "--bearing", "shen-hdr-bridge"]
     words += ["--scheme", "published", "--integrator", "euler", "--heat-source", "dissipation"]
-    done = cyclic(case, *words, "--keep-every", 2, "-o", tmp_path / "out", "-q")
+    done = inputs.cyclic(case, *words, "--keep-every", 2, "-o", tmp_path / "out", "-q")
     assert done.exit_code == 0
     resolved = tb.load_case(tmp_path / "out" / "case.resolved.toml")
     assert resolved.test.dt == 0.02
@@ -87,16 +75,16 @@ def test_overrides(case: Path, tmp_path: Path) -> None:
     analysis = resolved.analysis
     chosen = (analysis.scheme, analysis.integrator, analysis.heat_source, analysis.keep_every)
     assert chosen == ("published", "euler", "dissipation", 2)
-    told = summary(tmp_path / "out")
+    told = inputs.summary(tmp_path / "out")
     assert [run["ambient_degC"] for run in told["runs"]] == [5.0, -5.0]
 
 
 def assert_same_bits(path: Path, again: Path, words: list[Any]) -> None:
-    assert cyclic(path, *words, "-o", again / "one", "-q").exit_code == 0
+    assert inputs.cyclic(path, *words, "-o", again / "one", "-q").exit_code == 0
     resolved = again / "one" / "case.resolved.toml"
-    assert cyclic(resolved, "-o", again / "two", "-q").exit_code == 0
-    one, two = content(again / "one"), content(again / "two")
-    assert sorted(one) == FILES
+    assert inputs.cyclic(resolved, "-o", again / "two", "-q").exit_code == 0
+    one, two = inputs.content(again / "one"), inputs.content(again / "two")
+    assert sorted(one) == inputs.FILES
     for name in one:
         assert one[name] == two[name], f"{name} differs"
 
@@ -113,9 +101,11 @@ def test_resolved_case_finds_its_files_from_elsewhere(
     folder.mkdir()
     (folder / "moved.csv").write_text("time_s,displacement_cm\n0,0\n1,3\n2,0\n3,-3\n4,0\n")
     (folder / "night.csv").write_text("time_h,temperature_degF\n0,32\n1,14\n")
-    table = changed_table(specimen_table(), {"name": "mine/first", "geometry.rubber_layers": 5})
-    write_toml(folder / "mine.toml", table)
-    path = write_toml(
+    table = inputs.changed_table(
+        inputs.specimen_table(), {"name": "mine/first", "geometry.rubber_layers": 5}
+    )
+    inputs.write_toml(folder / "mine.toml", table)
+    path = inputs.write_toml(
         folder / "case.toml",
         {
             "bearing": "mine.toml",
@@ -126,37 +116,37 @@ def test_resolved_case_finds_its_files_from_elsewhere(
     )
     monkeypatch.chdir(tmp_path)
     assert_same_bits(path.relative_to(tmp_path), Path("results"), [])
-    told = summary(Path("results/one"))["runs"][0]
+    told = inputs.summary(Path("results/one"))["runs"][0]
     assert told["ambient_degC"] == pytest.approx(0.0, abs=1e-9)  # 32 degF, offset and all
     assert told["cycles"][0]["amplitude_strain"] == pytest.approx(30.0 / 25.0)
 
 
 def test_ambient_on_the_command_line_replaces_a_series(tmp_path: Path) -> None:
     (tmp_path / "night.csv").write_text("time_h,temperature_degC\n0,0\n1,-10\n")
-    table = {"ambient_series": "night.csv", "test": {"dt": "10 ms", "steps": [CYCLES]}}
-    path = write_toml(tmp_path / "case.toml", table)
-    assert cyclic(path, "--ambient", 7, "-o", tmp_path / "out", "-q").exit_code == 0
-    assert summary(tmp_path / "out")["runs"][0]["ambient_degC"] == 7.0
+    table = {"ambient_series": "night.csv", "test": {"dt": "10 ms", "steps": [inputs.CYCLES]}}
+    path = inputs.write_toml(tmp_path / "case.toml", table)
+    assert inputs.cyclic(path, "--ambient", 7, "-o", tmp_path / "out", "-q").exit_code == 0
+    assert inputs.summary(tmp_path / "out")["runs"][0]["ambient_degC"] == 7.0
 
 
 def test_default_target_is_named_after_the_bearing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    bearing = write_toml(
-        tmp_path / "b.toml", changed_table(specimen_table(), {"name": "../G1 (new)"})
+    bearing = inputs.write_toml(
+        tmp_path / "b.toml", inputs.changed_table(inputs.specimen_table(), {"name": "../G1 (new)"})
     )
-    path = quick_case(tmp_path / "case.toml", bearing=bearing.name)
-    assert cyclic(path, "-q").exit_code == 0
-    assert sorted(content(tmp_path / "cyclic-..-G1-new-")) == FILES
+    path = inputs.quick_case(tmp_path / "case.toml", bearing=bearing.name)
+    assert inputs.cyclic(path, "-q").exit_code == 0
+    assert sorted(inputs.content(tmp_path / "cyclic-..-G1-new-")) == inputs.FILES
 
 
 @pytest.mark.parametrize("name", ["[bold]", "x[/y]", "[/]"])
 def test_names_are_no_markup(tmp_path: Path, name: str) -> None:
     """rich would swallow [bold] and crash on [/y]."""
-    table = changed_table(specimen_table(), {"name": name})
-    path = quick_case(tmp_path / "case[red].toml", bearing=table)
-    for done in (cyclic(path, "-o", tmp_path / "out"), command("check", path)):
+    table = inputs.changed_table(inputs.specimen_table(), {"name": name})
+    path = inputs.quick_case(tmp_path / "case[red].toml", bearing=table)
+    for done in (inputs.cyclic(path, "-o", tmp_path / "out"), inputs.command("check", path)):
         assert done.exit_code == 0
         assert name in done.stdout
     assert "case[red].toml" in done.stdout.replace("\n", "")
@@ -164,7 +154,7 @@ def test_names_are_no_markup(tmp_path: Path, name: str) -> None:
 
 def test_check_of_a_bilinear_bearing(tmp_path: Path) -> None:
     library = Path(str(resources.files("thermobearing"))) / "data" / "bilinear"
-    done = command("check", library / "shen-bilinear-bridge.toml")
+    done = inputs.command("check", library / "shen-bilinear-bridge.toml")
     assert done.exit_code == 0, done.output
     lines = [" ".join(line.split()) for line in done.output.splitlines()]
     assert "K_1, K_2 9.51, 1.81 kN/mm" in lines
@@ -177,7 +167,7 @@ def test_check_counts_the_runs_of_a_study(tmp_path: Path) -> None:
         'command = "bridge"\nbearings = ["shen-hdr-bridge"]\n'
         'motions = ["jra-ii-i-1", "jra-ii-i-2"]\nambient = ["0 degC", "5 degC", "10 degC"]\n'
     )
-    done = command("check", path)
+    done = inputs.command("check", path)
     assert done.exit_code == 0, done.output
     assert "runs 6, average-acceleration" in " ".join(done.output.split())
 
@@ -194,11 +184,11 @@ def test_check_counts_the_runs_of_a_study(tmp_path: Path) -> None:
     ids=["text for a number", "unknown option", "too many", "missing option", "unknown command"],
 )
 def test_wrong_usage(words: list[str]) -> None:
-    done = command(*words, "--json")
+    done = inputs.command(*words, "--json")
     assert done.exit_code == 2
-    assert last_line(done)["outcome"] == "bad_input"
-    assert last_line(done)["message"]
-    plain = command(*words)
+    assert inputs.last_line(done)["outcome"] == "bad_input"
+    assert inputs.last_line(done)["message"]
+    plain = inputs.command(*words)
     assert (plain.exit_code, plain.stdout) == (2, "")
     assert plain.stderr
 
@@ -220,10 +210,10 @@ def test_bad_option_value(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: list[str], pieces: list[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    done = cyclic(*words, "--json")
+    done = inputs.cyclic(*words, "--json")
     assert done.exit_code == 2
     for piece in ["command line: ", *pieces]:
-        assert piece in last_line(done)["message"]
+        assert piece in inputs.last_line(done)["message"]
     assert list(tmp_path.iterdir()) == []
 
 
@@ -232,13 +222,13 @@ def test_no_memory_is_told(case: Path, tmp_path: Path, monkeypatch: pytest.Monke
         raise MemoryError
 
     monkeypatch.setattr(thermobearing.cyclic.history, "march", exhausted)
-    done = cyclic(case, "-o", tmp_path / "out", "--json")
+    done = inputs.cyclic(case, "-o", tmp_path / "out", "--json")
     assert done.exit_code == 2
-    assert "(--keep-every) or a larger --dt" in last_line(done)["message"]
+    assert "(--keep-every) or a larger --dt" in inputs.last_line(done)["message"]
     assert not (tmp_path / "out").exists()
 
 
 def test_version_and_help() -> None:
-    assert command("--version").stdout == f"thermobearing {tb.__version__}\n"
+    assert inputs.command("--version").stdout == f"thermobearing {tb.__version__}\n"
     for words in (["-h"], ["cyclic", "--help"], ["check", "-h"]):
-        assert command(*words).exit_code == 0
+        assert inputs.command(*words).exit_code == 0

@@ -12,27 +12,15 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.cyclic.equivalent import backbone
-from thermobearing.design import bounds, run
+from thermobearing.design import bounds, run, sizing
 from thermobearing.design import sizing as equal
 from thermobearing.design.bounds import bound_models, opensees_text
 from thermobearing.design.case import make_design_case
 from thermobearing.design.result import Design
-from thermobearing.design.sizing import (
-    Check,
-    Round,
-    Search,
-    Size,
-    SizingRules,
-    damping_ratio,
-    equivalent_stiffness,
-    load_rubber,
-    size_bearing,
-    two_sizes,
-)
 from thermobearing.model.earlier import BilinearParameters
 
 LHDR = tb.load_bearing("shen-lhdr-bridge")
-G8 = load_rubber("G8")
+G8 = sizing.load_rubber("G8")
 
 
 def case_of(**table: Any) -> Any:
@@ -79,9 +67,11 @@ def test_one_turn_of_the_loop(
     turn = run._one_turn(case_of(effective_displacement_factor=factor, sizing=rules), 3, [assumed])
     (found,), size = turn.rounds, turn.rounds[0].size
     thickness = size.total_rubber_thickness
-    wanted = equivalent_stiffness(G8, size.area, thickness, effective)
+    wanted = sizing.equivalent_stiffness(G8, size.area, thickness, effective)
     assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
-    assert found.damping == pytest.approx(damping_ratio(G8, effective / thickness), rel=tol.LOOP)
+    assert found.damping == pytest.approx(
+        sizing.damping_ratio(G8, effective / thickness), rel=tol.LOOP
+    )
     peak = found.strength + found.post_yield * effective
     assert peak == pytest.approx(wanted * effective, rel=tol.LOOP)
     assert found.post_yield / found.initial == pytest.approx(0.19, rel=tol.LOOP)
@@ -102,7 +92,7 @@ def test_strain_beyond_the_curves_is_held_at_their_end(
     curves = run.load_curves().model_copy(update={"largest_strain": 1.0})
     monkeypatch.setattr(run, "load_curves", lambda: curves)
     found = run._one_turn(case_of(), 1, [178.0]).rounds[0]
-    wanted = equivalent_stiffness(G8, found.size.area, 112.0, 112.0)
+    wanted = sizing.equivalent_stiffness(G8, found.size.area, 112.0, 112.0)
     assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
 
 
@@ -110,8 +100,8 @@ def turns(monkeypatch: pytest.MonkeyPatch, answer: Any) -> None:
     """Turns of the loop that find `answer(assumed)`."""
 
     def turn(case: Any, number: int, assumed: list[float]) -> Any:
-        (u,), size = assumed, Size(600.0, 8, 14.0)
-        one = Round(number, u, size, 2.6, 0.15, 125.0, 1.8, 9.5, answer(u), 1.0)
+        (u,), size = assumed, sizing.Size(600.0, 8, 14.0)
+        one = sizing.Round(number, u, size, 2.6, 0.15, 125.0, 1.8, 9.5, answer(u), 1.0)
         study = SimpleNamespace(outcome="completed")
         return SimpleNamespace(rounds=[one], checks=[], bearings=[], study=study)
 
@@ -141,9 +131,9 @@ def test_loop_that_swings_goes_half_way(monkeypatch: pytest.MonkeyPatch) -> None
     assert len(design.rounds) == 5
 
 
-def sized(number: int, assumed: float, found: float, layers: int) -> Round:
-    size = Size(600.0, layers, 14.0)
-    return Round(number, assumed, size, 2.6, 0.15, 125.0, 1.8, 9.5, found, 1.0)
+def sized(number: int, assumed: float, found: float, layers: int) -> sizing.Round:
+    size = sizing.Size(600.0, layers, 14.0)
+    return sizing.Round(number, assumed, size, 2.6, 0.15, 125.0, 1.8, 9.5, found, 1.0)
 
 
 def test_two_sizes_that_alternate_end_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -223,7 +213,7 @@ def test_a_group_that_alternates_is_held_and_the_other_goes_on(
 
 
 def test_a_held_size_that_becomes_too_small_is_searched_again() -> None:
-    search = Search(200.0)
+    search = sizing.Search(200.0)
     for assumed, found, layers in ((249.0, 300.0, 8), (251.0, 200.0, 9)):
         search.advance(sized(1, assumed, found, layers), 0.01)
     assert search.held is not None
@@ -236,15 +226,15 @@ def test_a_held_size_that_becomes_too_small_is_searched_again() -> None:
 
 
 def test_one_size_with_a_jump_is_not_two() -> None:
-    assert two_sizes([sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 8)], 0.01) is None
-    assert two_sizes([sized(1, 200.0, 300.0, 8), sized(2, 251.0, 200.0, 9)], 0.01) is None
+    assert sizing.two_sizes([sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 8)], 0.01) is None
+    assert sizing.two_sizes([sized(1, 200.0, 300.0, 8), sized(2, 251.0, 200.0, 9)], 0.01) is None
     low, high = sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 9)
-    assert two_sizes([sized(3, 230.0, 300.0, 8), high, low], 0.01) == (low, high)
+    assert sizing.two_sizes([sized(3, 230.0, 300.0, 8), high, low], 0.01) == (low, high)
 
 
 def test_row_and_loop_of_a_round() -> None:
     q, k1, k2, u = 125.0, 9.5, 1.8, 178.0
-    turn = Round(2, u, Size(600.0, 8, 14.0), 2.6, 0.15, q, k2, k1, 190.0, 1.7)
+    turn = sizing.Round(2, u, sizing.Size(600.0, 8, 14.0), 2.6, 0.15, q, k2, k1, 190.0, 1.7)
     row = turn.row()
     assert row["u_B_assumed_mm"] == 178.0
     assert row["u_found_mm"] == 190.0
@@ -278,15 +268,19 @@ def test_row_and_loop_of_a_round() -> None:
     ],
 )
 def test_sizes_by_hand(displacement: float, weight: float, side: float, layers: int) -> None:
-    size = size_bearing(displacement, weight, SizingRules())
+    size = sizing.size_bearing(displacement, weight, sizing.SizingRules())
     assert (size.side, size.layers) == (side, layers)
     assert size.first_shape_factor == pytest.approx(side / 56.0)  # a^2 / (4 a t_r)
     assert size.second_shape_factor == pytest.approx(side / (14.0 * layers))
 
 
 def test_limits_may_be_upper_or_lower() -> None:
-    assert [Check("", v, 2.0, "1", "").verdict for v in (1.0, 2.0, 3.0)] == ["OK", "OK", "NG"]
-    least = [Check("", v, 2.0, "1", "", least=True).verdict for v in (1.0, 2.0, 3.0)]
+    assert [sizing.Check("", v, 2.0, "1", "").verdict for v in (1.0, 2.0, 3.0)] == [
+        "OK",
+        "OK",
+        "NG",
+    ]
+    least = [sizing.Check("", v, 2.0, "1", "", least=True).verdict for v in (1.0, 2.0, 3.0)]
     assert least == ["NG", "OK", "OK"]
 
 

@@ -14,13 +14,7 @@ from thermobearing.cyclic.history import build_segments
 from thermobearing.cyclic.protocol import MAX_CYCLES, survey
 from thermobearing.design.factors import scaled_bearing
 from thermobearing.identify.fit.synthetic import synthetic_record
-from thermobearing.model.effort import (
-    MAX_CELL_STEPS,
-    MAX_KEPT,
-    MAX_STEPS,
-    analysis_too_much,
-    too_much,
-)
+from thermobearing.model import effort
 from thermobearing.structure import newmark
 
 HDR = "shen-hdr-bridge"
@@ -65,7 +59,7 @@ def test_steps_are_known_before_they_are_made(test: tb.CyclicTest) -> None:
         ),
         (
             lambda: tb.run(SPECIMEN, steps(*[{"step": "rest", "duration": 1e8}] * 200)),
-            ["3.34e+07 steps", f"at most {MAX_STEPS}"],
+            ["3.34e+07 steps", f"at most {effort.MAX_STEPS}"],
         ),
         (
             lambda: tb.run(SPECIMEN, steps(cycles(count=20_000)), [-20, 0, 23]),
@@ -139,12 +133,12 @@ def large_stack() -> tb.Bearing:
 
 def test_what_is_honest_is_not_too_much() -> None:
     """A million steps of the largest bearing; twenty million of a usual one, few of them kept."""
-    assert too_much(1e6, 600, 1e8) == []
-    assert too_much(MAX_STEPS, 19, 1e8) == []
-    assert too_much(MAX_STEPS, 19, 1.01 * MAX_KEPT) != []
-    assert too_much(1e6, 1.01 * MAX_CELL_STEPS / 1e6, 1e8) != []
-    assert analysis_too_much([(8000.0, 100.0, 60.0)] * 500) == []
-    assert analysis_too_much([(8000.0, 100.0, 60.0)] * 50_000) != []
+    assert effort.too_much(1e6, 600, 1e8) == []
+    assert effort.too_much(effort.MAX_STEPS, 19, 1e8) == []
+    assert effort.too_much(effort.MAX_STEPS, 19, 1.01 * effort.MAX_KEPT) != []
+    assert effort.too_much(1e6, 1.01 * effort.MAX_CELL_STEPS / 1e6, 1e8) != []
+    assert effort.analysis_too_much([(8000.0, 100.0, 60.0)] * 500) == []
+    assert effort.analysis_too_much([(8000.0, 100.0, 60.0)] * 50_000) != []
 
 
 def test_a_cycle_without_heat_has_a_bounded_number_of_steps(

@@ -13,19 +13,7 @@ from tests.unit.inputs import write_test
 from thermobearing.bearing.model import Bearing
 from thermobearing.cli import app
 from thermobearing.commands.common import POOR_FIT
-from thermobearing.identify.fit.parameters import (
-    ALIASES,
-    BY_KEY,
-    E2,
-    HARDENING,
-    K_R,
-    M_T,
-    N_T,
-    SIGMA_Y,
-    default_free,
-    parameter_set,
-    with_values,
-)
+from thermobearing.identify.fit import parameters
 from thermobearing.identify.fit.problem import Linear, Problem
 from thermobearing.identify.fit.start import (
     BETTER,
@@ -40,14 +28,7 @@ from thermobearing.identify.records.treatment import to_be_treated
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.tables import grade
-from thermobearing.identify.uncertainty.assumed import (
-    Assumed,
-    _assumed_groups,
-    chosen_groups,
-    propagate,
-    shifted,
-    usual_groups,
-)
+from thermobearing.identify.uncertainty import assumed
 from thermobearing.identify.uncertainty.covariance import Uncertainty
 
 HDR, LHDR, LRB = (
@@ -56,7 +37,7 @@ HDR, LHDR, LRB = (
 
 
 def names(bearing: Bearing, free: list[str]) -> list[str]:
-    return [group.name for group in _assumed_groups(bearing, free, usual_groups())]
+    return [group.name for group in assumed._assumed_groups(bearing, free, assumed.usual_groups())]
 
 
 def test_groups_are_what_the_bearing_has_and_the_fit_has_not() -> None:
@@ -64,15 +45,15 @@ def test_groups_are_what_the_bearing_has_and_the_fit_has_not() -> None:
     assert "film coefficient of the sides" not in names(LHDR, [])  # its film is zero
     assert "heat capacity of the lead" not in names(HDR, [])
     assert "sigma_Y" in names(LHDR, [])
-    assert "sigma_Y" not in names(LHDR, default_free(LHDR, [23.0]))
+    assert "sigma_Y" not in names(LHDR, parameters.default_free(LHDR, [23.0]))
     assert not {"alpha_0", "s", "d_y", "b", "n_T"} & set(names(LRB, []))
 
 
 def test_every_symbol_is_a_parameter_and_every_group_has_a_source() -> None:
-    for group in usual_groups():
+    for group in assumed.usual_groups():
         assert group.source
-        if group.keys[0] in BY_KEY:
-            assert group.name == BY_KEY[group.keys[0]].symbol
+        if group.keys[0] in parameters.BY_KEY:
+            assert group.name == parameters.BY_KEY[group.keys[0]].symbol
         else:
             assert group.cause
 
@@ -87,8 +68,8 @@ def test_every_symbol_is_a_parameter_and_every_group_has_a_source() -> None:
     ],
 )
 def test_shifted_numbers(name: str, key: str, sigmas: float, value: float) -> None:
-    (group,) = (g for g in usual_groups() if g.name == name)
-    part: object = shifted(LHDR, group, sigmas)
+    (group,) = (g for g in assumed.usual_groups() if g.name == name)
+    part: object = assumed.shifted(LHDR, group, sigmas)
     for word in key.split("."):
         part = getattr(part, word)
     assert part == pytest.approx(value, rel=1e-9)
@@ -106,13 +87,13 @@ def test_shifted_numbers(name: str, key: str, sigmas: float, value: float) -> No
 )
 def test_uncertainties_that_cannot_be(given: dict[str, float], pieces: list[str]) -> None:
     with pytest.raises(tb.InputError) as told:
-        chosen_groups(given)
+        assumed.chosen_groups(given)
     assert all(piece in str(told.value) for piece in pieces)
 
 
 def test_exactly_known_is_not_assumed() -> None:
-    groups = chosen_groups({"sigma_Y": 0.0, "materials.rubber.conductivity": 0.02})
-    assert "sigma_Y" not in [g.name for g in _assumed_groups(LHDR, [], groups)]
+    groups = assumed.chosen_groups({"sigma_Y": 0.0, "materials.rubber.conductivity": 0.02})
+    assert "sigma_Y" not in [g.name for g in assumed._assumed_groups(LHDR, [], groups)]
     (heat,) = (g for g in groups if g.name == "conduction of heat")
     assert heat.relative == 0.02
 
@@ -133,7 +114,7 @@ def fitted(records: list[TestRecord]) -> Uncertainty:
 def test_the_ambient_temperature_of_a_test_is_uncertain(pair: list[TestRecord]) -> None:
     """n_T comes from the difference of two temperatures, each known to 0.5 K by default."""
     exact = [replace(record, ambient_uncertainty=0.0) for record in pair]
-    usual, known = fitted(pair).estimates[N_T], fitted(exact).estimates[N_T]
+    usual, known = fitted(pair).estimates[parameters.N_T], fitted(exact).estimates[parameters.N_T]
     more = np.sqrt(usual.stderr**2 - known.stderr**2)
     assert more == pytest.approx(0.5 * np.sqrt(2.0) / 43.0 * abs(usual.value), rel=0.1)
     # Three degrees of freedom: that part of the interval has Student's 3.18 in place of 1.96.
@@ -160,7 +141,7 @@ def test_the_uncertainty_of_ambient_temperatures_is_read(tmp_path: Path) -> None
     assert to_be_treated([record], False, "", 0.1)[0].ambient_uncertainty == 0.1
     with pytest.raises(tb.InputError, match="0 to 20 K"):
         to_be_treated([record], False, "", 21.0)
-    (air,) = (g for g in chosen_groups({"ambient": 0.3}) if g.keys == ["ambient"])
+    (air,) = (g for g in assumed.chosen_groups({"ambient": 0.3}) if g.keys == ["ambient"])
     assert (air.absolute, air.relative) == (0.3, None)
 
 
@@ -170,9 +151,9 @@ def linear(residuals: np.ndarray, jacobian: np.ndarray) -> Linear:
     return Linear(inside, [residuals], np.ones(n), jacobian, np.arange(n) // 10)
 
 
-def told(name: str) -> Assumed:
-    (group,) = (g for g in usual_groups() if g.name == name)
-    return Assumed((group,), np.zeros((0, 1)))
+def told(name: str) -> assumed.Assumed:
+    (group,) = (g for g in assumed.usual_groups() if g.name == name)
+    return assumed.Assumed((group,), np.zeros((0, 1)))
 
 
 def test_an_unseen_number_carries_its_whole_uncertainty() -> None:
@@ -181,8 +162,8 @@ def test_an_unseen_number_carries_its_whole_uncertainty() -> None:
     jacobian = rng.normal(size=(400, 2))
     noise = 0.01 * rng.normal(size=400)
     noise -= jacobian @ np.linalg.lstsq(jacobian, noise, rcond=None)[0]
-    found = propagate(
-        linear(noise, jacobian), Assumed(told("sigma_Y").groups, -3.0 * jacobian[:, :1])
+    found = assumed.propagate(
+        linear(noise, jacobian), assumed.Assumed(told("sigma_Y").groups, -3.0 * jacobian[:, :1])
     )
     assert found.shifts == pytest.approx(np.array([[3.0], [0.0]]), abs=1e-12)
     assert found.spread == pytest.approx(np.ones((1, 1)))
@@ -200,8 +181,8 @@ def test_what_the_tests_ask_for(off: float) -> None:
     noise = rng.normal(size=400)
     basis = np.column_stack([jacobian, apart])
     noise -= basis @ np.linalg.lstsq(basis, noise, rcond=None)[0]
-    found = propagate(
-        linear(noise - off * apart, jacobian), Assumed(told("sigma_Y").groups, column)
+    found = assumed.propagate(
+        linear(noise - off * apart, jacobian), assumed.Assumed(told("sigma_Y").groups, column)
     )
     (item,) = found.evidence
     assert item.sigmas == pytest.approx(off, abs=1e-9)
@@ -227,52 +208,52 @@ def records(
 
 
 def told_sensitivity(bearing: Bearing, tests: list[TestRecord]) -> dict[str, Sensitivity]:
-    problem = Problem(tests, parameter_set(bearing, [K_R], [23.0]))
-    keys = candidates(problem, usual_groups())
-    wide = problem.with_parameters(parameter_set(bearing, keys, [23.0]))
-    return {s.key: s for s in sensitivities(wide, wide.pset.start, usual_groups())}
+    problem = Problem(tests, parameters.parameter_set(bearing, [parameters.K_R], [23.0]))
+    keys = candidates(problem, assumed.usual_groups())
+    wide = problem.with_parameters(parameters.parameter_set(bearing, keys, [23.0]))
+    return {s.key: s for s in sensitivities(wide, wide.pset.start, assumed.usual_groups())}
 
 
 def test_candidates_are_what_the_bearing_has() -> None:
     (record,) = records(LRB, COOL, (23.0,))
-    problem = Problem([record], parameter_set(LRB, [K_R], [23.0]))
-    symbols = {BY_KEY[key].symbol for key in candidates(problem, usual_groups())}
+    problem = Problem([record], parameters.parameter_set(LRB, [parameters.K_R], [23.0]))
+    symbols = {parameters.BY_KEY[key].symbol for key in candidates(problem, assumed.usual_groups())}
     assert symbols == {"K_r", "m_T", "K_l", "sigma_Y", "E2"}
 
 
 @pytest.mark.parametrize(("test", "free"), [(HOT, True), (COOL, False)], ids=["hot", "cool"])
 def test_softening_is_free_where_the_lead_gets_hot(test: object, free: bool) -> None:
     found = told_sensitivity(LRB, records(LRB, test, (23.0,)))
-    assert found[E2].free is free
-    assert not found[E2].usual
-    assert (found[E2].stderr < BETTER * found[E2].spread) is free
-    assert found[SIGMA_Y].free
+    assert found[parameters.E2].free is free
+    assert not found[parameters.E2].usual
+    assert (found[parameters.E2].stderr < BETTER * found[parameters.E2].spread) is free
+    assert found[parameters.SIGMA_Y].free
 
 
 def test_one_ambient_frees_no_temperature_coefficient() -> None:
     test = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=None)
     one, two = (told_sensitivity(HDR, records(HDR, test, at)) for at in ((23.0,), (-20.0, 23.0)))
-    assert not {M_T, N_T} & {key for key, item in one.items() if item.free}
-    assert {M_T, N_T} <= {key for key, item in two.items() if item.free}
+    assert not {parameters.M_T, parameters.N_T} & {key for key, item in one.items() if item.free}
+    assert {parameters.M_T, parameters.N_T} <= {key for key, item in two.items() if item.free}
     # Twice the tests, and the change with temperature, from tests at two temperatures.
-    assert two[HARDENING].stderr < one[HARDENING].stderr
+    assert two[parameters.HARDENING].stderr < one[parameters.HARDENING].stderr
 
 
 def test_what_tests_tell_nothing_of_is_held() -> None:
     test = tb.cyclic_test(strain=[0.05], cycles=2, rest=None, closing_strain=None)
     found = told_sensitivity(HDR, records(HDR, test, (23.0,)))
-    assert found[HARDENING].usual
-    assert not found[HARDENING].free
-    assert found[K_R].free
+    assert found[parameters.HARDENING].usual
+    assert not found[parameters.HARDENING].free
+    assert found[parameters.K_R].free
 
 
 def test_lrb_from_a_file_of_nobody() -> None:
     """The softening of lead is free before a fit without it ends at a bound (sigma_Y = 2 MPa)."""
-    start = with_values(forgotten(LRB), {E2: 0.0})
+    start = parameters.with_values(forgotten(LRB), {parameters.E2: 0.0})
     found = identify_bearing(records(LRB, HOT, (-10.0, 30.0), 27.0), start, starts=1)
-    assert found.values[SIGMA_Y] == pytest.approx(10.0, rel=0.02)
-    assert found.values[E2] == pytest.approx(0.0069, rel=0.05)
-    assert found.summary()["sensitivity"][E2]["free"]
+    assert found.values[parameters.SIGMA_Y] == pytest.approx(10.0, rel=0.02)
+    assert found.values[parameters.E2] == pytest.approx(0.0069, rel=0.05)
+    assert found.summary()["sensitivity"][parameters.E2]["free"]
     assert min(fit.R2 for fit in found.fits) > 0.99
 
 
@@ -280,18 +261,18 @@ def test_lead_without_softening_keeps_it_fixed() -> None:
     test = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, wave="sine", rest=None)
     tests = records(LHDR, test, (23.0,))
     found = identify_bearing(tests, LHDR, starts=1, blind=False)
-    (softening,) = (item for item in found.sensitivity if item.key == E2)
+    (softening,) = (item for item in found.sensitivity if item.key == parameters.E2)
     assert softening.free
     assert not softening.usual
-    assert E2 not in found.uncertainty.estimates
-    assert set(found.uncertainty.estimates) == set(default_free(LHDR, (23.0,)))
+    assert parameters.E2 not in found.uncertainty.estimates
+    assert set(found.uncertainty.estimates) == set(parameters.default_free(LHDR, (23.0,)))
 
 
 def test_needed_parameters_stay() -> None:
     (record,) = records(LRB, HOT, (23.0,))
-    pset = parameter_set(LRB, ["K_r", "E2"], [23.0])
+    pset = parameters.parameter_set(LRB, ["K_r", "E2"], [23.0])
     problem = Problem([record], pset)
-    same, cube = without_needless(problem, pset.start, [ALIASES["E2"]])
+    same, cube = without_needless(problem, pset.start, [parameters.ALIASES["E2"]])
     assert same is problem
     assert np.array_equal(cube, pset.start)
 
@@ -307,7 +288,7 @@ def record() -> TestRecord:
 
 @pytest.fixture(scope="module")
 def poor(record: TestRecord) -> Identification:
-    soft = with_values(HDR_POOR, {"hysteresis.layer_stiffness": 12.0})
+    soft = parameters.with_values(HDR_POOR, {"hysteresis.layer_stiffness": 12.0})
     return identify_bearing(record, soft, free=["s"], starts=1)
 
 
@@ -366,13 +347,15 @@ def test_temperature_coefficients_are_held_at_one_temperature(record: TestRecord
     with pytest.raises(tb.InputError, match="one-temperature"):
         identify_bearing(record, HDR_POOR, free=["m_T"], starts=1)
     forced = identify_bearing(record, HDR_POOR, free=["m_T"], starts=1, one_temperature=True)
-    assert set(forced.uncertainty.estimates) == {M_T}
+    assert set(forced.uncertainty.estimates) == {parameters.M_T}
 
 
 def test_the_fitted_bearing_is_checked_for_plausibility(record: TestRecord) -> None:
     """The sign of a temperature coefficient of the starting bearing, which the test cannot tell."""
-    found = identify_bearing(record, with_values(HDR_POOR, {M_T: 1.0}), free=["K_r"], starts=1)
-    assert any(M_T in text for text in found.warnings)
+    found = identify_bearing(
+        record, parameters.with_values(HDR_POOR, {parameters.M_T: 1.0}), free=["K_r"], starts=1
+    )
+    assert any(parameters.M_T in text for text in found.warnings)
     assert found.outcome == "completed"
 
 
@@ -381,7 +364,7 @@ def test_an_end_of_the_law_is_no_failure(key: str, value: float, record: TestRec
     """Rubber without hardening has b = 0; s = -0.98 is where the search was stopped."""
     found = identify_bearing(record, HDR_POOR, free=["K_r"], starts=1)
     (item,) = found.uncertainty.estimates.values()
-    (parameter,) = parameter_set(HDR_POOR, [key], [23.0]).free
+    (parameter,) = parameters.parameter_set(HDR_POOR, [key], [23.0]).free
     there = replace(item, parameter=parameter, value=value, at_bound=True)
     assert there.lost == (key == "s")
 

@@ -15,6 +15,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.identify.figures import check_figure
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.synthetic import synthetic_record
+from thermobearing.identify.records import treatment
 from thermobearing.identify.records.checks import CheckReport, check_test
 from thermobearing.identify.records.cycles import estimate_noise
 from thermobearing.identify.records.record import (
@@ -22,14 +23,6 @@ from thermobearing.identify.records.record import (
     TestRecord,
     load_test,
     record_from_arrays,
-)
-from thermobearing.identify.records.treatment import (
-    Finding,
-    _find_rests,
-    _find_spikes,
-    _thin_rests,
-    to_be_treated,
-    treat,
 )
 from thermobearing.identify.run import identify_bearing
 from thermobearing.tables.laboratory import ASSUMED_SPEED
@@ -196,7 +189,7 @@ def test_the_gravest_finding_is_the_outcome(good: TestRecord) -> None:
     for level, outcome in (
         ("note", "good"), ("warning", "warning"), ("refused", "refused"), ("warning", "refused"),
     ):  # fmt: skip
-        report.findings.append(Finding(level, "x", "x"))  # type: ignore[arg-type]
+        report.findings.append(treatment.Finding(level, "x", "x"))  # type: ignore[arg-type]
         assert report.outcome == outcome
 
 
@@ -381,7 +374,7 @@ def test_noise_is_measured_beside_the_motion(points: int) -> None:
 
 
 def test_rests_are_where_nothing_moves(record: TestRecord) -> None:
-    (rest,) = _find_rests(record)
+    (rest,) = treatment._find_rests(record)
     begin, end = record.time[rest[0]], record.time[rest[1]]
     clean = synthetic_record(HDR, 23.0, TEST, noise=0.0)
     moved = np.flatnonzero(np.abs(np.diff(clean.displacement)) > 1e-9)
@@ -395,18 +388,20 @@ def test_slow_turns_are_no_rests(period: float) -> None:
     t = np.linspace(0.0, 4.0, 4001) * period
     x = 50.0 * np.sin(2.0 * np.pi * t / period)
     x = x + np.random.default_rng(0).normal(0.0, JITTER, len(t))
-    assert _find_rests(tb.record_from_arrays(t, x, 2.0 * x, 23.0)) == []
+    assert treatment._find_rests(tb.record_from_arrays(t, x, 2.0 * x, 23.0)) == []
 
 
 def test_a_slow_creep_is_not_held_as_one_rest() -> None:
     t = np.linspace(0.0, 1000.0, 10001)
     x = np.where(t < 20.0, 50.0 * np.sin(np.pi * t / 5.0), 0.005 * (t - 20.0))
     record = tb.record_from_arrays(t, x, 2.0 * x, 23.0)
-    assert all(np.ptp(x[a : b + 1]) <= 0.004 * 50.0 + 1e-9 for a, b in _find_rests(record))
+    assert all(
+        np.ptp(x[a : b + 1]) <= 0.004 * 50.0 + 1e-9 for a, b in treatment._find_rests(record)
+    )
 
 
 def test_a_fit_sees_a_rest_as_a_gap(record: TestRecord) -> None:
-    found = treat(record)
+    found = treatment.treat(record)
     short, left_out = found.to_fit(np.zeros(len(record.time), dtype=bool))
     ((first, last),) = found.rests
     assert len(short.time) == len(record.time) - (last - first + 1) + 2
@@ -419,8 +414,8 @@ def test_a_fit_sees_a_rest_as_a_gap(record: TestRecord) -> None:
 
 def test_thermocouples_of_a_rest_are_kept(record: TestRecord) -> None:
     cooling = replace(record, temperatures={"T": 23.0 + 9.0 * np.exp(-record.time / 100.0)})
-    rests = _find_rests(record)
-    short, kept, resting = _thin_rests(cooling, rests)
+    rests = treatment._find_rests(record)
+    short, kept, resting = treatment._thin_rests(cooling, rests)
     assert 15 <= int(resting.sum()) <= 20
     assert np.abs(short.temperatures["T"] - cooling.temperatures["T"][kept]).max() < 0.5
 
@@ -437,7 +432,7 @@ def test_jitter_does_not_walk_the_force_down(fine: bool) -> None:
     loading = np.abs(np.gradient(clean.displacement)) > 0.5
     off = np.abs(forces[0] - forces[1]).max(where=loading, initial=0.0)
     assert off < 0.03 * clean.peak_force
-    ((first, last),) = _find_rests(noisy)
+    ((first, last),) = treatment._find_rests(noisy)
     middle = slice(first + 20, last - 20)
     assert np.ptp(forces[0][middle]) < 0.01 * clean.peak_force
 
@@ -456,7 +451,7 @@ def test_a_logger_that_runs_through_rests(record: TestRecord) -> None:
 def test_spikes_are_found_one_by_one(spiky: tuple[TestRecord, list[int]]) -> None:
     record, at = spiky
     report = check_test(record, HDR)
-    assert np.flatnonzero(treat(record).spikes["force"]).tolist() == at
+    assert np.flatnonzero(treatment.treat(record).spikes["force"]).tolist() == at
     assert "10 spikes in the force, the largest 3" in said_treatment(report, "warning", "spikes")
     assert "despike = true" in said_treatment(report, "warning", "spikes")
     assert "offset" not in {finding.check for finding in report.findings}
@@ -467,9 +462,9 @@ def test_spikes_of_the_displacement(record: TestRecord) -> None:
     x = record.displacement.copy()
     x[[200, 400]] += 30.0
     spoilt = replace(record, displacement=x)
-    assert np.flatnonzero(treat(spoilt).spikes["displacement"]).tolist() == [200, 400]
-    assert len(treat(spoilt).rests) == 1
-    cured = treat(replace(spoilt, despike=True)).cleaned
+    assert np.flatnonzero(treatment.treat(spoilt).spikes["displacement"]).tolist() == [200, 400]
+    assert len(treatment.treat(spoilt).rests) == 1
+    cured = treatment.treat(replace(spoilt, despike=True)).cleaned
     assert cured.peak_displacement < 46.0
 
 
@@ -477,17 +472,17 @@ def test_spikes_of_the_displacement(record: TestRecord) -> None:
 @pytest.mark.parametrize("sampling", [10.0, 50.0])
 def test_good_records_have_no_spikes_and_no_drift(name: str, sampling: float) -> None:
     test = tb.cyclic_test(strain=[0.5, 1.5, 2.5], cycles=2, wave="sine", rest=60.0)
-    found = treat(synthetic_record(name, -20.0, test, sampling=sampling))
+    found = treatment.treat(synthetic_record(name, -20.0, test, sampling=sampling))
     assert not any(flags.any() for flags in found.spikes.values())
     assert not found.drifts
 
 
 def test_spikes_are_taken_out_only_when_told(spiky: tuple[TestRecord, list[int]]) -> None:
     record, at = spiky
-    left, none = treat(record).to_fit(np.zeros(len(record.time), dtype=bool))
+    left, none = treatment.treat(record).to_fit(np.zeros(len(record.time), dtype=bool))
     assert left.peak_force > 250.0
     assert not none[np.abs(left.force) > 200.0].any()
-    (told,) = to_be_treated([record], True, "")
+    (told,) = treatment.to_be_treated([record], True, "")
     report = check_test(told, HDR)
     assert "removed" in said_treatment(report, "note", "spikes")
     assert report.treatment is not None
@@ -509,9 +504,9 @@ def test_drift_is_found_and_taken_out_when_told(record: TestRecord, name: str) -
     spoilt = drifting(record, name, 0.08)
     report = check_test(spoilt, HDR)
     assert f"the zero of the {name} drifts by" in said_treatment(report, "warning", "drift")
-    assert treat(spoilt).cleaned.force[-50:].mean() == spoilt.force[-50:].mean()
-    told = treat(drifting(record, name, 0.08, detrend=name))
-    off = getattr(told.cleaned, name) - getattr(treat(record).cleaned, name)
+    assert treatment.treat(spoilt).cleaned.force[-50:].mean() == spoilt.force[-50:].mean()
+    told = treatment.treat(drifting(record, name, 0.08, detrend=name))
+    off = getattr(told.cleaned, name) - getattr(treatment.treat(record).cleaned, name)
     peak = float(np.abs(getattr(record, name)).max())
     assert np.abs(off).max() < 0.025 * peak
     assert "removed" in said_treatment(check_test(told.record, HDR), "note", "drift")
@@ -519,8 +514,8 @@ def test_drift_is_found_and_taken_out_when_told(record: TestRecord, name: str) -
 
 def test_detrend_takes_known_words_only(record: TestRecord) -> None:
     with pytest.raises(tb.InputError, match='detrend = "forc"'):
-        to_be_treated([record], False, "forc")
+        treatment.to_be_treated([record], False, "forc")
 
 
 def test_a_flat_signal_has_no_spikes() -> None:
-    assert not _find_spikes(np.ones(50)).any()
+    assert not treatment._find_spikes(np.ones(50)).any()

@@ -18,13 +18,7 @@ from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.synthetic import synthetic_record
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.uncertainty.posterior import (
-    _laplace_samples,
-    _posterior_samples,
-    _predictive_band,
-    forecast,
-    posterior_effort,
-)
+from thermobearing.identify.uncertainty import posterior
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 SHORT = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=600.0)
@@ -142,7 +136,7 @@ def test_wrong_options(folder: Path, tmp_path: Path, words: list[str], said: str
 
 
 def test_saved_from_python(found: Identification, tmp_path: Path) -> None:
-    ahead = forecast(found, [-20.0, 10.0])
+    ahead = posterior.forecast(found, [-20.0, 10.0])
     out = found.save(tmp_path / "out", forecast=ahead)
     told = json.loads((out / "summary.json").read_text())
     assert told["posterior"]["source"] == "laplace"
@@ -178,13 +172,13 @@ def test_chosen_bounds_hold(name: str, blind: bool) -> None:
 
 
 def test_laplace_samples_have_the_covariance(found: Identification) -> None:
-    draws = _laplace_samples(found, 4000).cube
+    draws = posterior._laplace_samples(found, 4000).cube
     spread = np.sqrt(np.diag(found.uncertainty.covariance))
     np.testing.assert_allclose(draws.std(axis=0), spread, rtol=0.1)
 
 
 def test_band_at_a_temperature_that_was_not_tested(found: Identification) -> None:
-    band = _predictive_band(found, _laplace_samples(found), -20.0)
+    band = posterior._predictive_band(found, posterior._laplace_samples(found), -20.0)
     truth = ForwardModel(found.records[0], HDR, fine=True, ambient=-20.0).run(HDR)
     assert truth is not None
     assert band.peak_lower < np.abs(truth.force).max() < band.peak_upper
@@ -196,7 +190,7 @@ def test_posterior_agrees_with_the_normal_distribution() -> None:
     """Of three parameters, for which walkers enough are half as many as for all."""
     records = [synthetic_record(HDR, at, SHORT, sampling=25.0) for at in AMBIENTS]
     found = identify_bearing(records, HDR, free=["K_r", "d_y", "n_T"], starts=1)
-    samples = _posterior_samples(found, steps=150, burn=100)
+    samples = posterior._posterior_samples(found, steps=150, burn=100)
     spread = np.sqrt(np.diag(found.uncertainty.covariance))
     assert 0.2 < samples.acceptance < 0.8
     np.testing.assert_allclose(samples.cube.std(axis=0), spread, rtol=0.5)
@@ -206,22 +200,22 @@ def test_posterior_agrees_with_the_normal_distribution() -> None:
 def test_what_a_posterior_takes_is_told_before(
     found: Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    runs, seconds = posterior_effort(found, steps=8, burn=2)
+    runs, seconds = posterior.posterior_effort(found, steps=8, burn=2)
     assert seconds > 0.0
     before = found.problem.evaluations
-    _posterior_samples(found, steps=8, burn=2)
+    posterior._posterior_samples(found, steps=8, burn=2)
     used = (found.problem.evaluations - before - 1) * len(AMBIENTS)  # one for the variance
     assert 0.6 * runs < used <= runs  # those beyond a bound are not run
     monkeypatch.setattr("thermobearing.identify.run.run_identify", lambda case: found)
     monkeypatch.setattr(
         "thermobearing.identify.uncertainty.posterior._posterior_samples",
-        lambda given, seed: _laplace_samples(given, 50, seed=seed),
+        lambda given, seed: posterior._laplace_samples(given, 50, seed=seed),
     )
     write_test(tmp_path, found.records[0], "cold")
     words = (tmp_path / "cold.csv", "--posterior", "--no-figures", "-o", tmp_path / "out")
     status, text = invoke(*words)
     assert status == 0, text
-    whole = posterior_effort(found)[0]
+    whole = posterior.posterior_effort(found)[0]
     said = f"posterior: up to {whole} runs of the model through 2 tests, about "
     assert said in text, text
     assert text.index(said) < text.index("written:")
@@ -231,7 +225,7 @@ def test_what_a_posterior_takes_is_told_before(
 def test_posterior_without_emcee(found: Identification, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "emcee", None)
     with pytest.raises(InputError, match="thermobearing\\[bayes\\]"):
-        _posterior_samples(found)
+        posterior._posterior_samples(found)
 
 
 def test_a_missing_emcee_is_told_before_the_fit(

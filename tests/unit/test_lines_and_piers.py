@@ -18,14 +18,8 @@ from thermobearing.earthquake.measures import COLUMNS
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import build_tasks, judged
 from thermobearing.earthquake.tables import governing_runs, parts_table
+from thermobearing.structure import model
 from thermobearing.structure.matrices import coordinates
-from thermobearing.structure.model import (
-    Structure,
-    fixed_base,
-    list_piers,
-    load_structure,
-    reported_line,
-)
 from thermobearing.structure.result import implausible_structure
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.run.shard import run_shard
@@ -64,8 +58,8 @@ def two_piers() -> dict[str, Any]:
     }
 
 
-def bridge_of(structure: dict[str, Any]) -> Structure:
-    return validated(Structure, structure, "test")
+def bridge_of(structure: dict[str, Any]) -> model.Structure:
+    return validated(model.Structure, structure, "test")
 
 
 @pytest.fixture(scope="module")
@@ -283,10 +277,10 @@ def test_two_lines_of_one_name() -> None:
 
 def test_the_line_of_the_report_may_be_said() -> None:
     table = two_piers()
-    assert reported_line(bridge_of(table)) == 1
+    assert model.reported_line(bridge_of(table)) == 1
     table["report"]["line"] = "on A"
-    assert reported_line(bridge_of(table)) == 0
-    piers = list_piers(bridge_of(table))
+    assert model.reported_line(bridge_of(table)) == 0
+    piers = model.list_piers(bridge_of(table))
     assert [(pier.name, pier.base, pier.top, pier.hinge) for pier in piers] == [
         ("B", "ground", 10000.0, 0),
         ("A", "ground", 10000.0, None),
@@ -319,7 +313,7 @@ def test_a_fixed_base_is_that_of_stiff_springs() -> None:
 def test_what_has_no_foundation_has_none_to_hold() -> None:
     with pytest.raises(tb.InputError, match="true or false"):
         make_earthquake_case({"fixed_base": "yes"}, "test")
-    assert coordinates(fixed_base(tb.load_structure("pier-p1")))[0] == "deck x"
+    assert coordinates(model.fixed_base(tb.load_structure("pier-p1")))[0] == "deck x"
 
 
 def test_air_of_lines_is_added_to_that_of_the_run() -> None:
@@ -383,8 +377,8 @@ def test_the_structure_of_the_docs_is_what_they_say(tmp_path: Path) -> None:
     block = next(b for b in text.split("```") if 'name = "pier and abutment"' in b)
     file = tmp_path / "mine.toml"
     file.write_text(block.removeprefix("toml\n"))
-    assert implausible_structure(load_structure(file)) == []
-    (hinge,) = load_structure(file).hinges
+    assert implausible_structure(model.load_structure(file)) == []
+    (hinge,) = model.load_structure(file).hinges
     assert hinge.yield_rotation * 8000.0 == pytest.approx(20.0)
     assert hinge.stiffness / 8000.0**2 == pytest.approx(200.0)
     other = tmp_path / "other.toml"

@@ -10,24 +10,14 @@ from numpy.typing import NDArray
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.results.metrics import (
-    LEAST_ENERGY,
-    CycleMeasures,
-    find_cycles,
-    find_largest_loop,
-    found_cycles,
-    largest_loop,
-    loop_energy,
-    measure_cycle,
-    relative_residual,
-)
+from thermobearing.results import metrics
 
 Floats = NDArray[np.float64]
 AREA, RUBBER = 57600.0, 30.0  # mm2, mm
 
 
-def measured(d: Floats, f: Floats) -> CycleMeasures:
-    return measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER)
+def measured(d: Floats, f: Floats) -> metrics.CycleMeasures:
+    return metrics.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER)
 
 
 def test_ellipse() -> None:
@@ -96,7 +86,7 @@ def test_forces_of_a_lopsided_loop() -> None:
     assert_allclose([m.force_max_kN, m.force_min_kN], [100.0, -90.0], rtol=tol.LOOP)
     assert_allclose(m.stiffness_kN_mm, 190.0 / 80.0, rtol=tol.LOOP)
     assert_allclose(m.amplitude_mm, 40.0, rtol=tol.LOOP)
-    loop = measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=1000.0)
+    loop = metrics.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=1000.0)
     assert_allclose(loop.h_eq, 1000.0 / (2.0 * np.pi * 190.0 / 80.0 * 40.0**2), rtol=tol.LOOP)
 
 
@@ -127,7 +117,7 @@ def test_noise_within_the_threshold_makes_no_cycles() -> None:
     """A drift of 0.5 % to both sides at rest between two cycles."""
     wave = 50.0 * np.sin(2.0 * np.pi * np.linspace(0.0, 1.0, 201))
     still = 0.25 * np.sin(2.0 * np.pi * np.linspace(0.0, 3.0, 61))
-    assert len(find_cycles(np.concatenate([wave, still, wave]))) == 2
+    assert len(metrics.find_cycles(np.concatenate([wave, still, wave]))) == 2
 
 
 def test_spring_dissipates_nothing() -> None:
@@ -138,7 +128,9 @@ def test_spring_dissipates_nothing() -> None:
 
 
 def test_loop_energy_is_the_work_on_the_specimen() -> None:
-    assert loop_energy(np.array([0.0, 2.0, 2.0, 0.0]), np.array([0.0, 6.0, 4.0, 0.0])) == 2.0
+    assert (
+        metrics.loop_energy(np.array([0.0, 2.0, 2.0, 0.0]), np.array([0.0, 6.0, 4.0, 0.0])) == 2.0
+    )
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.001, 0.01])
@@ -147,7 +139,7 @@ def test_cycles_of_a_noisy_sine(noise: float) -> None:
     t = np.linspace(0.0, 7.0, 7001)
     rng = np.random.default_rng(3)
     d = 50.0 * (np.sin(2.0 * np.pi * t) + noise * rng.normal(size=len(t)))
-    cycles = find_cycles(d)
+    cycles = metrics.find_cycles(d)
     assert len(cycles) == 7
     for k, (first, last) in enumerate(cycles):
         assert_allclose([t[first], t[last]], [k, k + 1], atol=tol.NOISY_CROSSING)
@@ -160,21 +152,21 @@ def test_growing_amplitudes_rests_and_half_cycles() -> None:
     wave = np.sin(2.0 * np.pi * np.linspace(0.0, 1.0, 401))
     rest, half = np.zeros(50), wave[:150]
     d = np.concatenate([10.0 * wave, rest, 50.0 * wave, 0.5 * wave, rest, 50.0 * half])
-    amplitudes = [np.abs(d[a : b + 1]).max() for a, b in find_cycles(d)]
+    amplitudes = [np.abs(d[a : b + 1]).max() for a, b in metrics.find_cycles(d)]
     assert amplitudes == [10.0, 50.0]
-    smaller = [np.abs(d[a : b + 1]).max() for a, b in find_cycles(d, smallest=0.005)]
+    smaller = [np.abs(d[a : b + 1]).max() for a, b in metrics.find_cycles(d, smallest=0.005)]
     assert smaller == [10.0, 50.0, 0.5]
 
 
 def test_first_motion_may_be_to_the_negative_side() -> None:
     d = -30.0 * np.sin(2.0 * np.pi * np.linspace(0.0, 3.0, 601))
-    assert len(find_cycles(d)) == 2  # from upward crossing to upward crossing
+    assert len(metrics.find_cycles(d)) == 2  # from upward crossing to upward crossing
 
 
 def test_no_cycles() -> None:
-    assert find_cycles(np.zeros(100)) == []
-    assert find_cycles(np.empty(0)) == []
-    assert find_cycles(np.linspace(0.0, 5.0, 50)) == []
+    assert metrics.find_cycles(np.zeros(100)) == []
+    assert metrics.find_cycles(np.empty(0)) == []
+    assert metrics.find_cycles(np.linspace(0.0, 5.0, 50)) == []
 
 
 @pytest.mark.parametrize(
@@ -209,7 +201,7 @@ def test_cycles_share_no_energy(points: int) -> None:
 
 def test_known_work_needs_peaks_and_zeros_only() -> None:
     d, f = np.array([0.0, 30.0, 0.0, -30.0, 0.0]), np.array([9.0, 60.0, -9.0, -60.0, 9.0])
-    m = measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=700.0)
+    m = metrics.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=700.0)
     assert_allclose(m.h_eq, 700.0 / (2.0 * np.pi * 2.0 * 900.0), rtol=tol.LOOP)
 
 
@@ -224,7 +216,7 @@ def test_known_work_needs_peaks_and_zeros_only() -> None:
 )
 def test_unusable_cycles(d: Floats, f: Floats, area: float) -> None:
     with pytest.raises(tb.InputError):
-        measure_cycle(d, f, area=area, total_rubber_thickness=RUBBER)
+        metrics.measure_cycle(d, f, area=area, total_rubber_thickness=RUBBER)
 
 
 def rested(gap: int, jitter: float, level: float) -> tuple[Floats, Floats, list[tuple[int, int]]]:
@@ -249,7 +241,7 @@ def test_strength_of_cycles_before_a_rest(
     cycles = tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER, rests=known)
     strengths = [cycle.characteristic_strength_kN for cycle in cycles]
     assert_allclose(strengths, 30.0, rtol=tol.FORCE_AT_A_REST)
-    assert [cycle.ends for cycle in found_cycles(d, rests=known)] == (
+    assert [cycle.ends for cycle in metrics.found_cycles(d, rests=known)] == (
         ["rest"] * 3 if told or gap > 2 else ["closed"] * 3
     )
 
@@ -264,7 +256,7 @@ def test_rests_beside_zero(level: float) -> None:
 
 def test_a_cycle_that_does_not_close_is_told_apart() -> None:
     d, _ = bilinear(60.0, 30.0, 12.0, 2.0)
-    found = found_cycles(np.concatenate([d, d[1 : len(d) // 2]]))
+    found = metrics.found_cycles(np.concatenate([d, d[1 : len(d) // 2]]))
     assert [cycle.ends for cycle in found] == ["closed", "incomplete"]
 
 
@@ -292,7 +284,7 @@ def waves(*amplitudes: float, points: int = 200) -> np.ndarray:
 )
 def test_pieces_of_the_largest_loop(amplitudes: tuple[int, ...], pieces: tuple[int, int]) -> None:
     d = waves(*map(float, amplitudes))
-    assert find_largest_loop(d) == (200 * pieces[0], 200 * pieces[1])
+    assert metrics.find_largest_loop(d) == (200 * pieces[0], 200 * pieces[1])
 
 
 @pytest.mark.parametrize(
@@ -307,24 +299,24 @@ def test_pieces_of_the_largest_loop(amplitudes: tuple[int, ...], pieces: tuple[i
     ],
 )
 def test_a_largest_displacement_outside_any_loop(d: np.ndarray) -> None:
-    assert find_largest_loop(d) is None
-    assert largest_loop(d, d, **PLAN) is None
+    assert metrics.find_largest_loop(d) is None
+    assert metrics.largest_loop(d, d, **PLAN) is None
 
 
 def test_a_neighbour_that_is_not_closed_leaves_the_other() -> None:
-    assert find_largest_loop(waves(2.0, -5.0, 4.0)[:-100]) == (0, 400)
+    assert metrics.find_largest_loop(waves(2.0, -5.0, 4.0)[:-100]) == (0, 400)
 
 
 def test_what_stays_on_one_side_after_the_loop_is_not_in_it() -> None:
     """Small waves on both sides, then at rest beside zero: the loop is closed by then."""
     d = np.concatenate([waves(0.05, -3.0, 5.0, -0.05)[:-1], np.linspace(0.0, 0.4, 100)])
-    assert find_largest_loop(d) == (200, 600)
+    assert metrics.find_largest_loop(d) == (200, 600)
 
 
 def test_noise_at_zero_cuts_no_loop() -> None:
     d = waves(1.0, 5.0, -4.0)
     d[190:210] = 0.05 * np.cos(np.arange(20.0))
-    assert find_largest_loop(np.concatenate([waves(-1.0)[:-1], d]))[1] == 800
+    assert metrics.find_largest_loop(np.concatenate([waves(-1.0)[:-1], d]))[1] == 800
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -339,7 +331,7 @@ def test_measures_of_an_ellipse_among_smaller_ones(sign: float, shift: float) ->
     if shift == 0.0:
         d[[2000, 4000]] = 0.0
     f = stiffness * d + viscous * sign * size * np.cos(angle)
-    loop = largest_loop(d, f, **PLAN)
+    loop = metrics.largest_loop(d, f, **PLAN)
     assert loop is not None
     assert (loop.first, loop.last) == (2000 - (shift > 0), 4000)
     m = loop.measures
@@ -360,7 +352,7 @@ def test_work_is_that_of_the_books_from_zero_to_zero() -> None:
     """Work that grows evenly with the place in the history: its share between the two zeros."""
     angle = np.linspace(-3.5, 3.0 * np.pi, 801)
     d = np.exp(-0.05 * np.abs(angle - 1.6)) * np.sin(angle)
-    loop = largest_loop(d, d, 7.0 * angle, **PLAN)
+    loop = metrics.largest_loop(d, d, 7.0 * angle, **PLAN)
     assert loop is not None
     assert loop.measures.energy_kN_mm == pytest.approx(14.0 * np.pi, rel=tol.LOOP_POINTS)
 
@@ -369,9 +361,9 @@ def test_noise_does_not_choose_between_equal_excursions() -> None:
     """Three cycles of one amplitude, the third a hair larger: of a test, the first is meant."""
     angle = np.linspace(0.0, 6.0 * np.pi, 601)
     d = np.sin(angle) * np.where(angle > 4.0 * np.pi, 1.004, 1.0)
-    assert find_largest_loop(d) == (399, 600)
-    assert find_largest_loop(d, 0.01) == (0, 200)
-    assert find_largest_loop(-d, 0.01) == (0, 200)
+    assert metrics.find_largest_loop(d) == (399, 600)
+    assert metrics.find_largest_loop(d, 0.01) == (0, 200)
+    assert metrics.find_largest_loop(-d, 0.01) == (0, 200)
 
 
 def test_an_excursion_that_comes_to_rest_beside_zero_ends_there() -> None:
@@ -380,16 +372,16 @@ def test_an_excursion_that_comes_to_rest_beside_zero_ends_there() -> None:
     angle = np.linspace(0.0, 1.5 * np.pi, 200)
     second = -1.35 * (1.0 - np.cos(angle)) / 2.0 - 6.6 * np.sin(np.clip(angle, 0.0, np.pi))
     d = np.concatenate([first, second[second < 0.0], np.full(100, second[-1])])
-    loop = largest_loop(d, 2.0 * d, **PLAN)
+    loop = metrics.largest_loop(d, 2.0 * d, **PLAN)
     assert loop is not None
     assert loop.first == 0
     assert loop.measures.stiffness_kN_mm == pytest.approx(2.0)
     assert loop.measures.displacement_max_mm == pytest.approx(3.7, rel=1e-3)
     assert loop.measures.displacement_min_mm == d.min()
     # Still moving where it is cut off, or at rest far from zero: none.
-    assert largest_loop(d[:330], 2.0 * d[:330], **PLAN) is None
+    assert metrics.largest_loop(d[:330], 2.0 * d[:330], **PLAN) is None
     far = np.where(np.arange(len(d)) > d.argmin(), np.minimum(d, 0.6 * d.min()), d)
-    assert largest_loop(far, far, **PLAN) is None
+    assert metrics.largest_loop(far, far, **PLAN) is None
 
 
 HDR = "shen-hdr-specimen"
@@ -397,11 +389,11 @@ RESIDUALS = ["mechanical_residual", "thermal_residual"]
 
 
 def test_relative_to_the_largest_energy_or_the_least() -> None:
-    assert relative_residual(3.0, [-6.0, 2.0]) == 0.5
-    assert relative_residual(3.0, [-6.0, 2.0], least=12.0) == 0.25
-    assert relative_residual(LEAST_ENERGY, [0.0]) == 1.0
-    assert relative_residual(0.0, [0.0]) == 0.0
-    assert relative_residual(5e-324, [5e-324, 0.0]) < 1e-300
+    assert metrics.relative_residual(3.0, [-6.0, 2.0]) == 0.5
+    assert metrics.relative_residual(3.0, [-6.0, 2.0], least=12.0) == 0.25
+    assert metrics.relative_residual(metrics.LEAST_ENERGY, [0.0]) == 1.0
+    assert metrics.relative_residual(0.0, [0.0]) == 0.0
+    assert metrics.relative_residual(5e-324, [5e-324, 0.0]) < 1e-300
 
 
 @pytest.mark.parametrize("model", ["multi-layer", "lead-alone", "bilinear"])

@@ -18,15 +18,6 @@ from thermobearing.border.library import data_path
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.report import figures
-from thermobearing.report.figures import (
-    ALL_POINTS,
-    FEWEST_POINTS,
-    MOST_POINTS,
-    _draw_plot,
-    plot_json,
-    points_each,
-    thinned,
-)
 from thermobearing.report.html import MOST_ROWS, html_page
 from thermobearing.report.pieces import (
     Block,
@@ -267,7 +258,7 @@ def test_histories_keep_their_extremes_and_gaps():
     x = np.linspace(0.0, 100.0, 50_001)
     y = np.sin(x)
     y[12_345], y[40_000], y[30_000:30_010] = 5.0, -7.0, np.nan
-    found_x, found_y = thinned(x, y, 1000)
+    found_x, found_y = figures.thinned(x, y, 1000)
     assert len(found_x) <= 1150
     assert np.nanmax(found_y) == 5.0
     assert np.nanmin(found_y) == -7.0
@@ -275,13 +266,13 @@ def test_histories_keep_their_extremes_and_gaps():
     assert found_x[np.isnan(found_y)][0] == x[30_000]
     assert (found_x[0], found_x[-1]) == (x[0], x[-1])
     for few in ((x[:900], y[:900]), (x, np.full_like(x, np.nan))):
-        assert len(thinned(*few, 1000)[0]) <= 1000
+        assert len(figures.thinned(*few, 1000)[0]) <= 1000
 
 
 def test_paths_keep_their_shape_and_turns():
     angle = np.linspace(0.0, 60.0 * np.pi, 60_001)
     x, y = np.cos(angle), np.sin(angle)
-    found_x, found_y = thinned(x, y, 4000)
+    found_x, found_y = figures.thinned(x, y, 4000)
     assert len(found_x) <= 2 * 4000
     assert np.hypot(found_x, found_y) == pytest.approx(1.0)
     assert found_x.max() > 1.0 - tol.SEEN
@@ -292,18 +283,20 @@ def test_points_are_shared_so_that_the_page_stays_small():
     def lengths(*counts):
         return [lines(*(Trace("", np.zeros(n), np.zeros(n)) for n in counts))]
 
-    assert points_each(lengths(10, 100_000)) == MOST_POINTS
-    assert points_each(lengths(*[10_000] * 100)) == ALL_POINTS // 100
+    assert figures.points_each(lengths(10, 100_000)) == figures.MOST_POINTS
+    assert figures.points_each(lengths(*[10_000] * 100)) == figures.ALL_POINTS // 100
     # Short lines leave room for the others.
-    assert points_each(lengths(*[100] * 50, *[10_000] * 50)) == ALL_POINTS // 50 - 100
-    assert points_each(lengths(*[500] * 5000)) == FEWEST_POINTS
+    assert (
+        figures.points_each(lengths(*[100] * 50, *[10_000] * 50)) == figures.ALL_POINTS // 50 - 100
+    )
+    assert figures.points_each(lengths(*[500] * 5000)) == figures.FEWEST_POINTS
 
 
 def test_numbers_of_plots_are_typed_floats_written_once():
     x, frames = np.linspace(0.0, 1.0, 5), np.arange(10.0).reshape(2, 5)
     traces = [Trace("a", x, 2.0 * x), Trace("b", x, frames[0], frames=frames)]
     plot = lines(*traces, slider=["0 s", "1 s"], bands=[(-np.inf, 0.2, "x"), (9.0, np.inf, "y")])
-    data = json.loads(plot_json(plot, 100))
+    data = json.loads(figures.plot_json(plot, 100))
     first, second = data["choices"][0]
     assert first["x"] == second["x"]
     np.testing.assert_allclose(numbers(data, first["y"]), 2.0 * x, rtol=tol.TYPED_FLOAT)
@@ -341,7 +334,7 @@ def test_boxes_say_what_they_are():
 def test_a_plot_is_drawn_for_paper(count):
     x = np.linspace(0.0, 1.0, 50)
     traces = [Trace("a", x, x), Trace("b", x, x**2, look="points")]
-    figure = _draw_plot(Plot("x [mm]", "y", {f"motion {k}": traces for k in range(count)}))
+    figure = figures._draw_plot(Plot("x [mm]", "y", {f"motion {k}": traces for k in range(count)}))
     assert len(figure.axes) == min(count, figures.MOST_PANELS)
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["a", "b"]
     assert figure.axes[-1].get_title(loc="left") == ("" if count == 1 else f"motion {count - 1}")
@@ -351,7 +344,7 @@ def test_frames_of_a_slider_are_drawn_as_shades_and_equal_axes_stay_equal():
     x, frames = np.linspace(0.0, 1.0, 5), np.arange(100.0).reshape(20, 5)
     trace = Trace("a", x, frames[0], frames=frames)
     plot = Plot("x", "y", {"": [trace]}, [f"{k} s" for k in range(20)], "time", equal=True)
-    (ax,) = _draw_plot(plot).axes
+    (ax,) = figures._draw_plot(plot).axes
     shades = [line.get_alpha() for line in ax.get_lines()]
     assert shades == sorted(shades)
     assert len(shades) == figures.MOST_FRAMES

@@ -20,39 +20,27 @@ import thermobearing as tb
 import thermobearing.cyclic.history
 import thermobearing.results.directory
 from tests import tolerances as tol
-from tests.unit.inputs import (
-    FILES,
-    changed_table,
-    command,
-    content,
-    cyclic,
-    last_line,
-    quick_case,
-    specimen_table,
-    summary,
-    told,
-    write_toml,
-)
+from tests.unit import inputs
 
 
 @pytest.fixture
 def case(tmp_path: Path) -> Path:
-    return quick_case(tmp_path / "case.toml")
+    return inputs.quick_case(tmp_path / "case.toml")
 
 
 def test_existing_result_is_replaced_on_request_only(case: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    cyclic(case, "-o", out, "-q")
-    before = content(tmp_path)
-    done = cyclic(case, "-o", out, "--ambient", 5, "--json")
-    assert done.exit_code == last_line(done)["exit_status"] == 2
+    inputs.cyclic(case, "-o", out, "-q")
+    before = inputs.content(tmp_path)
+    done = inputs.cyclic(case, "-o", out, "--ambient", 5, "--json")
+    assert done.exit_code == inputs.last_line(done)["exit_status"] == 2
     assert "--overwrite" in done.stderr
-    assert content(tmp_path) == before
+    assert inputs.content(tmp_path) == before
     (tmp_path / "link").symlink_to(out)
     for target in (out, tmp_path / "link"):
-        assert cyclic(case, "-o", target, "-q", "--overwrite", "--ambient", 5).exit_code == 0
-        assert summary(out)["runs"][0]["ambient_degC"] == 5.0
-        assert sorted(content(out)) == FILES
+        assert inputs.cyclic(case, "-o", target, "-q", "--overwrite", "--ambient", 5).exit_code == 0
+        assert inputs.summary(out)["runs"][0]["ambient_degC"] == 5.0
+        assert sorted(inputs.content(out)) == inputs.FILES
     assert (tmp_path / "link").is_symlink()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "link", "out"]
 
@@ -60,8 +48,8 @@ def test_existing_result_is_replaced_on_request_only(case: Path, tmp_path: Path)
 def test_parents_are_made_and_an_empty_directory_is_used(case: Path, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     for out in (tmp_path / "empty", tmp_path / "a" / "b" / "out"):
-        assert cyclic(case, "-o", out, "-q").exit_code == 0
-        assert sorted(content(out)) == FILES
+        assert inputs.cyclic(case, "-o", out, "-q").exit_code == 0
+        assert sorted(inputs.content(out)) == inputs.FILES
 
 
 @pytest.mark.parametrize("name", ["notes.txt", "summary.json"])
@@ -71,12 +59,12 @@ def test_force_refuses_what_is_not_only_a_result(case: Path, tmp_path: Path, nam
     out.mkdir()
     (out / name).write_text("{}")
     (out / "thesis.tex").write_text("years of work")
-    before = content(tmp_path)
-    done = cyclic(case, "-o", out, "--overwrite", "--json")
+    before = inputs.content(tmp_path)
+    done = inputs.cyclic(case, "-o", out, "--overwrite", "--json")
     assert done.exit_code == 2
-    assert "not a result directory" in last_line(done)["message"]
-    assert "thesis.tex" in last_line(done)["message"]
-    assert content(tmp_path) == before
+    assert "not a result directory" in inputs.last_line(done)["message"]
+    assert "thesis.tex" in inputs.last_line(done)["message"]
+    assert inputs.content(tmp_path) == before
 
 
 @pytest.mark.parametrize(
@@ -94,20 +82,20 @@ def test_unusable_target(
     case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, target: str, words: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    before = content(tmp_path)
-    done = cyclic(case, "-o", target, "--overwrite", "--json")
+    before = inputs.content(tmp_path)
+    done = inputs.cyclic(case, "-o", target, "--overwrite", "--json")
     assert done.exit_code == 2
-    assert words in last_line(done)["message"]
-    assert last_line(done)["outcome"] == "not_written"
-    assert done.stderr == f"thermobearing: {last_line(done)['message']}\n"
-    assert content(tmp_path) == before
+    assert words in inputs.last_line(done)["message"]
+    assert inputs.last_line(done)["outcome"] == "not_written"
+    assert done.stderr == f"thermobearing: {inputs.last_line(done)['message']}\n"
+    assert inputs.content(tmp_path) == before
 
 
 def test_unusable_target_is_told_before_the_run(
     case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(thermobearing.cyclic.history, "march", lambda *_: pytest.fail("it was run"))
-    assert cyclic(case, "-o", case).exit_code == 2
+    assert inputs.cyclic(case, "-o", case).exit_code == 2
 
 
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -141,15 +129,15 @@ def test_writing_stopped_halfway_leaves_nothing(
     status: int,
     words: str,
 ) -> None:
-    cyclic(case, "-o", tmp_path / "old", "-q")
-    before = content(tmp_path)
+    inputs.cyclic(case, "-o", tmp_path / "old", "-q")
+    before = inputs.content(tmp_path)
     stop_while_writing(monkeypatch, how)
     for target, force in (("deep/new", []), ("old", ["--overwrite"])):
-        done = cyclic(case, "-o", tmp_path / target, "--json", *force)
+        done = inputs.cyclic(case, "-o", tmp_path / target, "--json", *force)
         assert done.exit_code == status
-        assert words in last_line(done)["message"]
-        assert last_line(done)["exit_status"] == status
-        assert content(tmp_path) == before
+        assert words in inputs.last_line(done)["message"]
+        assert inputs.last_line(done)["exit_status"] == status
+        assert inputs.content(tmp_path) == before
         assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "old"]
 
 
@@ -157,8 +145,8 @@ def test_writing_stopped_halfway_leaves_nothing(
 def test_interrupted_swap_brings_the_earlier_result_back(
     case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stop: int
 ) -> None:
-    cyclic(case, "-o", tmp_path / "out", "-q")
-    before = content(tmp_path)
+    inputs.cyclic(case, "-o", tmp_path / "out", "-q")
+    before = inputs.content(tmp_path)
     monkeypatch.setattr(thermobearing.results.directory, "_exchange", lambda *_: False)
     rename, calls = Path.rename, []
 
@@ -169,8 +157,8 @@ def test_interrupted_swap_brings_the_earlier_result_back(
         return rename(path, target)
 
     monkeypatch.setattr(Path, "rename", interrupted)
-    assert cyclic(case, "-o", tmp_path / "out", "--overwrite").exit_code == 130
-    assert content(tmp_path) == before
+    assert inputs.cyclic(case, "-o", tmp_path / "out", "--overwrite").exit_code == 130
+    assert inputs.content(tmp_path) == before
 
 
 def test_really_full_disk(case: Path, tmp_path: Path) -> None:
@@ -188,7 +176,7 @@ def test_really_full_disk(case: Path, tmp_path: Path) -> None:
         main()
     """
     words = ["cyclic", str(case), "--no-figures", "--json"]
-    assert cyclic(case, "-o", tmp_path / "first", *words[2:]).exit_code == 0  # compiles
+    assert inputs.cyclic(case, "-o", tmp_path / "first", *words[2:]).exit_code == 0  # compiles
     shutil.rmtree(tmp_path / "first")
     done = subprocess.run(
         [sys.executable, "-c", dedent(program), *words, "-o", str(tmp_path / "out")],
@@ -220,11 +208,11 @@ def test_ctrl_c_during_a_run_keeps_what_was_computed(
 ) -> None:
     interrupt(monkeypatch, 4, 50)
     out = tmp_path / "out"
-    done = cyclic(case, "--ambient", 0, "--ambient", 23, "-o", out, "--json")
+    done = inputs.cyclic(case, "--ambient", 0, "--ambient", 23, "-o", out, "--json")
     assert done.exit_code == 130
-    assert last_line(done)["outcome"] == summary(out)["outcome"] == "interrupted"
-    assert last_line(done)["files"] == FILES
-    (run,) = summary(out)["runs"]  # the second temperature was not begun
+    assert inputs.last_line(done)["outcome"] == inputs.summary(out)["outcome"] == "interrupted"
+    assert inputs.last_line(done)["files"] == inputs.FILES
+    (run,) = inputs.summary(out)["runs"]  # the second temperature was not begun
     assert run["outcome"] == "interrupted"
     assert run["energy"]["work_in_kN_mm"] > 0.0
     assert len((out / "history.csv").read_text().splitlines()) == 1 + 1 + 150
@@ -249,9 +237,9 @@ def test_ctrl_c_before_the_first_step(
     case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     interrupt(monkeypatch, 1, 50)
-    assert cyclic(case, "-o", tmp_path / "out").exit_code == 130
-    assert summary(tmp_path / "out")["outcome"] == "interrupted"
-    assert summary(tmp_path / "out")["runs"][0]["cycles"] == []
+    assert inputs.cyclic(case, "-o", tmp_path / "out").exit_code == 130
+    assert inputs.summary(tmp_path / "out")["outcome"] == "interrupted"
+    assert inputs.summary(tmp_path / "out")["runs"][0]["cycles"] == []
 
 
 INTERRUPTS_ITSELF = """
@@ -278,34 +266,36 @@ def test_real_interrupt_signal(case: Path, tmp_path: Path) -> None:
     done = subprocess.run(line, capture_output=True, text=True, check=False)
     assert done.returncode == 130, done.stderr
     assert json.loads(done.stdout.splitlines()[-1])["outcome"] == "interrupted"
-    found = summary(out)
+    found = inputs.summary(out)
     assert found["outcome"] == "interrupted"
     assert found["runs"][0]["series_sharing"]["steps"] == 3 * 50
-    assert sorted(content(out)) == FILES
+    assert sorted(inputs.content(out)) == inputs.FILES
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "out"]
 
 
 def test_early_end_is_marked(tmp_path: Path) -> None:
     """Steps far longer than the yield displacement, on which explicit Euler runs away."""
-    table = changed_table(specimen_table(), {"hysteresis.yield_displacement": "0.1 mm"})
-    write_toml(tmp_path / "stiff.toml", table)
-    path = quick_case(tmp_path / "case.toml", bearing="stiff.toml")
+    table = inputs.changed_table(
+        inputs.specimen_table(), {"hysteresis.yield_displacement": "0.1 mm"}
+    )
+    inputs.write_toml(tmp_path / "stiff.toml", table)
+    path = inputs.quick_case(tmp_path / "case.toml", bearing="stiff.toml")
     out = tmp_path / "out"
-    done = cyclic(path, "--integrator", "euler", "--dt", 1, "-o", out, "--json")
+    done = inputs.cyclic(path, "--integrator", "euler", "--dt", 1, "-o", out, "--json")
     assert done.exit_code == 3
     assert "euler_unstable" in done.stderr
     assert "smaller dt" in done.stderr
-    assert last_line(done) == {
+    assert inputs.last_line(done) == {
         "outcome": "euler_unstable",
         "exit_status": 3,
         "output": str(out),
-        "files": FILES,
+        "files": inputs.FILES,
     }
-    found = summary(out)
+    found = inputs.summary(out)
     assert found["outcome"] == found["runs"][0]["outcome"] == "euler_unstable"
     assert found["runs"][0]["outcome_sentence"] in done.stderr
     assert np.isfinite(tb.load_result(out)["force"]).all()
-    assert cyclic(path, "--dt", 1, "-o", tmp_path / "exact", "-q").exit_code == 0
+    assert inputs.cyclic(path, "--dt", 1, "-o", tmp_path / "exact", "-q").exit_code == 0
 
 
 LINE = {"name": "b", "body": "deck", "count": 1, "equivalent_stiffness": "2 kN/mm"}
@@ -337,7 +327,7 @@ def test_a_study_is_read_back(study: Any, options: dict[str, Any], tmp_path: Pat
         assert json.dumps(found.summary()) == json.dumps(saved.summary())
         assert found.history(0).equals(saved.history(0))
     again = found.save(tmp_path / "again", figures=False)
-    one, other = content(tmp_path / "out"), content(again)
+    one, other = inputs.content(tmp_path / "out"), inputs.content(again)
     same = [name for name in one if name != "result.nc"]  # its dates differ
     assert [one[name] for name in same] == [other[name] for name in same]
 
@@ -392,25 +382,31 @@ def test_damaged_result_is_told_before_it_is_read(
     result = tmp_path / "out"
     result.mkdir()
     (result / "result.nc").write_bytes(damage((saved / "result.nc").read_bytes()))
-    told(lambda: tb.load_result(result), str(result / "result.nc"), piece)
-    case = quick_case(tmp_path / "case.toml", initial_result="out")
-    told(lambda: tb.load_case(case), "initial_result", piece)
-    done = command("cyclic", case, "-o", tmp_path / "new", "-q")
+    inputs.told(lambda: tb.load_result(result), str(result / "result.nc"), piece)
+    case = inputs.quick_case(tmp_path / "case.toml", initial_result="out")
+    inputs.told(lambda: tb.load_case(case), "initial_result", piece)
+    done = inputs.command("cyclic", case, "-o", tmp_path / "new", "-q")
     assert done.exit_code == 2
     assert not (tmp_path / "new").exists()
 
 
 def test_undamaged_result_starts_another(saved: Path, tmp_path: Path) -> None:
-    case = quick_case(tmp_path / "case.toml", initial_result=os.path.relpath(saved, tmp_path))
-    assert command("cyclic", case, "-o", tmp_path / "new", "-q", "--no-figures").exit_code == 0
+    case = inputs.quick_case(
+        tmp_path / "case.toml", initial_result=os.path.relpath(saved, tmp_path)
+    )
+    assert (
+        inputs.command("cyclic", case, "-o", tmp_path / "new", "-q", "--no-figures").exit_code == 0
+    )
     assert tb.load_result(tmp_path / "new" / "result.nc").outcome == "completed"
 
 
 def test_damaged_resolved_case_is_told(saved: Path, tmp_path: Path) -> None:
-    text = content(saved)["case.resolved.toml"]
+    text = inputs.content(saved)["case.resolved.toml"]
     for damaged in (text[:-40], b"", text.replace(b"[test]", b"[tset]"), text[::-1]):
         path = tmp_path / "case.toml"
         path.write_bytes(damaged)
-        done = command("cyclic", path, "-o", tmp_path / "new", "-q", "--no-figures", "--overwrite")
+        done = inputs.command(
+            "cyclic", path, "-o", tmp_path / "new", "-q", "--no-figures", "--overwrite"
+        )
         assert done.exit_code in (0, 2)  # an empty case is the default one
         assert (done.exit_code == 0) == (damaged == b"")

@@ -9,16 +9,8 @@ from tests import tolerances as tol
 from thermobearing.climate.hourly import HOUR
 from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import CyclicTest
+from thermobearing.earthquake import run
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.run import (
-    SPIN_UP,
-    Device,
-    build_device,
-    history_weights,
-    soaked,
-    soaked_history,
-    soaked_hours,
-)
 
 WEATHER = tb.generate_weather("cold-town", years=1, seed=2)
 LOOKED_AT = 800
@@ -32,11 +24,11 @@ OPTIONS = {
 }
 
 
-def device_of(name: str, **analysis: object) -> Device:
+def device_of(name: str, **analysis: object) -> run.Device:
     case = make_earthquake_case(
         {"command": "bridge", "bearings": [name], "analysis": analysis}, "test"
     )
-    return build_device(case, case.bearings[0])
+    return run.build_device(case, case.bearings[0])
 
 
 @pytest.mark.parametrize("kind", list(OPTIONS))
@@ -47,7 +39,7 @@ def test_pass_is_the_rests_of_all_hours_in_a_row(kind: str) -> None:
     air = WEATHER.before(LOOKED_AT, LOOKED_AT)
     uniform = np.full(len(device.constants.cells.capacity), air.temperature[0])
     history = run_segments(device.constants, build_segments(rests, 1.0), air, uniform, groups=())
-    temperature, lead = soaked_hours(device, WEATHER, np.array([LOOKED_AT])).at(0)
+    temperature, lead = run.soaked_hours(device, WEATHER, np.array([LOOKED_AT])).at(0)
     within = tol.HALF_SPACE_SETTLES if kind in UNSETTLED else tol.HOURS_OF_REST
     assert_allclose(temperature, history.state.temperature, atol=within)
     if lead is not None:
@@ -59,9 +51,9 @@ def test_same_as_soaking_from_far_enough_back(name: str) -> None:
     """That takes steps of 600 s, in which lead lags behind."""
     device = device_of(name)
     hours = np.array([5000, 1500, 4000])
-    found = soaked_hours(device, WEATHER, hours)
+    found = run.soaked_hours(device, WEATHER, hours)
     for place, hour in enumerate(hours):
-        temperature, lead = soaked(device, WEATHER.before(int(hour), 720))
+        temperature, lead = run.soaked(device, WEATHER.before(int(hour), 720))
         assert_allclose(found.temperature[place], temperature, atol=tol.TEN_MINUTES)
         if lead is not None:
             assert_allclose(found.at(place)[1], lead, atol=tol.TEN_MINUTES_OF_LEAD)
@@ -71,9 +63,9 @@ def test_same_as_soaking_from_far_enough_back(name: str) -> None:
 def test_weights_of_a_history_are_its_hours_in_a_row(name: str) -> None:
     device, hours = device_of(name), 12
     air = WEATHER.temperature[: hours + 1]
-    weights = history_weights(device.constants, hours)
-    temperature, lead = soaked_history(device.constants, weights, air)
-    one_by_one = soaked_hours(device, tb.Hourly(air), np.array([hours]))
+    weights = run.history_weights(device.constants, hours)
+    temperature, lead = run.soaked_history(device.constants, weights, air)
+    one_by_one = run.soaked_hours(device, tb.Hourly(air), np.array([hours]))
     assert_allclose(temperature, one_by_one.temperature[0], atol=tol.HOURS_OF_REST)
     if lead is not None:
         assert_allclose(lead, one_by_one.at(0)[1], atol=tol.HOURS_OF_REST)
@@ -81,8 +73,8 @@ def test_weights_of_a_history_are_its_hours_in_a_row(name: str) -> None:
 
 def test_some_hours_are_those_of_all() -> None:
     device = device_of("shen-lhdr-bridge")
-    every = soaked_hours(device, WEATHER)
-    some = soaked_hours(device, WEATHER, np.array([300, 0, 300, 7]))
+    every = run.soaked_hours(device, WEATHER)
+    some = run.soaked_hours(device, WEATHER, np.array([300, 0, 300, 7]))
     assert_array_equal(some.temperature, every.temperature[[300, 0, 300, 7]])
     assert_array_equal(some.lead, every.lead[[300, 0, 300, 7]])
     assert_array_equal(every.temperature[0], WEATHER.temperature[0])
@@ -92,14 +84,14 @@ def test_typical_year_has_had_the_days_before() -> None:
     device = device_of("shen-hdr-bridge")
     year = tb.Hourly(WEATHER.temperature[:2000], recurs=True)
     twice = tb.Hourly(np.tile(WEATHER.temperature[:2000], 2))
-    assert SPIN_UP < 2000
-    first = soaked_hours(device, year, np.array([0, 10])).temperature
-    second = soaked_hours(device, twice, np.array([2000, 2010])).temperature
+    assert run.SPIN_UP < 2000
+    first = run.soaked_hours(device, year, np.array([0, 10])).temperature
+    second = run.soaked_hours(device, twice, np.array([2000, 2010])).temperature
     assert_allclose(first, second, atol=tol.HOURS_OF_REST)
 
 
 def test_bilinear_has_no_temperature() -> None:
-    found = soaked_hours(device_of("shen-bilinear-bridge"), WEATHER, np.array([1, 2]))
+    found = run.soaked_hours(device_of("shen-bilinear-bridge"), WEATHER, np.array([1, 2]))
     assert found.temperature.shape == (2, 1)
     assert found.at(1)[1] is None
     with pytest.raises(tb.InputError, match="has no temperature"):

@@ -26,6 +26,7 @@ from thermobearing.border.toml import to_toml
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.result import LARGEST_DAMPING_SHARE
+from thermobearing.structure import run
 from thermobearing.structure.figures import lay_out
 from thermobearing.structure.forces import build_bearings
 from thermobearing.structure.matrices import (
@@ -42,13 +43,6 @@ from thermobearing.structure.matrices import (
 )
 from thermobearing.structure.model import Damping, DampingKind, Structure, load_structure
 from thermobearing.structure.newmark import newmark_march
-from thermobearing.structure.run import (
-    Line,
-    Prepared,
-    StructureHistory,
-    prepare_structure,
-    run_structure,
-)
 
 PIER = load_structure("pier-p1")
 OWN: tuple[DampingKind, ...] = ("modal", "rayleigh", "element", "none")
@@ -112,7 +106,7 @@ def two_springs() -> Structure:
 def test_damping_ratios_are_weighed_with_strain_energy() -> None:
     """Nearly all energy of the first mode is in the bearings, of the second in the springs."""
     structure = two_springs()
-    prepared = prepare_structure(structure)
+    prepared = run.prepare_structure(structure)
     stiffness = np.array([[2.0, -2.0], [-2.0, 402.0]])
     values, shapes = np.linalg.eigh(stiffness)  # unit masses
     assert_allclose(prepared.modes.frequencies, np.sqrt(values))
@@ -164,8 +158,8 @@ def test_actuator_is_where_it_was_told_to_be_a_delay_ago(steps: float, tmp_path:
     assert np.abs(found - late).max() < tol.DELAYED * np.abs(found).max()
 
 
-def prepared_with(structure: Structure, **damping: Any) -> Prepared:
-    return prepare_structure(structure.model_copy(update={"damping": Damping(**damping)}))
+def prepared_with(structure: Structure, **damping: Any) -> run.Prepared:
+    return run.prepare_structure(structure.model_copy(update={"damping": Damping(**damping)}))
 
 
 def without_ratio(structure: Structure) -> Structure:
@@ -174,7 +168,7 @@ def without_ratio(structure: Structure) -> Structure:
     return structure.model_copy(update={"bearings": lines})
 
 
-def bare_ratios(prepared: Prepared) -> np.ndarray:
+def bare_ratios(prepared: run.Prepared) -> np.ndarray:
     modes = bare_modes(prepared.structure, prepared.matrices)
     return mode_damping(prepared.damping, modes)
 
@@ -182,14 +176,14 @@ def bare_ratios(prepared: Prepared) -> np.ndarray:
 @pytest.mark.parametrize("kind", OWN)
 @pytest.mark.parametrize("mass", ["consistent", "published"])
 def test_nothing_damps_the_deck(kind: DampingKind, mass: Any) -> None:
-    damping = prepare_structure(PIER, mass, kind).damping
+    damping = run.prepare_structure(PIER, mass, kind).damping
     assert np.abs(damping[0]).max() <= 1e-9 * np.abs(damping).max()
     assert_allclose(damping, damping.T, atol=1e-12 * np.abs(damping).max())
 
 
 def test_the_source_damps_the_deck() -> None:
     """Section 6.2.3: modes 1 and 2 get their ratios; modes 3 and 4 what comes of it."""
-    prepared = prepare_structure(PIER, "consistent", "source")
+    prepared = run.prepare_structure(PIER, "consistent", "source")
     assert prepared.damping[0, 0] > 0.0
     assert_allclose(prepared.ratios, [0.0609, 0.0333, 0.332, 0.610], rtol=2e-3)
     given = prepared_with(two_springs(), kind="source", ratios=(0.03, 0.07))
@@ -207,8 +201,8 @@ def test_modal_ratios_are_those_of_the_parts() -> None:
 
 def test_rayleigh_goes_through_the_chosen_modes() -> None:
     """a/(2 omega) + b omega/2; through one mode it is b K' alone."""
-    own = bare_ratios(prepare_structure(PIER))
-    w = bare_modes(PIER, prepare_structure(PIER).matrices).frequencies
+    own = bare_ratios(run.prepare_structure(PIER))
+    w = bare_modes(PIER, run.prepare_structure(PIER).matrices).frequencies
     for first, second in ((0, 1), (0, 2)):
         found = bare_ratios(prepared_with(PIER, kind="rayleigh", modes=(first + 1, second + 1)))
         assert_allclose(found[[first, second]], own[[first, second]], rtol=1e-9)
@@ -224,7 +218,7 @@ def test_dashpots_beside_the_parts() -> None:
     """c = 2 xi k/omega, omega that of the pier alone: 20/s."""
     damping = prepared_with(without_ratio(two_springs()), kind="element").damping
     assert_allclose(damping, np.diag([0.0, 0.1 * (0.02 * 100.0 + 0.10 * 300.0)]), atol=1e-12)
-    pier = prepare_structure(PIER, "consistent", "element")
+    pier = run.prepare_structure(PIER, "consistent", "element")
     w = bare_modes(PIER, pier.matrices).frequencies
     k = pier.structure.hinges[0].stiffness
     # Pier rotation: c_2 of Eq. 6.5, in the fastest mode; nothing else turns with it.
@@ -240,7 +234,7 @@ def test_a_structure_on_nothing_but_bearings_has_no_viscous_damping() -> None:
     second = line.model_copy(update={"name": "second", "body": "pier"})
     floating = structure.model_copy(update={"springs": (), "bearings": [line, second]})
     for kind in OWN:
-        assert not prepare_structure(floating, "consistent", kind).damping.any()
+        assert not run.prepare_structure(floating, "consistent", kind).damping.any()
 
 
 @pytest.mark.parametrize(
@@ -286,7 +280,7 @@ def test_the_option_goes_before_the_structure() -> None:
     assert case.analysis.damping == "element"
     with pytest.raises(InputError, match="damping"):
         make_earthquake_case(table, "test", damping="rayligh")
-    kept = prepare_structure(load_structure("hybrid-pier"), "consistent", "source")
+    kept = run.prepare_structure(load_structure("hybrid-pier"), "consistent", "source")
     assert_allclose(kept.ratios, [0.05, 0.05], rtol=1e-9)
 
 
@@ -349,7 +343,7 @@ def frequencies_without_bearings() -> Floats:
 
 
 def in_the_order_of_the_print(structure: Structure) -> Floats:
-    prepared = prepare_structure(structure, "consistent", "element")
+    prepared = run.prepare_structure(structure, "consistent", "element")
     order = [prepared.matrices.coordinates.index(name) for name in PRINTED]
     return prepared.damping[np.ix_(order, order)]
 
@@ -374,7 +368,9 @@ def test_bearings_with_a_ratio_have_c_1() -> None:
     """In the mode of the whole structure in which they store most, signed so that it damps."""
     line = PIER.bearings[0].model_copy(update={"damping_ratio": 0.03})
     structure = PIER.model_copy(update={"bearings": [line]})
-    second = 2.0 * np.pi / prepare_structure(PIER).modes.periods[1]  # in mode 1 the ground rocks
+    second = (
+        2.0 * np.pi / run.prepare_structure(PIER).modes.periods[1]
+    )  # in mode 1 the ground rocks
     c1 = 2.0 * 0.03 * 5 * 2.6153 / second
     c2, c3 = dashpots()
     expected = printed(c1, c2, c3, signs=-1)
@@ -399,7 +395,7 @@ def test_bearings_alone_have_dashpots_too() -> None:
     )
     k = 5 * 2.6153
     omega = np.sqrt(k / 0.4)
-    damping = prepare_structure(alone, "consistent", "element").damping
+    damping = run.prepare_structure(alone, "consistent", "element").damping
     assert_allclose(damping, [[2.0 * 0.05 * k / omega]], rtol=tol.LOOP)
 
 
@@ -435,9 +431,9 @@ def test_lines_start_at_temperatures_of_their_own() -> None:
     ground = ground_of("jra-ii-i-1", DT, 4.0)
     constants = real_bearing("shen-hdr-bridge")
     cells = len(constants.cells.capacity)
-    lines = [Line(constants, np.full(cells, t)) for t in (-20.0, 20.0)]
-    history = run_structure(
-        prepare_structure(pier_of([2, 3])), lines, ground, DT, np.zeros(len(ground) - 1)
+    lines = [run.Line(constants, np.full(cells, t)) for t in (-20.0, 20.0)]
+    history = run.run_structure(
+        run.prepare_structure(pier_of([2, 3])), lines, ground, DT, np.zeros(len(ground) - 1)
     )
     assert_array_equal(history.layers(0)[0], -20.0)
     assert_array_equal(history.layers(1)[0], 20.0)
@@ -455,17 +451,17 @@ def test_lines_of_one_kind_share_their_constants() -> None:
     assert kinds[1].states.temperature.shape == (1, len(b.cells.capacity))
 
 
-def shake_unlike_lines() -> tuple[StructureHistory, StructureHistory]:
+def shake_unlike_lines() -> tuple[run.StructureHistory, run.StructureHistory]:
     structure, ground = pier_of([1, 1]), ground_of("jra-ii-i-1", DT, 0.3)
     both = [linear_bearing(4.0), linear_bearing(9.0)]
-    prepared = prepare_structure(structure)
+    prepared = run.prepare_structure(structure)
 
-    def shake(lines: list[Line]) -> StructureHistory:
-        return run_structure(prepared, lines, ground, DT, np.zeros(len(ground) - 1))
+    def shake(lines: list[run.Line]) -> run.StructureHistory:
+        return run.run_structure(prepared, lines, ground, DT, np.zeros(len(ground) - 1))
 
     start: Floats = np.zeros(len(both[0].cells.capacity))
     mean = linear_bearing(6.5)
-    return shake([Line(one, start) for one in both]), shake([Line(mean, start)] * 2)
+    return shake([run.Line(one, start) for one in both]), shake([run.Line(mean, start)] * 2)
 
 
 def test_lines_of_several_kinds() -> None:

@@ -16,31 +16,10 @@ from thermobearing.bearing.new import new_bearing
 from thermobearing.border.errors import InputError
 from thermobearing.climate.generator import generate_weather
 from thermobearing.commands.check import check_file
+from thermobearing.earthquake import run
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.run import (
-    Task,
-    build_device,
-    build_tasks,
-    run_task,
-    soaked,
-    soaked_hours,
-)
+from thermobearing.studies.definition import designs, record
 from thermobearing.studies.definition.case import make_study
-from thermobearing.studies.definition.designs import (
-    MANY,
-    _number_paths,
-    _value_at,
-    in_lockstep,
-    plan,
-    with_numbers,
-)
-from thermobearing.studies.definition.record import (
-    Distribution,
-    Keep,
-    ScaleFactor,
-    Study,
-    intensity,
-)
 from thermobearing.studies.run.prepare import Preparer
 
 BEARINGS = ["shen-hdr-bridge", "shen-bilinear-bridge"]
@@ -49,7 +28,7 @@ MOTIONS = ["jra-ii-i-1", "jra-ii-i-2"]
 
 def study(
     design: dict[str, Any] | None = None, case: dict[str, Any] | None = None, **factors: Any
-) -> Study:
+) -> record.Study:
     whole = {"bearing": BEARINGS[0], "motion": MOTIONS[0], "ambient": ["0 degC"]} | factors
     table = {"kind": "study", "name": "small", "factors": whole}
     table["case"] = {"duration": "2 s"} | (case or {})
@@ -58,7 +37,7 @@ def study(
 
 def test_levels_meet_in_every_combination() -> None:
     made = study(bearing=BEARINGS, motion=MOTIONS, ambient=["23 degC", "-20 degC"])
-    runs = plan(made)
+    runs = designs.plan(made)
     names = ["bearing", "motion", "ambient_degC"]
     assert runs[names].values.tolist() == [
         [bearing, motion, air] for bearing in BEARINGS for motion in MOTIONS for air in (23, -20)
@@ -78,14 +57,14 @@ def test_a_run_of_a_study_is_that_of_bridge() -> None:
         duration=2,
     )
     preparer = Preparer(made)
-    for row, task in zip(plan(made).to_dict("records"), build_tasks(case), strict=True):
-        mine, theirs = run_task(preparer.make_task(row)), run_task(task)
+    for row, task in zip(designs.plan(made).to_dict("records"), run.build_tasks(case), strict=True):
+        mine, theirs = run.run_task(preparer.make_task(row)), run.run_task(task)
         np.testing.assert_array_equal(mine.rows.q, theirs.rows.q)
 
 
 def test_an_id_is_of_the_input_and_of_nothing_else() -> None:
-    alone = plan(study(ambient=["-20 degC"])).iloc[0]
-    among = plan(study(bearing=BEARINGS[::-1], ambient=["23 degC", "-20 degC"]))
+    alone = designs.plan(study(ambient=["-20 degC"])).iloc[0]
+    among = designs.plan(study(bearing=BEARINGS[::-1], ambient=["23 degC", "-20 degC"]))
     same = among[(among["bearing"] == BEARINGS[0]) & (among["ambient_degC"] == -20.0)].iloc[0]
     assert (alone["id"], alone["seed"]) == (same["id"], same["seed"])
     assert alone["run"] != same["run"]
@@ -96,40 +75,42 @@ def test_an_id_is_of_the_input_and_of_nothing_else() -> None:
         study(ambient=["-20 degC"], bearing=BEARINGS[1]),
         study(ambient=["-20 degC"], structure="hybrid-pier"),
     ]
-    assert alone["id"] not in {plan(other)["id"][0] for other in others}
+    assert alone["id"] not in {designs.plan(other)["id"][0] for other in others}
 
 
 @pytest.mark.parametrize("kind", ["factorial", "latin-hypercube", "sobol", "monte-carlo"])
 def test_a_plan_repeats_itself(kind: str) -> None:
     air = {"distribution": "normal", "mean": "0 degC", "sd": "10 K"}
     made = study({"kind": kind, "samples": 16, "seed": 3}, bearing=BEARINGS, ambient=air)
-    runs = plan(made)
+    runs = designs.plan(made)
     again = make_study(tomllib.loads(made.to_toml()), "again")
-    pd.testing.assert_frame_equal(plan(again), runs, check_exact=True)
+    pd.testing.assert_frame_equal(designs.plan(again), runs, check_exact=True)
     first, second = (runs.loc[runs["bearing"] == name, "ambient_degC"] for name in BEARINGS)
     assert first.tolist() == second.tolist()  # paired: both bearings meet the same air
     assert first.nunique() == 16
-    other = plan(study({"kind": kind, "samples": 16, "seed": 4}, ambient=air))
+    other = designs.plan(study({"kind": kind, "samples": 16, "seed": 4}, ambient=air))
     assert set(other["ambient_degC"]).isdisjoint(first)
 
 
 def test_draws_that_are_not_paired_are_others_for_every_combination() -> None:
     air = {"distribution": "uniform", "low": "-20 degC", "high": "30 degC"}
     design = {"kind": "sobol", "samples": 16, "paired": False}
-    runs = plan(study(design, bearing=BEARINGS, ambient=air))
+    runs = designs.plan(study(design, bearing=BEARINGS, ambient=air))
     first, second = (runs.loc[runs["bearing"] == name, "ambient_degC"] for name in BEARINGS)
     assert set(first).isdisjoint(second)
 
 
-@pytest.mark.parametrize(("samples", "many"), [(MANY // 4, True), (MANY // 4 - 1, False)])
+@pytest.mark.parametrize(
+    ("samples", "many"), [(designs.MANY // 4, True), (designs.MANY // 4 - 1, False)]
+)
 def test_large_studies_are_carried_out_in_lockstep(samples: int, many: bool) -> None:
     """Saltelli's arrangement of two factors is four runs a sample; histories need a run alone."""
     drawn = {"distribution": "uniform", "low": 0.9, "high": 1.1}
     air = {"distribution": "uniform", "low": "-20 degC", "high": "30 degC"}
     design = {"kind": "monte-carlo", "samples": samples, "arrangement": "saltelli"}
     made = study(design, scale=drawn, ambient=air)
-    assert in_lockstep(made) == many
-    assert not in_lockstep(made.model_copy(update={"keep": Keep(histories="all")}))
+    assert designs.in_lockstep(made) == many
+    assert not designs.in_lockstep(made.model_copy(update={"keep": record.Keep(histories="all")}))
 
 
 HEAT = {"bearing.materials.rubber.conductivity": {"levels": [0.9, 1.1]}}
@@ -138,7 +119,7 @@ HEAT = {"bearing.materials.rubber.conductivity": {"levels": [0.9, 1.1]}}
 def test_numbers_of_heat_keep_runs_apart() -> None:
     made = study({"kind": "factorial"}, **HEAT)
     asked = made.design.model_copy(update={"lockstep": True})
-    assert not in_lockstep(made.model_copy(update={"design": asked}))
+    assert not designs.in_lockstep(made.model_copy(update={"design": asked}))
     with pytest.raises(InputError, match=r"lockstep: true; .*conductivity changes it"):
         study({"kind": "factorial", "lockstep": True}, **HEAT)
     other = study({"kind": "factorial", "lockstep": True}, **{"bearing.K_r": {"levels": [0.9]}})
@@ -150,14 +131,14 @@ def test_hours_have_their_history_before_them(tmp_path: Path) -> None:
     file = tmp_path / "town.csv"
     file.write_text("\n".join(["time,temperature_degC", *rows]))
     draws = {"kind": "latin-hypercube", "samples": 24}
-    runs = plan(study(draws, ambient={"weather": str(file), "history": "2 d"}))
+    runs = designs.plan(study(draws, ambient={"weather": str(file), "history": "2 d"}))
     assert set(runs["hour"]) == set(range(48, 60))
 
 
 def test_hours_of_another_weather_are_other_runs() -> None:
     draws = {"kind": "latin-hypercube", "samples": 4}
     one, other = (
-        plan(study(draws, ambient={"climate": "cold-town", "years": 1, "seed": seed}))
+        designs.plan(study(draws, ambient={"climate": "cold-town", "years": 1, "seed": seed}))
         for seed in (0, 1)
     )
     assert one["hour"].tolist() == other["hour"].tolist()
@@ -167,16 +148,18 @@ def test_hours_of_another_weather_are_other_runs() -> None:
 @pytest.mark.parametrize("measure", ["PGA", "PGV", "Sa"])
 def test_a_motion_turned_round_is_as_strong(measure: Any) -> None:
     motion = tb.load_motion(MOTIONS[0])
-    scale = ScaleFactor(levels=[1.0], measure=measure, period=1.0 if measure == "Sa" else None)
+    scale = record.ScaleFactor(
+        levels=[1.0], measure=measure, period=1.0 if measure == "Sa" else None
+    )
     turned = replace(motion, acceleration=-motion.acceleration)
-    assert intensity(turned, scale) == pytest.approx(intensity(motion, scale))
+    assert record.intensity(turned, scale) == pytest.approx(record.intensity(motion, scale))
 
 
 def test_saltelli_swaps_one_factor_at_a_time() -> None:
     air = {"distribution": "uniform", "low": "-20 degC", "high": "30 degC"}
     scale = {"distribution": "lognormal", "median": 1.0, "cov": 0.3}
     design = {"kind": "sobol", "samples": 8, "arrangement": "saltelli"}
-    runs = plan(study(design, ambient=air, scale=scale)).set_index(["matrix", "sample"])
+    runs = designs.plan(study(design, ambient=air, scale=scale)).set_index(["matrix", "sample"])
     assert len(runs) == 8 * 4
     a, b = runs.loc["A"], runs.loc["B"]
     for name, other in (("ambient_degC", "scale"), ("scale", "ambient_degC")):
@@ -188,13 +171,15 @@ def test_saltelli_swaps_one_factor_at_a_time() -> None:
 def test_a_motion_is_brought_to_an_intensity() -> None:
     scale = {"of": "intensity", "measure": "PGA", "levels": ["2 m/s2", "400 gal"]}
     made = study(scale=scale, motion=MOTIONS)
-    runs = plan(made)
+    runs = designs.plan(made)
     assert runs["PGA_m_s2"].tolist() == pytest.approx([2.0, 4.0, 2.0, 4.0])
     for row in runs.to_dict("records"):
         pga = tb.load_motion(row["motion"]).pga
         assert row["scale"] * pga == pytest.approx(1000.0 * row["PGA_m_s2"])
-    task = Preparer(study(scale=[1.5])).make_task(plan(study(scale=[1.5])).to_dict("records")[0])
-    plain = Preparer(study()).make_task(plan(study()).to_dict("records")[0])
+    task = Preparer(study(scale=[1.5])).make_task(
+        designs.plan(study(scale=[1.5])).to_dict("records")[0]
+    )
+    plain = Preparer(study()).make_task(designs.plan(study()).to_dict("records")[0])
     np.testing.assert_array_equal(task.shaking.ground, 1.5 * plain.shaking.ground)
 
 
@@ -202,7 +187,7 @@ def test_too_many_runs_are_refused() -> None:
     air = {"distribution": "normal", "mean": "0 degC", "sd": "10 K"}
     levels = [0.01 * k for k in range(1, 2000)]
     with pytest.raises(InputError, match="at most 10000000 are done"):
-        plan(study({"kind": "monte-carlo", "samples": 10_000}, ambient=air, scale=levels))
+        designs.plan(study({"kind": "monte-carlo", "samples": 10_000}, ambient=air, scale=levels))
 
 
 ONE = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": "0 degC"}
@@ -214,7 +199,7 @@ DRAWN = {"kind": "sobol", "samples": 8}
 def told(table: dict[str, Any], folder: Path = Path()) -> str:
     whole = {"kind": "study", "name": "bad"} | table
     with pytest.raises(InputError) as caught:
-        plan(make_study(whole, "study.toml", folder))
+        designs.plan(make_study(whole, "study.toml", folder))
     return str(caught.value)
 
 
@@ -359,7 +344,7 @@ def test_what_the_message_on_heat_says_to_write_is_enough() -> None:
     ambient = {"climate": "cold-town", "years": 1, "history": "10 d"}
     factors = ONE | {"ambient": ambient, "bearing.materials.rubber.conductivity": number}
     table = {"kind": "study", "name": "heat", "design": DRAWN, "factors": factors}
-    assert len(plan(make_study(table, "study.toml"))) == DRAWN["samples"]
+    assert len(designs.plan(make_study(table, "study.toml"))) == DRAWN["samples"]
 
 
 LHDR, HDR, BILINEAR = "shen-lhdr-bridge", "shen-hdr-bridge", "shen-bilinear-bridge"
@@ -367,8 +352,8 @@ DRAWS = {"kind": "monte-carlo", "samples": 6, "seed": 2}
 NEAR_ONE = {"distribution": "lognormal", "median": 1.0, "cov": 0.1}
 
 
-def tasks(made: Study) -> tuple[pd.DataFrame, list[Task]]:
-    runs, preparer = plan(made), Preparer(made)
+def tasks(made: record.Study) -> tuple[pd.DataFrame, list[run.Task]]:
+    runs, preparer = designs.plan(made), Preparer(made)
     preparer.foresee(runs)
     return runs, [preparer.make_task(row) for row in runs.to_dict("records")]
 
@@ -382,13 +367,13 @@ def alike(first: Any, second: Any) -> bool:
 def test_every_number_of_a_bearing_goes_where_it_belongs() -> None:
     """One by one a little larger: what is made quickly is what is made whole."""
     before = tb.load_bearing(LHDR)
-    paths = _number_paths(before)
+    paths = designs._number_paths(before)
     assert len(paths) > 30
     for name, (path, _) in paths.items():
         made = study(bearing=LHDR, **{f"bearing.{name}": {"levels": [1.001]}})
         (task,) = tasks(made)[1]
-        changed = with_numbers(before, {path: 1.001 * _value_at(before, path)})
-        own = build_device(made.case, changed)
+        changed = designs.with_numbers(before, {path: 1.001 * designs._value_at(before, path)})
+        own = run.build_device(made.case, changed)
         assert alike(task.device.constants, own.constants), name
 
 
@@ -400,7 +385,7 @@ def test_long_cold_stays_on_a_bearing_that_is_varied() -> None:
     for row, task in zip(runs.to_dict("records"), done, strict=True):
         stiffness = row["bearing.K_r"] * before.hysteresis.layer_stiffness
         changed = tb.changed_bearing(before, hysteresis={"layer_stiffness": stiffness})
-        assert alike(task.device.constants, build_device(made.case, changed).constants)
+        assert alike(task.device.constants, run.build_device(made.case, changed).constants)
 
 
 def test_noise_of_a_laboratory_is_that_of_the_run() -> None:
@@ -421,17 +406,17 @@ def test_numbers_of_structure_and_case() -> None:
     for row, task in zip(runs.to_dict("records"), done, strict=True):
         assert task.prepared.structure.hinges[0].yield_moment == row[name]
         assert task.case.analysis.upper_face.eta == row["case.analysis.upper_face.eta"]
-        own = build_device(task.case, task.device.bearing)
+        own = run.build_device(task.case, task.device.bearing)
         assert alike(task.device.constants, own.constants)
 
 
 def test_a_number_that_a_bearing_does_not_have_is_none_and_changes_no_id() -> None:
     lead = {"bearing.sigma_Y": NEAR_ONE}
-    runs = plan(study(DRAWS, bearing=[LHDR, HDR, BILINEAR], **lead))
+    runs = designs.plan(study(DRAWS, bearing=[LHDR, HDR, BILINEAR], **lead))
     without = runs[runs["bearing"] != LHDR]
     assert without["bearing.sigma_Y"].isna().all()
     assert runs.loc[runs["bearing"] == LHDR, "bearing.sigma_Y"].notna().all()
-    assert set(without["id"]) == set(plan(study(bearing=[HDR, BILINEAR]))["id"])
+    assert set(without["id"]) == set(designs.plan(study(bearing=[HDR, BILINEAR]))["id"])
 
 
 def fit(folder: Path, count: int = 4) -> Path:
@@ -458,7 +443,7 @@ def test_samples_of_a_posterior(tmp_path: Path) -> None:
             found = task.device.bearing.hysteresis  # type: ignore[union-attr]
             assert found.layer_stiffness == 30.0 + row["bearing.sample"]
     alone = study(DRAWS, bearing={"posterior": place, "count": 2})
-    assert set(plan(alone)["bearing.sample"]) <= {0, 1}
+    assert set(designs.plan(alone)["bearing.sample"]) <= {0, 1}
 
 
 def test_a_compound_and_its_sizes() -> None:
@@ -481,8 +466,8 @@ def test_bearings_whose_lead_differs_are_not_as_warm(tmp_path: Path) -> None:
     runs, done = tasks(study(DRAWS, bearing=levels, ambient=air))
     weather = generate_weather("cold-town", 1, 0)
     for hour, task in zip(runs["hour"], done, strict=True):
-        own = build_device(task.case, task.device.bearing)
-        alone = soaked_hours(own, weather, np.array([hour]))
+        own = run.build_device(task.case, task.device.bearing)
+        alone = run.soaked_hours(own, weather, np.array([hour]))
         assert_array_equal(task.lines[0].temperature, alone.temperature[0])
     assert_array_equal(runs["ambient_degC"], weather.temperature[runs["hour"]])
     assert done[0].lines[0].lead != done[6].lines[0].lead
@@ -495,7 +480,7 @@ def test_a_history_before_the_earthquake(heat: bool) -> None:
     runs, done = tasks(study(DRAWS, bearing=LHDR, ambient=air, **more))
     weather = generate_weather("cold-town", 1, 0)
     for k, task in enumerate(done):
-        cells, lead = soaked(task.device, weather.before(int(runs["hour"][k]), 48.0))
+        cells, lead = run.soaked(task.device, weather.before(int(runs["hour"][k]), 48.0))
         assert_allclose(task.lines[0].temperature, cells, atol=tol.TEN_MINUTES)
         assert task.lines[0].lead == pytest.approx(lead, abs=tol.TEN_MINUTES_OF_LEAD)
 
@@ -526,7 +511,7 @@ def test_distributions_have_the_moments_that_are_told(
 
 
 def test_a_distribution_is_cut_off() -> None:
-    cut = Distribution("normal", 0.0, 1.0, -1.0, 0.5)
+    cut = record.Distribution("normal", 0.0, 1.0, -1.0, 0.5)
     values = cut.at(np.linspace(0.0, 1.0, 1001))
     assert (values[0], values[-1]) == (-1.0, 0.5)
     assert (np.diff(values) > 0.0).all()
@@ -534,7 +519,7 @@ def test_a_distribution_is_cut_off() -> None:
 
 def test_levels_by_lot_have_their_weights() -> None:
     motion = {"levels": ["jra-ii-i-1", "jra-ii-i-2"], "random": True, "weights": [3, 1]}
-    runs = plan(study({"kind": "latin-hypercube", "samples": 400}, motion=motion))
+    runs = designs.plan(study({"kind": "latin-hypercube", "samples": 400}, motion=motion))
     assert len(runs) == 400
     assert (runs["motion"] == "jra-ii-i-1").sum() == 300
 
@@ -550,4 +535,4 @@ def test_a_resolved_study_is_the_same_study(tmp_path: Path) -> None:
         **{"bearing.K_r": NEAR_ONE, "structure.masses.deck.mass": NEAR_ONE},
     )
     again = make_study(tomllib.loads(made.to_toml()), "again")
-    pd.testing.assert_frame_equal(plan(again), plan(made), check_exact=True)
+    pd.testing.assert_frame_equal(designs.plan(again), designs.plan(made), check_exact=True)

@@ -21,16 +21,9 @@ from thermobearing.commands.check import check_file
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import LARGEST_MISFIT, misfit
 from thermobearing.motions.targets import list_spectra, load_spectrum, standard_spectrum
+from thermobearing.studies.definition import motions
 from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.definition.designs import plan
-from thermobearing.studies.definition.motions import (
-    MADE,
-    Recipe,
-    _read_made,
-    factor_motions,
-    recipes,
-    with_matched,
-)
 from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.engine import repeat_run, run_study
 from thermobearing.studies.run.prepare import Preparer
@@ -48,13 +41,13 @@ MADE_UP = {"matched": "jra-ii-i", "count": 3}
 def fits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> "Counter[str]":
     monkeypatch.setattr(made, "cache_directory", lambda: tmp_path / "cache")
     counted: Counter[str] = Counter()
-    make = Recipe.make
+    make = motions.Recipe.make
 
-    def counting(self: Recipe, progress: Any = None) -> Any:
+    def counting(self: motions.Recipe, progress: Any = None) -> Any:
         counted[self.name] += 1
         return make(self, progress)
 
-    monkeypatch.setattr(Recipe, "make", counting)
+    monkeypatch.setattr(motions.Recipe, "make", counting)
     return counted
 
 
@@ -68,7 +61,7 @@ def test_motions_fit_and_are_the_levels(fits: "Counter[str]") -> None:
     runs = plan(study)
     assert runs["motion"].tolist() == [NAMES[0]] * 2 + [NAMES[1]] * 2
     assert runs["id"].is_unique
-    for motion in factor_motions(study.factors.motion):
+    for motion in motions.factor_motions(study.factors.motion):
         assert motion.dt == 0.02
         error = misfit(motion, lambda t: standard_spectrum("II", "II", t))
         assert error <= LARGEST_MISFIT
@@ -90,14 +83,14 @@ def test_random_phases_have_a_name_and_a_key_of_their_own(tmp_path: Path) -> Non
         {"matched": str(file), "count": 3},
         {"matched": str(file), "count": 3, "phases": "jra-i-i"},
     ]
-    keys = [recipe.key for one in [MADE_UP, *others] for recipe in recipes(_factor(one))]
+    keys = [recipe.key for one in [MADE_UP, *others] for recipe in motions.recipes(_factor(one))]
     assert len(set(keys)) == 3 * len(others) + 3
     named = _factor(others[-1])
     assert named.names == ["site-1", "site-2", "site-3"]
-    before = recipes(named)[0].key
+    before = motions.recipes(named)[0].key
     file.write_text("period [s];Sa [g]\n0.05;0.5\n0.5;1.01\n4;0.1\n")
-    assert recipes(named)[0].key != before
-    assert recipes(_factor(MADE_UP | {"seed": 2}))[0].key == keys[1]
+    assert motions.recipes(named)[0].key != before
+    assert motions.recipes(_factor(MADE_UP | {"seed": 2}))[0].key == keys[1]
 
 
 def _factor(motion: dict[str, Any]) -> Any:
@@ -121,7 +114,9 @@ def test_made_once_and_kept_in_the_directory(
     one, out = tmp_path / "one", tmp_path / "out"
     run_study(matched(), one, jobs=1, size=1)
     whole = kept(one)
-    assert set(_read_made(one / MADE)) == {recipe.key for recipe in recipes(_factor(FITS))}
+    assert set(motions._read_made(one / motions.MADE)) == {
+        recipe.key for recipe in motions.recipes(_factor(FITS))
+    }
     run_study(matched(), out, jobs=1, size=1, shard="1/2")
     assert study_status(out).done == 2
     monkeypatch.setattr(made, "cache_directory", lambda: None)  # another machine
@@ -134,7 +129,7 @@ def test_made_once_and_kept_in_the_directory(
     assert [row["id"] for row in rows] == Store(out).table()["id"].tolist()
     (motion,) = Preparer(study).make_task(rows[3]).case.motions
     assert motion.load().name == NAMES[1]
-    stored = _read_made(out / MADE)[recipes(_factor(FITS))[1].key].motion
+    stored = motions._read_made(out / motions.MADE)[motions.recipes(_factor(FITS))[1].key].motion
     assert_array_equal(motion.acceleration, stored.acceleration)
     assert repeat_run(study, 3).table["motion"].tolist() == [NAMES[1]]
     assert fits == dict.fromkeys(NAMES, 1)
@@ -143,9 +138,9 @@ def test_made_once_and_kept_in_the_directory(
 def test_workers_are_sent_what_was_made(tmp_path: Path) -> None:
     run_study(matched(), tmp_path / "two", jobs=2, size=1)
     two = kept(tmp_path / "two")
-    study = with_matched(matched())
+    study = motions.with_matched(matched())
     sent = pickle.loads(packed(study)).factors.motion.made
-    for here, there in zip(factor_motions(study.factors.motion), sent.motions, strict=True):
+    for here, there in zip(motions.factor_motions(study.factors.motion), sent.motions, strict=True):
         assert_array_equal(here.acceleration, there.acceleration)
     for file in (tmp_path / "cache").rglob("*.npz"):
         file.unlink()
@@ -166,7 +161,7 @@ def test_another_part_that_was_quicker_has_the_motions(
         found = make(study)
         other = [
             replace(m, acceleration=m.acceleration + 1e-9)
-            for m in factor_motions(found.factors.motion)
+            for m in motions.factor_motions(found.factors.motion)
         ]
         changed = found.model_copy(deep=True)
         changed.factors.motion.keep_made(other)
@@ -182,10 +177,10 @@ def test_another_part_that_was_quicker_has_the_motions(
 def test_a_damaged_copy_is_made_again(tmp_path: Path, fits: "Counter[str]") -> None:
     out = tmp_path / "out"
     run_study(matched(), out, jobs=1)
-    raw = (out / MADE).read_bytes()
+    raw = (out / motions.MADE).read_bytes()
     for content in (raw[: len(raw) // 2], b"", b"nothing", raw[:-400] + bytes(400)):
-        (out / MADE).write_bytes(content)
-        assert _read_made(out / MADE) == {}
+        (out / motions.MADE).write_bytes(content)
+        assert motions._read_made(out / motions.MADE) == {}
         assert run_study(matched(), out, jobs=1).outcome == "completed"
     assert fits == dict.fromkeys(NAMES, 1)
 

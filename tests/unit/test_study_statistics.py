@@ -8,19 +8,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 from thermobearing.border.errors import InputError
+from thermobearing.studies.statistics import hazard
 from thermobearing.studies.statistics.demand import Draw, _median_places, counted, demand_against
 from thermobearing.studies.statistics.fragility import fragility_curve, fragility_curves, ida_curves
-from thermobearing.studies.statistics.hazard import (
-    ClimateFragility,
-    Hazard,
-    annual_rate,
-    load_hazard,
-    shares_of_time,
-)
 from thermobearing.studies.statistics.likelihood import MOST_STRIPES, _fit_curves, classes, cloud
 from thermobearing.studies.statistics.variance import sobol_table, variance_shares
 
-HAZARD = Hazard(np.array([0.1, 1.0, 10.0]), np.array([1.0, 1e-2, 1e-4]))
+HAZARD = hazard.Hazard(np.array([0.1, 1.0, 10.0]), np.array([1.0, 1e-2, 1e-4]))
 
 
 def split_runs(**columns: Any) -> pd.DataFrame:
@@ -73,7 +67,7 @@ def test_counts_without_a_curve(
     row = found.row()
     numbers = [row["median"], row["dispersion"], found.probability(1.5)[0]]
     assert np.isfinite(numbers).all() == (outcome == "completed")
-    rate = annual_rate(found, HAZARD)
+    rate = hazard.annual_rate(found, HAZARD)
     assert np.isfinite(rate.rate) == (outcome == "completed")
 
 
@@ -116,7 +110,7 @@ def test_a_temperature_at_which_nothing_went_beyond_counts_with_zero_in_a_climat
     warm = two_levels([0.1] * 4, [0.1] * 4).assign(ambient_degC=23.0)
     table = pd.concat([cold, warm], ignore_index=True)
     found = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", samples=40)
-    climate = ClimateFragility(found, np.array([0.25, 0.75]))
+    climate = hazard.ClimateFragility(found, np.array([0.25, 0.75]))
     assert climate.probability([1.5]) == pytest.approx(0.25 * found[-20.0].probability([1.5]))
     assert "23: no run went beyond" in climate.sentence
     low, high = climate.band_at([1.5])
@@ -129,7 +123,7 @@ def test_a_temperature_without_a_curve_matters_where_it_comes() -> None:
     falls = two_levels([3.0] * 4, [0.1] * 4).assign(ambient_degC=40.0)
     table = pd.concat([cold, falls], ignore_index=True)
     found = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", samples=5)
-    never, often = (ClimateFragility(found, np.array([1.0 - s, s])) for s in (0.0, 0.1))
+    never, often = (hazard.ClimateFragility(found, np.array([1.0 - s, s])) for s in (0.0, 0.1))
     assert never.probability([1.5]) == found[-20.0].probability([1.5])
     assert np.isnan(often.probability([1.5])).all()
 
@@ -206,15 +200,15 @@ FAULTS: list[tuple[Any, str]] = [
     (lambda t: sobol_table(t, "drift"), 'no column "matrix"'),
     (lambda t: variance_shares(t.assign(drift=1.0), "drift", ["im"]), "at least 8"),
     (lambda t: variance_shares(t, "drift", ["im"], failed="collapse"), "no variance"),
-    (lambda t: Hazard([1.0, 2.0], [1.0, 2.0]), "rate of a hazard curve does not decrease"),
-    (lambda t: Hazard([1.0, 1.0], [2.0, 1.0]), "does not increase from 1 to 1"),
-    (lambda t: Hazard([1.0], [2.0]), "2 numbers or more"),
-    (lambda t: Hazard(["a", "b"], [2.0, 1.0]), "list of numbers"),
-    (lambda t: Hazard([0.0, 1.0], [2.0, 1.0]), "above 0 only"),
-    (lambda t: load_hazard("x.csv", "CAV"), 'unit of "CAV"'),
-    (lambda t: shares_of_time([0.0], [np.nan]), "without gaps"),
-    (lambda t: shares_of_time([0.0, 0.0], [1.0]), "twice"),
-    (lambda t: ClimateFragility({}, np.ones(1)), "1 together"),
+    (lambda t: hazard.Hazard([1.0, 2.0], [1.0, 2.0]), "rate of a hazard curve does not decrease"),
+    (lambda t: hazard.Hazard([1.0, 1.0], [2.0, 1.0]), "does not increase from 1 to 1"),
+    (lambda t: hazard.Hazard([1.0], [2.0]), "2 numbers or more"),
+    (lambda t: hazard.Hazard(["a", "b"], [2.0, 1.0]), "list of numbers"),
+    (lambda t: hazard.Hazard([0.0, 1.0], [2.0, 1.0]), "above 0 only"),
+    (lambda t: hazard.load_hazard("x.csv", "CAV"), 'unit of "CAV"'),
+    (lambda t: hazard.shares_of_time([0.0], [np.nan]), "without gaps"),
+    (lambda t: hazard.shares_of_time([0.0, 0.0], [1.0]), "twice"),
+    (lambda t: hazard.ClimateFragility({}, np.ones(1)), "1 together"),
 ]
 
 
@@ -230,10 +224,10 @@ def test_hazard_file_needs_rates_or_periods(tmp_path: Any) -> None:
     file = tmp_path / "site.csv"
     file.write_text("PGA [m/s^2]\n1\n4\n")
     with pytest.raises(InputError, match=r"site\.csv: needs a column rate"):
-        load_hazard(file)
+        hazard.load_hazard(file)
     file.write_text("PGA [m/s^2],return_period [year]\n1,50\n4,1000\n")
-    assert load_hazard(file).rate.tolist() == [0.02, 0.001]
-    assert np.isnan(load_hazard(file).at([0.9, 4.1])).all()
+    assert hazard.load_hazard(file).rate.tolist() == [0.02, 0.001]
+    assert np.isnan(hazard.load_hazard(file).at([0.9, 4.1])).all()
     file.write_text("PGA [m/s^2],rate [1/year]\n1,0.001\n4,0.02\n")
     with pytest.raises(InputError, match=r"site\.csv: rate of a hazard curve does not decrease"):
-        load_hazard(file)
+        hazard.load_hazard(file)
