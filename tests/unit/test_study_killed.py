@@ -17,9 +17,8 @@ import pytest
 import thermobearing.studies.run.shard as peaks
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
-from thermobearing.studies.run.engine import run_study
+from thermobearing.studies.run.engine import run_study, study_status
 from thermobearing.studies.run.processes import HERE
-from thermobearing.studies.run.status import study_status
 from thermobearing.studies.store import Store
 
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")

@@ -25,10 +25,9 @@ from thermobearing.studies.definition import motions
 from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.definition.record import Study
-from thermobearing.studies.run.engine import repeat_run, run_study
+from thermobearing.studies.run.engine import forecast, repeat_run, run_study, study_status
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.shard import packed
-from thermobearing.studies.run.status import forecast, study_status
 from thermobearing.studies.store import Store
 
 # Coarse steps, and motions that are near the spectrum already: a fit takes a third of a second.

@@ -20,16 +20,17 @@ from thermobearing.earthquake.run import run_task
 from thermobearing.loading import load_result
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import plan
-from thermobearing.studies.options import (
+from thermobearing.studies.report import build_pieces, input_tables, result_tables
+from thermobearing.studies.result import (
     Asked,
     Question,
+    StudyResult,
     _make_asked,
     asked_over,
     keep_asked,
     kept_asked,
+    study_result,
 )
-from thermobearing.studies.report import build_pieces, input_tables, result_tables
-from thermobearing.studies.result import StudyResult, study_result
 from thermobearing.studies.run.engine import repeat_run
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.statistics.demand import in_classes, worst_runs

@@ -26,10 +26,16 @@ from thermobearing.earthquake.measures import COLUMNS
 from thermobearing.studies.definition.case import load_study, make_study
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.definition.record import Study
-from thermobearing.studies.run.engine import _only_writer, run_study
+from thermobearing.studies.run.engine import (
+    Pace,
+    _only_writer,
+    count_failures,
+    run_study,
+    say_duration,
+    study_status,
+)
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.shard import COUNTS, RESULT_COLUMNS, TEXTS, packed, run_shard
-from thermobearing.studies.run.status import Pace, count_failures, say_duration, study_status
 from thermobearing.studies.statistics.demand import worst_runs
 from thermobearing.studies.store import (
     FEWEST,
@@ -332,7 +338,7 @@ def test_equal_tables_make_equal_files(tmp_path: Path) -> None:
 
 def test_pace_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
-    monkeypatch.setattr("thermobearing.studies.run.status.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("thermobearing.studies.run.engine.time.monotonic", lambda: now[0])
     pace = Pace(20, 100)
     assert str(pace) == "20 of 100 runs"
     pace.done, now[0] = 60, 110.0

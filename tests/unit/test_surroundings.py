@@ -16,8 +16,7 @@ from thermobearing.model.options import ModelOptions, Side, build_model, outdoor
 from thermobearing.model.stack import EndFace, film_at_face, through_side
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import list_targets, moves_warmth
-from thermobearing.studies.options import Question
-from thermobearing.studies.result import StudyResult
+from thermobearing.studies.result import Question, StudyResult
 from thermobearing.studies.run.prepare import _thermal_key
 
 FILM = EndFace(film=12.0)

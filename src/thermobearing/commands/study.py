@@ -23,7 +23,7 @@ from thermobearing.commands.common import (
 from thermobearing.commands.options import Overwrite, Quiet, command, fields, option
 
 if TYPE_CHECKING:
-    from thermobearing.studies.run.status import Status
+    from thermobearing.studies.run.engine import Status
 
 DIRECTORY = Annotated[Path, typer.Argument(help="Directory of the study.", metavar="DIR")]
 HELP = "Parameter studies: `study STUDY.toml -o DIR` runs or resumes one."
@@ -79,7 +79,6 @@ def _run(
 ) -> Answer:
     """Run or resume a study."""
     from thermobearing.studies.definition.case import load_study
-    from thermobearing.studies.definition.motions import is_matched
     from thermobearing.studies.run.engine import check_start, run_study
 
     made = load_study(study)
@@ -87,7 +86,7 @@ def _run(
     if dry_run:
         return _show_forecast(made, jobs, quiet)
     target = output or Path(f"study-{made.name}")
-    if is_matched(made):
+    if made.factors.motion.matched is not None:
         check_start(target, **given)
         made = _with_motions(made, target, jobs, quiet)
     status = with_progress(
@@ -99,7 +98,7 @@ def _run(
 @command(studies, "status", examples="study status p1")
 def _status(directory: DIRECTORY) -> Answer:
     """How far it is, and why runs failed; looks only, whoever is writing there."""
-    from thermobearing.studies.run.status import study_status
+    from thermobearing.studies.run.engine import study_status
 
     found = study_status(directory)
     found.show()
@@ -129,7 +128,7 @@ def _table(
     studies,
     "figures",
     fields(
-        "studies.options:Asked",
+        "studies.result:Asked",
         "demand capacity hazard weather method failed",
         capacity="|Capacity in the unit of the demand; fragility needs it.",
         hazard="|Hazard curve of the site: a file.",
@@ -143,8 +142,7 @@ def _figures(directory: DIRECTORY, given: dict[str, Any], quiet: Quiet) -> Answe
     The settings are kept in DIR/question.toml; `thermobearing report DIR` uses the same.
     """
     from thermobearing.results.directory import FIGURES
-    from thermobearing.studies.options import asked_over, keep_asked, kept_asked
-    from thermobearing.studies.result import study_result
+    from thermobearing.studies.result import asked_over, keep_asked, kept_asked, study_result
 
     asked = asked_over(kept_asked(directory), given)
     result = study_result(directory, asked.question())
@@ -160,7 +158,7 @@ def _figures(directory: DIRECTORY, given: dict[str, Any], quiet: Quiet) -> Answe
 @command(
     studies,
     "worst",
-    fields("studies.options:Asked", "demand"),
+    fields("studies.result:Asked", "demand"),
     examples="study worst p1",
 )
 def _worst(
@@ -215,7 +213,7 @@ def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> An
 def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
     """What a study will cost."""
     from thermobearing.results.screen import print_facts
-    from thermobearing.studies.run.status import forecast, say_duration
+    from thermobearing.studies.run.engine import forecast, say_duration
 
     announce_compiling(quiet, STRUCTURES)
     found = forecast(study, jobs)

@@ -14,8 +14,7 @@ from thermobearing.report.content import words
 from thermobearing.results import drawing
 from thermobearing.results.profiles import COLOURS
 from thermobearing.studies.definition.designs import AMBIENT
-from thermobearing.studies.options import Question
-from thermobearing.studies.result import StudyResult
+from thermobearing.studies.result import Question, StudyResult
 from thermobearing.studies.statistics.demand import counted, describe_all, equal_classes
 from thermobearing.studies.statistics.fragility import FRACTILES, Fragility, Ida
 from thermobearing.studies.statistics.hazard import ClimateFragility, Hazard, Rate

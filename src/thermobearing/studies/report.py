@@ -16,9 +16,8 @@ from thermobearing.report.words import counted, joined, number, tidy
 from thermobearing.results.saved import SavedResult
 from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.figures import StudyFigures, column_words, find_unit
-from thermobearing.studies.options import Question
-from thermobearing.studies.result import StudyResult
-from thermobearing.studies.run.status import count_failures, failures_table
+from thermobearing.studies.result import Question, StudyResult
+from thermobearing.studies.run.engine import count_failures, failures_table
 from thermobearing.studies.statistics.hazard import Rate
 from thermobearing.studies.store import label_plan
 

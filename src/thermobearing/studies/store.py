@@ -18,7 +18,7 @@ import json
 import platform
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import datetime
 from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
@@ -40,7 +40,7 @@ from thermobearing.quantities.register import quantity
 from thermobearing.results.directory import write_directory
 from thermobearing.results.writing import without_formulas, write_dataset
 from thermobearing.studies.definition.designs import THINGS, in_lockstep, list_targets
-from thermobearing.studies.definition.motions import MADE, is_matched, kept_motions_digest
+from thermobearing.studies.definition.motions import MADE, matched_motions_bytes
 from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.shard import RESULT_COLUMNS, Done, Kept
 
@@ -217,14 +217,7 @@ def _shard_size(runs: int, lockstep: bool = False) -> int:
 
 
 class Store:
-    """A study on the disk.
-
-    Attributes
-    ----------
-    directory : of the study.
-    manifest : content of manifest.json.
-    runs, shards : numbers of them in the study.
-    """
+    """A study on the disk, with the content of manifest.json and its numbers of runs and shards."""
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory
@@ -235,11 +228,8 @@ class Store:
     def log(self, text: str) -> None:
         """Append a line with the time to the log; one that cannot be written is lost."""
         stamp = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
-        try:
-            with (self.directory / LOG).open("a", encoding="utf-8") as file:
-                file.write(f"{stamp} {text}\n")
-        except OSError:
-            return
+        with suppress(OSError), (self.directory / LOG).open("a", encoding="utf-8") as file:
+            file.write(f"{stamp} {text}\n")
 
     def place(self, shard: int) -> slice:
         """Return the rows of the plan that a shard has."""
@@ -342,8 +332,8 @@ def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | 
             PLAN: planned,
             MANIFEST: (json.dumps(manifest, indent=2) + "\n").encode(),
         }
-        if is_matched(study):
-            whole[MADE] = kept_motions_digest(study)
+        if study.factors.motion.matched is not None:
+            whole[MADE] = matched_motions_bytes(study)
 
         def _fill(folder: Path) -> None:
             (folder / SHARDS).mkdir()
@@ -373,16 +363,11 @@ def _input_digest(study: Study, runs: pd.DataFrame) -> str:
 
 
 def _versions() -> dict[str, str]:
-    found = {
-        "thermobearing": thermobearing.__version__,
-        "kernels": kernels_digest(),
-        "python": platform.python_version(),
-    }
+    found = {"thermobearing": thermobearing.__version__, "kernels": kernels_digest()}
+    found |= {"python": platform.python_version()} | dict.fromkeys(LIBRARIES, "unknown")
     for name in LIBRARIES:
-        try:
+        with suppress(PackageNotFoundError):
             found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "unknown"
     return found
 
 

@@ -16,6 +16,7 @@ import time
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import version
@@ -146,27 +147,24 @@ def _cached(recipe: Recipe) -> Fitted | None:
 
 def _keep(recipe: Recipe, one: Fitted) -> None:
     file = _cache_file(recipe)
-    if file is None:
-        return
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(file, _made_bytes([recipe], [one]))
-    except OSError:
-        return
+    if file is not None:
+        with suppress(OSError):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(file, _made_bytes([(recipe, one)]))
 
 
-def _made_bytes(wanted: Sequence[Recipe], found: Sequence[Fitted]) -> bytes:
-    arrays: dict[str, Any] = {}
-    about: dict[str, Any] = {}
-    for recipe, (motion, off) in zip(wanted, found, strict=True):
-        arrays[recipe.key] = motion.acceleration
-        about[recipe.key] = {
+def _made_bytes(pairs: Sequence[tuple[Recipe, Fitted]]) -> bytes:
+    arrays: dict[str, Any] = {recipe.key: one.motion.acceleration for recipe, one in pairs}
+    about = {
+        recipe.key: {
             "name": recipe.name,
-            "dt": motion.dt,
-            "misfit": off,
-            "description": motion.description,
-            "citation": motion.citation,
+            "dt": one.motion.dt,
+            "misfit": one.misfit,
+            "description": one.motion.description,
+            "citation": one.motion.citation,
         }
+        for recipe, one in pairs
+    }
     stream = io.BytesIO()
     arrays[ABOUT] = np.array(json.dumps(about))
     np.savez(stream, **arrays)
@@ -175,21 +173,16 @@ def _made_bytes(wanted: Sequence[Recipe], found: Sequence[Fitted]) -> bytes:
 
 def _read_made(path: Path) -> dict[str, Fitted]:
     """Return the motions of a file by key of their recipe; none if it is damaged or missing."""
-    found = {}
     try:
         with np.load(path, allow_pickle=False) as stored:
+            found = {}
             for key, about in json.loads(str(stored[ABOUT])).items():
                 words = {name: str(about[name]) for name in ("name", "description", "citation")}
                 motion = GroundMotion(dt=float(about["dt"]), acceleration=stored[key], **words)
                 found[key] = Fitted(motion, float(about["misfit"]))
+            return found
     except DAMAGED:
         return {}
-    return found
-
-
-def is_matched(study: Study) -> bool:
-    """Return whether its motions are made to fit a spectrum."""
-    return study.factors.motion.matched is not None
 
 
 def motions_to_be(factor: MotionFactor) -> list[GroundMotion]:
@@ -243,11 +236,9 @@ def with_matched(
 
 def with_kept(study: Study, directory: Path) -> Study:
     """Return a study with the motions of its directory, if it has all of them."""
-    if not is_matched(study) or not (directory / MADE).is_file():
-        return study
     kept = _read_made(directory / MADE)
-    wanted = recipes(study.factors.motion)
-    if not all(recipe.key in kept for recipe in wanted):
+    wanted = recipes(study.factors.motion) if kept and study.factors.motion.matched else []
+    if not wanted or any(recipe.key not in kept for recipe in wanted):
         return study
     return _with(study, _named(wanted, [kept[recipe.key] for recipe in wanted]))
 
@@ -337,10 +328,9 @@ def _make(_: None, recipe: Recipe) -> Fitted:
     return recipe.make(progress=go_on)
 
 
-def kept_motions_digest(study: Study) -> bytes:
+def matched_motions_bytes(study: Study) -> bytes:
     """Return the file of made motions of the directory of a study."""
-    known = _known(study.factors.motion)
-    return _made_bytes([recipe for recipe, _ in known], [one for _, one in known])
+    return _made_bytes(_known(study.factors.motion))
 
 
 def _known(factor: MotionFactor) -> list[tuple[Recipe, Fitted]]:

@@ -205,14 +205,10 @@ class Picked(Strict):
 
 
 class Posterior(Strict):
-    """Bearings that an identification leaves possible; each run draws one.
+    """Bearings that a calibration leaves possible, of which each run draws one.
 
-    Attributes
-    ----------
-    name : in tables.
-    posterior : file of the samples, posterior.csv of `identify`.
-    bearing : the fitted one, or one of another size made of its compound.
-    count : of samples, evenly through the file.
+    `count` samples are taken evenly from the file `posterior`; `bearing` is the calibrated one, or
+    one of another size made of its compound.
     """
 
     kind: Literal["posterior"] = "posterior"
@@ -245,18 +241,12 @@ class Made:
 
 
 class MotionFactor(Picked):
-    """Ground motions, each with a name; or motions that are made to fit a spectrum.
+    """Ground motions; or motions `matched` to a standard spectrum, or that of a file.
 
-    Attributes
-    ----------
-    levels : motions; with `matched` the records whose phases are kept.
-    matched : name of a standard spectrum, or file of one.
-    count, seed : of random phases instead of records: so many, from this seed (1) on.
-    phases : standard spectrum that says how those shake; `matched` itself, or "jra-ii-i" with a
-        file.
-    zone_factor : multiplies the spectrum, c_z of a standard one, in [0.01, 2]; 1 by default.
-    dt : time step [s], in [0.001, 0.02]; 0.01 s, or that of a record.
-    tolerance : root mean square misfit from 0.1 to 3 s that is taken; 0.03 by default.
+    Matched motions keep the phases of records (`levels`), or have `count` random ones, from `seed`
+    (1) on, which shake as those of the spectrum `phases` ("jra-ii-i" with a file). `zone_factor`
+    (1) multiplies the spectrum, `dt` is the time step (0.01 s, or that of a record), `tolerance`
+    (0.03) the root mean square misfit from 0.1 to 3 s that is accepted.
     """
 
     levels: Annotated[list[Motion], Field(min_length=1, max_length=MOST_LEVELS)] | None = None
@@ -316,14 +306,9 @@ Levels = Annotated[list[float | str], Field(min_length=1, max_length=MOST_LEVELS
 
 
 class ScaleFactor(Drawn, Picked):
-    """What multiplies a motion, or (`of` "intensity") the measure that it is brought to.
+    """Factor of a motion, or (`of` = "intensity") the `measure` that it is scaled to.
 
-    Attributes
-    ----------
-    levels : factors, or intensities with their unit; or a distribution instead.
-    of : "factor" (default) or "intensity".
-    measure : "PGA" (default), "PGV", or "Sa", the spectral acceleration at `period` and
-        `damping`, 0.05 if that is not given.
+    "Sa" is the spectral acceleration at `period` and `damping` (0.05).
     """
 
     levels: Levels | None = None
@@ -348,17 +333,11 @@ class ScaleFactor(Drawn, Picked):
 
 
 class AmbientFactor(Drawn, Picked):
-    """The air, and the bearing at the start.
+    """Ambient temperature [degC]: levels, a distribution, or hourly weather.
 
-    Attributes
-    ----------
-    levels : temperatures [degC]; or a distribution; or hourly weather, of which each run draws an
-        hour for the earthquake to come at.
-    weather : file of hourly temperatures, EPW or a table.
-    climate : name or file of a climate that weather is made up from, `years` (50) of it with `seed`
-        (0).
-    history : how long before the earthquake the bearing was as warm as the air [h]; from the
-        beginning of the weather if not given.
+    Each run draws an hour of the file `weather`, or of `years` (50) that a `climate` generates with
+    `seed` (0). Before the earthquake the bearing has the ambient temperature for `history` [h];
+    without it, from the beginning of the weather.
     """
 
     levels: Annotated[list[Temperature], Field(min_length=1, max_length=MOST_LEVELS)] | None = None
@@ -401,10 +380,7 @@ class AmbientFactor(Drawn, Picked):
 class NumberFactor(Drawn, Picked):
     """Any number of the bearing, the structure or the case, by its dotted name.
 
-    Attributes
-    ----------
-    levels : numbers; or a distribution instead.
-    of : "factor" (default) multiplies the number that is there, "value" replaces it, with a unit.
+    `of` = "factor" multiplies the number that is there, "value" replaces it, with a unit.
     """
 
     levels: Levels | None = None
@@ -535,17 +511,7 @@ class Factors(Strict):
 
 
 class Study(Strict):
-    """A study: its runs are what `plan` makes of it.
-
-    Attributes
-    ----------
-    kind : "study".
-    name : of the study.
-    case : what all runs share, with the first level of each factor.
-    design : how the combinations are chosen.
-    factors : what differs.
-    keep : which histories are kept.
-    """
+    """A study: what all runs share (`case`), what differs, and how it is combined (`plan`)."""
 
     kind: Literal["study"] = "study"
     name: Annotated[str, Field(min_length=1, max_length=100, pattern=r"^[^/\\]*$"), OneLine]

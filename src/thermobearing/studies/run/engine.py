@@ -13,46 +13,235 @@ rows of the plan only, so that executor, number of workers and order leave no tr
 """
 
 import os
-from collections.abc import Callable, Generator, Iterator, Sequence
+import re
+import time
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
 import pandas as pd
 
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.earthquake.dataset import label_analysis
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_task
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.directory import check_target, locked
+from thermobearing.results.screen import print_facts, say, show_table
 from thermobearing.studies.definition.case import load_study, make_study
-from thermobearing.studies.definition.designs import plan
-from thermobearing.studies.definition.motions import Progress, is_matched, with_matched
+from thermobearing.studies.definition.designs import list_columns, plan
+from thermobearing.studies.definition.motions import Progress, with_first_motion, with_matched
 from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.processes import call_on_processes
 from thermobearing.studies.run.shard import (
     COMPLETED,
+    RESULT_COLUMNS,
     BrokenError,
-    Done,
     Work,
+    carried_out,
     carry_out,
     on_dask,
     packed,
     run_shard,
 )
-from thermobearing.studies.run.status import Pace, Status, study_status
 from thermobearing.studies.statistics.demand import RANKED, worst_runs
 from thermobearing.studies.store import HISTORIES_FOLDER, MANIFEST, WORST, Store, open_or_make
 
 if TYPE_CHECKING:
     from thermobearing.studies.result import StudyResult
 
+
+@dataclass(frozen=True)
+class Status:
+    """How far a study is; `failures` are those of `count_failures`."""
+
+    directory: Path
+    name: str
+    runs: int
+    done: int  # runs whose results are kept
+    shards: int
+    shards_done: int
+    failures: pd.DataFrame
+    interrupted: bool = False  # by Ctrl-C, now
+
+    @property
+    def failed(self) -> int:
+        """Number of runs that failed."""
+        return int(self.failures["runs"].sum())
+
+    @property
+    def outcome(self) -> str:
+        """The word "completed", "some_failed", "incomplete" or "interrupted"."""
+        if self.interrupted:
+            return "interrupted"
+        if self.done < self.runs:
+            return "incomplete"
+        return "some_failed" if self.failed else "completed"
+
+    @property
+    def sentence(self) -> str:
+        """The outcome in a sentence."""
+        text = f"{self.done} of {self.runs} runs of {self.name} are done"
+        if self.failed:
+            text += f", {self.failed} of them failed"
+        if self.done < self.runs:
+            text += "; start again to do the rest"
+        return f"{text}."
+
+    def summary(self) -> dict[str, Any]:
+        """Return the status for machines."""
+        names = ("name", "outcome", "runs", "done", "failed", "shards", "shards_done")
+        found = {name: getattr(self, name) for name in names}
+        return found | {"failures": self.failures.to_dict("records")}
+
+    def show(self, *, part: bool = False) -> None:
+        """Print how many runs are done, and why some failed; `part` of the study was started."""
+        facts = {
+            "runs": f"{self.done} of {self.runs}",
+            "shards": f"{self.shards_done} of {self.shards}",
+            "failed": str(self.failed),
+        }
+        print_facts(f"{self.directory}: {self.name}, {self.outcome}", facts)
+        if self.failed:
+            show_table(failures_table(self.failures.drop(columns="sentence")))
+            for one in self.failures.to_dict("records"):
+                say(f"{one['outcome']}: {one['sentence']}")
+        if self.done < self.runs and not part:
+            say("the same command again does the rest")
+
+
+def study_status(directory: str | Path, *, interrupted: bool = False) -> Status:
+    """Return how far the study in a directory is, even while another process writes there."""
+    store = Store(Path(directory))
+    shards = store.done()
+    table = store.table(["run", "outcome", "sentence"], shards)
+    return Status(
+        directory=store.directory,
+        name=str(store.manifest["name"]),
+        runs=store.runs,
+        done=len(table),
+        shards=store.shards,
+        shards_done=len(shards),
+        failures=count_failures(table),
+        interrupted=interrupted,
+    )
+
+
+def count_failures(table: pd.DataFrame) -> pd.DataFrame:
+    """Return why runs failed, the most frequent outcome first; no rows if none did.
+
+    The columns are `outcome`, `runs`, `share` (of those in the table), `first` (number of the first
+    such run) and its `sentence`.
+    """
+    failed = table[table["outcome"] != COMPLETED]
+    groups = failed.groupby("outcome", sort=True, observed=True)
+    found = groups.agg(runs=("run", "size"), first=("run", "min"), sentence=("sentence", "first"))
+    found.insert(1, "share", found["runs"] / max(len(table), 1))
+    return found.sort_values("runs", ascending=False, kind="stable").reset_index()
+
+
+def failures_table(failures: pd.DataFrame) -> Table:
+    """Return why runs failed as a table for readers."""
+    heads = {"outcome": "Outcome", "runs": "Runs", "share": "Share", "first": "First run"}
+    columns = [
+        Quantity(head, form="d" if name in ("runs", "first") else ".3g", name=name)
+        for name, head in heads.items()
+    ]
+    columns.append(Quantity("Explanation", name="sentence"))
+    return make_table(failures, columns, "Why runs failed")
+
+
+TRIED = 16  # runs that are measured
+NUMBER, HISTORY = 8, 4  # bytes of a number in a table and in a history; neither is compressed well
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What a study will cost."""
+
+    runs: int  # number of them
+    seconds: float  # of one run in one process
+    jobs: int  # number of processes
+    size: float  # on the disk, at most [bytes]
+    failed: int  # of the runs that were tried, those that did not complete
+    tried: int  # how many were
+    motions: int  # to be made first, to fit a spectrum
+    motion_seconds: float  # of one of them in one process
+
+    @property
+    def whole_seconds(self) -> float:
+        """For all runs, on as many processes."""
+        making = self.motions * self.motion_seconds / min(self.jobs, max(self.motions, 1))
+        return making + self.runs * self.seconds / min(self.jobs, self.runs)
+
+
+def forecast(study: Study, jobs: int | None = None) -> Forecast:
+    """Carry out a few runs of a study, and extrapolate to all."""
+    study, motions, making = with_first_motion(study)
+    runs = plan(study)
+    some = runs.iloc[np.unique(np.linspace(0, len(runs) - 1, TRIED).astype(int))]
+    preparer = Preparer(study)
+    preparer.foresee(some)
+    kept = study.keep.histories
+    carried_out(preparer, some.head(1))  # compiled, and shared things made
+    begin = time.perf_counter()
+    done = carried_out(preparer, some, histories=kept != "none")
+    took = (time.perf_counter() - begin) / len(some)
+    assert done is not None
+    each = [
+        sum(values.size for values in history.traces.values()) * HISTORY
+        for history in done.histories
+    ]
+    count = len(runs) if kept == "all" else study.keep.worst
+    columns = len(list_columns(study)) + len(RESULT_COLUMNS) + 4
+    histories = min(count, len(runs)) * (np.mean(each) if each else 0.0)
+    return Forecast(
+        runs=len(runs),
+        seconds=took,
+        jobs=jobs or os.cpu_count() or 1,
+        size=float(len(runs) * columns * NUMBER + histories),
+        failed=int((done.table["outcome"] != COMPLETED).sum()),
+        tried=len(some),
+        motions=motions,
+        motion_seconds=making,
+    )
+
+
+def say_duration(seconds: float) -> str:
+    """Return a time in words: "42 s", "3 min 20 s", "11 h 6 min"."""
+    rounded = round(seconds)
+    if rounded < 60:
+        return f"{rounded} s"
+    if rounded < 3600:
+        return f"{rounded // 60} min {rounded % 60} s"
+    return f"{rounded // 3600} h {rounded % 3600 // 60} min"
+
+
+class Pace:
+    """How quickly runs are done, of so many at the start and in all."""
+
+    def __init__(self, done: int, total: int) -> None:
+        self.done, self.total = done, total
+        self._first, self._began = done, time.monotonic()
+
+    def __str__(self) -> str:
+        """Return words such as "192 of 256 runs, 61.2 a second, 1 s left"."""
+        passed = time.monotonic() - self._began
+        text = f"{self.done} of {self.total} runs"
+        if self.done == self._first or passed <= 0.0:
+            return text
+        rate = (self.done - self._first) / passed
+        return f"{text}, {rate:.3g} a second, {say_duration((self.total - self.done) / rate)} left"
+
+
 ExecutorName = Literal["process", "dask"]
 EXECUTORS = ("process", "dask")
 MOST_JOBS = 1024
-Finished = Generator[tuple[Work, Done | None]]
 
 
 @contextmanager
@@ -107,18 +296,6 @@ def run_study(
     return study_status(directory)
 
 
-def _checked_part(text: str | None) -> tuple[int, int] | None:
-    if text is None:
-        return None
-    first, slash, last = text.partition("/")
-    if not (slash and first.strip().isdecimal() and last.strip().isdecimal()):
-        raise InputError(f'shard "{text}": give i/n, such as 3/8 for the third of eight parts')
-    part, parts = int(first), int(last)
-    if not 1 <= part <= parts:
-        raise InputError(f'shard "{text}": parts of {parts} have the numbers 1 to {parts}')
-    return part, parts
-
-
 def check_start(
     directory: Path,
     executor: str = "process",
@@ -128,7 +305,14 @@ def check_start(
     size: int | None = None,
 ) -> tuple[int, int] | None:
     """Refuse what `run_study` would refuse, before anything takes time; the part of the shards."""
-    part = _checked_part(shard)
+    part = None
+    if shard is not None:
+        found = re.fullmatch(r"\s*(\d+)\s*/\s*(\d+)\s*", shard)
+        if found is None:
+            raise InputError(f'shard "{shard}": give i/n, such as 3/8 for the third of eight parts')
+        part = int(found[1]), int(found[2])
+        if not 1 <= part[0] <= part[1]:
+            raise InputError(f'shard "{shard}": parts of {part[1]} have the numbers 1 to {part[1]}')
     if executor not in EXECUTORS:
         raise InputError(f'executor "{executor}": must be "process" or "dask"')
     if jobs is not None and not 1 <= jobs <= MOST_JOBS:
@@ -152,7 +336,7 @@ def _opened(
         return made, runs, open_or_make(directory, made, runs, size)
     except InputError:
         # Another part was quicker, perhaps on a machine of other last bits: its are taken.
-        if begun or not is_matched(study) or not (directory / MANIFEST).exists():
+        if begun or study.factors.motion.matched is None or not (directory / MANIFEST).exists():
             raise
         return _opened(study, directory, size, jobs)
 
@@ -175,7 +359,13 @@ def _do_missing(
     if progress:
         progress(pace.done, pace.total)
     works = _works(study, runs, [(k, store.place(k)) for k in missing])
-    with closing(_carried_out(study, works, len(missing), how)) as finished:
+    shared, (executor, jobs, address) = (packed(study), study.keep.histories == "all"), how
+    jobs = min(jobs or os.cpu_count() or 1, max(len(missing), 1))
+    with closing(
+        on_dask(shared, works, address)
+        if executor == "dask"
+        else call_on_processes(carry_out, shared, works, jobs)
+    ) as finished:
         for work, shard in finished:
             if shard is None:  # stopped
                 continue
@@ -197,18 +387,6 @@ def _works(study: Study, runs: pd.DataFrame, shards: Sequence[tuple[int, slice]]
     for number, place in shards:
         rows = runs.iloc[place]
         yield Work(number, rows, preparer.foreseen_temperatures(rows))
-
-
-def _carried_out(
-    study: Study, works: Iterator[Work], count: int, how: tuple[str, int | None, Any]
-) -> Finished:
-    executor, jobs, address = how
-    shared = packed(study), study.keep.histories == "all"
-    if executor == "dask":
-        yield from on_dask(shared, works, address)
-    else:
-        jobs = min(jobs or os.cpu_count() or 1, max(count, 1))
-        yield from call_on_processes(carry_out, shared, works, jobs)
 
 
 def _keep_worst(store: Store, study: Study, runs: pd.DataFrame) -> None:

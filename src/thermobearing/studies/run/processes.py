@@ -3,7 +3,7 @@
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from itertools import chain
@@ -72,7 +72,7 @@ def _context() -> Any:
 
 def call_on_processes(
     call: Callable[[S, T], R], shared: S, items: Iterable[T], jobs: int
-) -> Iterator[tuple[T, R]]:
+) -> Generator[tuple[T, R]]:
     """Yield each item with `call(shared, item)`, as they are ready; one job is this process.
 
     A few items are on their way at a time, so that memory does not grow with their number.

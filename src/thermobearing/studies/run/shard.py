@@ -14,7 +14,7 @@ import hashlib
 import pickle
 import queue
 import threading
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from itertools import islice
 from typing import Any, Final, NamedTuple
@@ -402,7 +402,7 @@ LOST = ("cancelled", "lost")
 
 def on_dask(
     shared: tuple[bytes, bool], works: Iterable[Work], address: Any
-) -> Iterator[tuple[Work, Done | None]]:
+) -> Generator[tuple[Work, Done | None]]:
     """Yield shards done by the workers of a cluster; one whose worker dies goes to another.
 
     `address` is that of the scheduler, "tcp://host:8786", or a `distributed.Client`.
@@ -438,7 +438,7 @@ def _client(address: Any, stack: ExitStack) -> Any:
 
 def _on_client(
     client: Any, shared: tuple[bytes, bool], works: Iterator[Work]
-) -> Iterator[tuple[Work, Done | None]]:
+) -> Generator[tuple[Work, Done | None]]:
     """Yield shards as they are ready; every worker has `AHEAD` of them."""
     from distributed import KilledWorker
 

@@ -16,7 +16,7 @@ size.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -194,6 +194,9 @@ class ClimateFragility:
     parts: Mapping[float, Fragility]  # curve of each temperature [degC], from `fragilities`
     shares: Floats  # of the time, of each; their sum is 1
     name: str = "climate"  # of the climate
+    groups: int = field(init=False, default=0)  # that the bootstrap draws from
+    _used: list[tuple[float, Fragility]] = field(init=False, repr=False)  # share and curve
+    _known: bool = field(init=False, repr=False)  # every temperature that occurs has a curve
 
     def __post_init__(self) -> None:
         parts = list(self.parts.values())
@@ -205,16 +208,12 @@ class ClimateFragility:
             raise InputError('curves of a climate need bands by "bootstrap", of the same motions')
         if len({len(part.estimate.others.place) for part in parts}) > 1:
             raise InputError("curves of a climate need equally many bootstrap samples")
-
-    def _used(self) -> list[tuple[float, Fragility]]:
-        """Return share and curve of each temperature that occurs."""
-        pairs = zip(self.shares, self.parts.values(), strict=True)
-        return [(float(share), part) for share, part in pairs if share > 0.0]
-
-    @property
-    def known(self) -> bool:
-        """Whether every temperature that occurs has a curve, be it one of nothing or all."""
-        return all(part.outcome != "not_rising" for _, part in self._used())
+        used = [(float(s), part) for s, part in zip(shares, parts, strict=True) if s > 0.0]
+        object.__setattr__(self, "_used", used)
+        object.__setattr__(self, "groups", used[0][1].groups)
+        # A curve of nothing or of all is one, too.
+        known = all(part.outcome != "not_rising" for _, part in used)
+        object.__setattr__(self, "_known", known)
 
     def probability(self, intensity: Any) -> Floats:
         """Return the probability of exceedance; NaN where a temperature has no curve.
@@ -222,26 +221,21 @@ class ClimateFragility:
         A temperature at which no run went beyond counts with 0, one at which all did with 1.
         """
         at = np.atleast_1d(np.asarray(intensity, dtype=float))
-        if not self.known:
+        if not self._known:
             return np.full(len(at), np.nan)
-        return np.asarray(sum(s * part.estimate.probability(at) for s, part in self._used()))
+        return np.asarray(sum(s * part.estimate.probability(at) for s, part in self._used))
 
     def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
         """Return that of every bootstrap sample."""
-        parts = self._used()
+        parts = self._used
         return np.asarray(sum(share * part.family(intensity, drawn=drawn) for share, part in parts))
-
-    @property
-    def groups(self) -> int:
-        """Number of motions that the bootstrap draws from; 0 where it does not matter."""
-        return self._used()[0][1].groups
 
     def ends(self, values: Floats) -> tuple[Floats, Floats]:
         """Return the ends of the band of what was computed from each curve of `family`."""
-        if not self.known:
+        if not self._known:
             nothing = np.full(values.shape[1:], np.nan)
             return nothing, nothing
-        return percentiles(values, self._used()[0][1].level)
+        return percentiles(values, self._used[0][1].level)
 
     def band_at(self, intensity: Any) -> tuple[Floats, Floats]:
         """Return the ends of the band of the probability, at each intensity by itself."""
@@ -250,8 +244,8 @@ class ClimateFragility:
     @property
     def sentence(self) -> str:
         """How runs that failed count, and which temperatures have no curve."""
-        said = list(dict.fromkeys(part.sentence for _, part in self._used()))
-        said += [f"{p.name}: {p.estimate.sentence}" for _, p in self._used() if p.estimate.sentence]
+        said = list(dict.fromkeys(part.sentence for _, part in self._used))
+        said += [f"{p.name}: {p.estimate.sentence}" for _, p in self._used if p.estimate.sentence]
         return "; ".join(said)
 
     def rates(self, hazard: Hazard) -> pd.DataFrame:
