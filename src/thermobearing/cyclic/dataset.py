@@ -285,14 +285,10 @@ def written_part(result: Result) -> Result:
                 stacked = _stacked(kept, PADDING.get(str(name), np.nan))
                 found[str(name)] = (values.dims, stacked, values.attrs)
         data = data.drop_vars(list(found)).assign(found)
-    measures = {
-        f"{CYCLES}_{name}": (
-            CYCLES,
-            values.to_numpy(),
-            {"units": column_quantity(str(name)).stored},
-        )
-        for name, values in result.cycles.items()
-    }
+    measures = {}
+    for name in map(str, result.cycles):
+        units = {"units": column_quantity(name).stored}
+        measures[f"{CYCLES}_{name}"] = (CYCLES, result.cycles[name].to_numpy(), units)
     return Result(data.assign(measures).assign_attrs({ROWS: THINNED}))
 
 

@@ -158,14 +158,12 @@ class TimeAxis(DrawnAxis):
     def _label_loadings(self, ax: Axes) -> None:
         """Write what is imposed above each loading that is wide enough for its label."""
         run = self.farthest
+        times, labelled = self.times[run], ("cycles", "recorded")
         for s in (s for s in self.stretches if not s.rest):
-            start = self.times[run][self._inside(run, s.first, s.last)]
+            start = times[self._inside(run, s.first, s.last)]
             for number in range(s.first, s.last + 1):
-                time, name = (
-                    self.times[run][self._inside(run, number, number)],
-                    self._labels[number],
-                )
-                if self._kinds[number] in ("cycles", "recorded") and len(time):
+                time, name = times[self._inside(run, number, number)], self._labels[number]
+                if self._kinds[number] in labelled and len(time):
                     middle = s.left + 0.5 * (time[0] + time[-1]) - start[0]
                     if time[-1] - time[0] > BOLD_LETTER * len(name) * self.end:
                         write_above(ax, middle, name, drawing.INK, "bold")

@@ -16,7 +16,7 @@ from thermobearing.report.content import input_table
 from thermobearing.report.words import number, quantity
 
 Inputs = Mapping[str, Any]  # a table of a resolved case
-IN_NOTE = ("name", "kind", "description", "citation", "poor_fit")
+IN_NOTE = ("description", "citation", "name", "kind", "poor_fit")
 BUILD = ("geometry", "materials", "cells")
 RANGES = ("temperature_law", "tested_range")  # that the parameters were identified in
 SETTLED = {"small_loops", "heat_source", "lead_ends", "clock"}  # defaults depend on the bearing
@@ -40,31 +40,23 @@ def bearing_tables(
     usual = {f"cells.{key}": value for key, value in to_table(Cells()).items()}
     usual["geometry.sealing_plate_thickness"] = "0.0 mm"
     sources = {key: DEFAULT for key, value in usual.items() if given.get(key) == value}
-    sources |= _bearing_sources(table, own)
-    about = [str(table[k]).rstrip(".") for k in ("description", "citation") if table.get(k)]
-    note = f"{'. '.join(about)}." if about else ""
-    build = {k: v for k, v in table.items() if k in BUILD}
-    rest = {k: v for k, v in table.items() if k not in (*IN_NOTE, *BUILD, *RANGES)}
-    held = {k: v for k, v in table.items() if k in RANGES}
-    parts = (
-        ("geometry", "geometry and materials", build, note),
-        ("parameters", "parameters of the model", rest, "" if build else note),
-        ("range", "range that the parameters were identified in", held, ""),
-    )
-    return {
-        f"{name}.{key}": input_table(
-            f"{name}: {caption}", part, sources, note=text, otherwise=otherwise
-        )
-        for key, caption, part, text in parts
-        if part
-    }
-
-
-def _bearing_sources(table: Inputs, own: Mapping[str, str] | None = None) -> dict[str, str]:
-    """Return the sources of the numbers of a bearing: of its own file, or of the library's."""
     bilinear = table.get("kind") == "bilinear"
     library, model = (BILINEAR, BilinearBearing) if bilinear else (BEARINGS, Bearing)
-    return library.sources(model, table) | dict(own or {})
+    sources |= library.sources(model, table) | dict(own or {})
+    note = " ".join(f"{str(table[k]).rstrip('.')}." for k in IN_NOTE[:2] if table.get(k))
+    rest = [key for key in table if key not in (*IN_NOTE, *BUILD, *RANGES)]
+    parts = (
+        ("geometry", "geometry and materials", BUILD),
+        ("parameters", "parameters of the model", rest),
+        ("range", "range that the parameters were identified in", RANGES),
+    )
+    found = {}
+    for key, caption, held in parts:
+        if part := {k: v for k, v in table.items() if k in held}:
+            text, note = note, ""  # below the first table
+            words: dict[str, Any] = {"note": text, "otherwise": otherwise}
+            found[f"{name}.{key}"] = input_table(f"{name}: {caption}", part, sources, **words)
+    return found
 
 
 def analysis_table(
@@ -82,14 +74,7 @@ def analysis_table(
 
 
 def bearing_words(table: Inputs) -> str:
-    """Return name, kind, plan, rubber and lead of a bearing in words.
-
-    Examples
-    --------
-    >>> from thermobearing.bearing.library import load_bearing
-    >>> bearing_words(to_table(load_bearing("shen-hdr-specimen")))
-    'shen-hdr-specimen (HDR, square 240 mm, 6 layers of 5 mm rubber)'
-    """
+    """Return name, kind, plan, rubber and lead of a bearing in words."""
     if table.get("kind") == "bilinear":
         return f"{table['name']} (bilinear: no temperature, no rate)"
 
