@@ -16,37 +16,13 @@ from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import beyond, rig_demand
 from thermobearing.cyclic.dataset import depth_attributes, stack_labels
 from thermobearing.cyclic.reported import heat_flow
+from thermobearing.earthquake import measures
 from thermobearing.earthquake.case import EarthquakeCase, in_weather
-from thermobearing.earthquake.measures import (
-    HISTORIES,
-    LINES,
-    LOOP,
-    LOOP_TIMES,
-    MM_PER_M,
-    NUMBERS,
-    PIERS,
-    compute_measures,
-    history_traces,
-    largest,
-    line_peaks,
-    loading_speed,
-    loop_measures,
-    pier_histories,
-    pier_peaks,
-)
 from thermobearing.earthquake.result import PART_HISTORIES, EarthquakeResult, run_name
+from thermobearing.model import handover
 from thermobearing.model.constants import outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.element import BearingElement
-from thermobearing.model.handover import (
-    MEMORY,
-    OF_LOOPS,
-    PREFIX,
-    SpecimenState,
-    memory_dimension,
-    specimen_state,
-    state_memory,
-)
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
@@ -75,14 +51,14 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.run import Task
 
 
-def end_state_at(task: "Task", history: StructureHistory) -> SpecimenState:
+def end_state_at(task: "Task", history: StructureHistory) -> handover.SpecimenState:
     """Return the state of the bearing of the first line at the end of a run; not a bilinear one."""
     end = history.end()
-    return specimen_state(end.temperature, _last_lead(task, end), state_memory(end))
+    lead, memory = _last_lead(task, end), handover.state_memory(end)
+    return handover.specimen_state(end.temperature, lead, memory)
 
 
 def _last_lead(task: "Task", end: Any) -> float:
-    """Return the temperature of the lead at the end of a run; NaN without lead."""
     cored = task.device.constants.lead.cores > 0.0
     return float(end.books[0].lead_temperature) if cored else np.nan
 
@@ -99,15 +75,16 @@ def _labelled_ends(
         end = history.end()
         found: dict[str, Any] = {"final_temperature": end.temperature}
         found["final_lead_temperature"] = _last_lead(task, end)
-        ends.append(found | state_memory(end) if has_heat else {})
+        ends.append(found | handover.state_memory(end) if has_heat else {})
     dims = {"final_temperature": "cell", "final_lead_temperature": None}
-    memory = [*MEMORY, *(key for key in OF_LOOPS if any(key in end for end in ends))]
-    dims |= {key: memory_dimension(key) for key in memory}
+    loops = [key for key in handover.OF_LOOPS if any(key in end for end in ends)]
+    memory = [*handover.MEMORY, *loops]
+    dims |= {key: handover.memory_dimension(key) for key in memory}
     data: dict[str, Any] = {}
     for key, dimension in dims.items():
         parts = [np.atleast_1d(end.get(key, np.nan)) for end in ends]
         whole = padded(parts, (max(len(part) for part in parts),), float)
-        name = PREFIX + key if key in memory else key
+        name = handover.PREFIX + key if key in memory else key
         about = quantity(name).attributes
         if dimension is None:
             data[name] = (("run",), whole[:, 0], about)
@@ -191,7 +168,7 @@ def reached(
         one = reached_by(
             rows["clock"],
             rows["displacement"],
-            largest(loading_speed(rows)),
+            measures.largest(measures.loading_speed(rows)),
             rubber=mine.device.bearing.total_rubber_thickness,
             ambient=(mine.ambient, mine.ambient),
             lead=rows["lead_temperature"] if mine.device.has_lead else None,
@@ -235,7 +212,7 @@ def _label_histories(
             padded([trace[name][::every] for trace in traces], (length,)),
             quantity(name).attributes,
         )
-        for name in ("time", *HISTORIES, *slow)
+        for name in ("time", *measures.HISTORIES, *slow)
     }
     across = {  # histories with one number per layer, body or cell
         "rubber_temperature": ("layer", [trace["rubber_temperature"][::every] for trace in traces]),
@@ -258,13 +235,11 @@ def label_analysis(
     """Return the result of an analysis: peaks from every step, histories every `keep_every`-th."""
     tasks = tasks[: len(histories)]
     runs = list(zip(tasks, histories, strict=True))
-    traces = [history_traces(task, history) for task, history in runs]
+    traces = [measures.history_traces(task, history) for task, history in runs]
     numbers = [
-        compute_measures(task, history, trace)
+        measures.compute_measures(task, history, trace) | measures.loop_measures(task, trace)
         for (task, history), trace in zip(runs, traces, strict=True)
     ]
-    for task, trace, row in zip(tasks, traces, numbers, strict=True):
-        row |= loop_measures(task, trace)
     length = max((len(trace["time"][:: case.analysis.keep_every]) for trace in traces), default=0)
     data = _label_histories(case, runs, traces, length)
     parts_data, parts_coords = _label_parts(tasks, histories, length)
@@ -272,7 +247,7 @@ def label_analysis(
     ended = np.array([row["outcome"] for row in numbers], dtype=str)
     data["outcome"] = ("run",), ended, quantity("outcome").attributes | {"units": ""}
     lab = ["actuator_kN_mm"] if case.laboratory is not None else []
-    for known in map(quantity, (*NUMBERS, *lab, *LOOP, *LOOP_TIMES)):
+    for known in map(quantity, (*measures.NUMBERS, *lab, *measures.LOOP, *measures.LOOP_TIMES)):
         values = np.array([row[known.variable] for row in numbers])
         data[known.variable] = (("run",), values, known.attributes)
     data |= _labelled_ends(tasks, histories)
@@ -308,7 +283,10 @@ def _label_parts(
         return {}, {}
     every = case.analysis.keep_every
     data: dict[str, Any] = {}
-    for table, dimension, make in ((LINES, "line", line_peaks), (PIERS, "pier_part", pier_peaks)):
+    for table, dimension, make in (
+        (measures.LINES, "line", measures.line_peaks),
+        (measures.PIERS, "pier_part", measures.pier_peaks),
+    ):
         rows = [make(task, history) for task, history in runs]
         for column, name in table.items():
             values = np.array([[row[name] for row in run] for run in rows])
@@ -335,7 +313,7 @@ def _part_history(name: str, task: "Task", history: StructureHistory) -> Floats:
         return np.column_stack([history.bearing(b)[book] for b in range(len(task.lines))])
     place = ("pier_part_displacement", "pier_part_rotation", "pier_part_moment").index(name)
     piers = task.prepared.piers
-    return np.column_stack([pier_histories(task, history, *pier)[place] for pier in piers])
+    return np.column_stack([measures.pier_histories(task, history, *pier)[place] for pier in piers])
 
 
 def _bodies(task: "Task", history: StructureHistory) -> Floats:
@@ -347,7 +325,7 @@ def _bodies(task: "Task", history: StructureHistory) -> Floats:
     ]
     a = history.rows.a[::every]
     ground = task.shaking.ground[: len(history.rows.a) : every]
-    return np.asarray((np.array(rows) @ a.T + ground).T / MM_PER_M)
+    return np.asarray((np.array(rows) @ a.T + ground).T / measures.MM_PER_M)
 
 
 def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
@@ -373,7 +351,6 @@ def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
 def _attributes(
     case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> dict[str, Any]:
-    """Return what the files need besides the numbers."""
     prepared = tasks[0].prepared if tasks else None
     attrs: dict[str, Any] = {
         "command": case.command,

@@ -110,11 +110,9 @@ class EarthquakeFigures(drawing.Figures):
         return [int(run) for run in frame.sort_values("ambient_degC", kind="stable").index]
 
     def _colour(self, run: int) -> str:
-        """Return the colour of the ambient temperature of a run."""
         return str(self._colours[self._table["ambient_degC"][run]])
 
     def _line(self, run: int) -> Any:
-        """Return the style of the lines of a run."""
         return LINES[self._result.modes[run]] if len(self._run_modes) > 1 else "-"
 
     def _legend(
@@ -132,7 +130,6 @@ class EarthquakeFigures(drawing.Figures):
         drawing.legend_below(figure, handles)
 
     def _note(self, ax: Axes, name: str, runs: list[int], values: Sequence[float]) -> None:
-        """Print a value of each run of a panel, in the colour of its temperature."""
         texts = [f"{value:.3g}" for value in values]
         drawing.note_values(ax, name, texts, [self._colour(run) for run in runs])
 
@@ -256,7 +253,6 @@ class EarthquakeFigures(drawing.Figures):
         return figure
 
     def _of(self, part: str, name: str | None) -> "EarthquakeFigures":
-        """Return the same figures of another line or pier."""
         view = copy.copy(self)
         view._data = select_part(self._data, part, name)
         return view
@@ -429,9 +425,8 @@ class EarthquakeFigures(drawing.Figures):
         motion = self._motions[0]
         labels = ("time in the laboratory [s]", "speed [mm/s]")
         title = self._title(f"loading speed of the specimen, {motion}")
-        figure, cells = _grid(
-            title, SPEED_PANEL, self._bearings, self._run_modes, labels, share="col"
-        )
+        rows, columns = self._bearings, self._run_modes
+        figure, cells = _grid(title, SPEED_PANEL, rows, columns, labels, share="col")
         clock = "bearing_clock" if "bearing_clock" in self._data else "time"
         for ax, bearing, mode in cells:
             runs = self._runs_of(bearing=bearing, motion=motion)

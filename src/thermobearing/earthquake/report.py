@@ -122,7 +122,6 @@ def _motion_source(motion: Mapping[str, Any]) -> str:
 
 
 def _lines_table(case: Case) -> Table:
-    """Return the lines with a bearing or an ambient temperature of their own."""
     rows = []
     for line in case["lines"]:
         bearing = line.get("bearing")
@@ -135,7 +134,6 @@ def _lines_table(case: Case) -> Table:
 
 
 def _question(result: EarthquakeResult, case: Case) -> str:
-    """Return the scope: structure, bearings, motions, temperatures."""
     structure = case["structure"]
     about = structure.get("description") or structure["name"]
     bearings = joined((bearing_words(one) for one in case["bearings"]), "or")
@@ -160,7 +158,6 @@ def _question(result: EarthquakeResult, case: Case) -> str:
 
 
 def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
-    """Return the assumptions for every run as sentences."""
     attrs, analysis = result.dataset.attrs, case["analysis"]
     kind = str(attrs["damping"])
     damping = f"Viscous damping: {kind}, {DAMPING[kind]}." if kind in DAMPING else ""
@@ -365,7 +362,6 @@ def _heating(result: EarthquakeResult) -> str:
 
 
 def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
-    """Return the checks: yielding of piers, limits of the rig, tested ranges."""
     if not result.runs:
         return []
     rig = str(case.get("rig", {}).get("name", "rig"))
@@ -379,7 +375,6 @@ def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
 
 
 def _residuals(result: EarthquakeResult, case: Case) -> list[tuple[str, float, float, str]]:
-    """Return the largest residuals of the energy balances with their limits."""
     found = []
     gaps = case["analysis"]["scheme"] == "published" or case["analysis"]["model"] in BLIND
     for name in ("structure", "mechanical", "thermal"):
@@ -440,7 +435,6 @@ LARGEST = {  # figure: column of the table, words for those who do not see the f
 
 
 def _report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
-    """Return every figure that the analysis holds data for, by name."""
     held = result.plot.draw_all() if result.runs else {}
     plots, shown = _interactive_plots(result), part_names(result.dataset)
     found = {}
@@ -504,7 +498,6 @@ class _Plots(EarthquakeFigures):
         self.points = int(np.clip(ALL_POINTS // max(result.runs, 1), 120, POINTS))
 
     def _label(self, run: int) -> str:
-        """Return the temperature of a run, and its mode where there are several."""
         air = degrees([float(self._table["ambient_degC"][run])])
         return f"{air}, {self._result.modes[run]}" if len(self._run_modes) > 1 else air
 

@@ -9,18 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from thermobearing.core.records import Floats
-from thermobearing.earthquake import tables
-from thermobearing.earthquake.measures import (
-    BEARING,
-    COLUMNS,
-    KEYS,
-    LINES,
-    LOOP,
-    PIERS,
-    PLACES,
-    STRUCTURE,
-    compute_residuals,
-)
+from thermobearing.earthquake import measures, tables
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.results import directory
@@ -39,7 +28,7 @@ LARGEST_DAMPING_SHARE = 0.25
 # Of the input, either way: a delay of 5 ms comes to 3 % in the default hybrid test.
 LARGEST_ACTUATOR_SHARE = 0.05
 LABELS = ("bearing", "motion", "ambient", "mode")  # of a run
-RUN = dict(zip(LABELS, KEYS, strict=True))
+RUN = dict(zip(LABELS, measures.KEYS, strict=True))
 HISTORY = {  # columns of a history: name in the dataset
     "time_s": "time",
     "ground_m_s2": "ground_acceleration",
@@ -183,9 +172,9 @@ class EarthquakeResult(DatasetResult):
         keys = {RUN[name]: data[name].values for name in LABELS if name != "mode"}
         frame = pd.DataFrame(keys | ({"mode": self.modes} if any(self.modes) else {}))
         frame["outcome"] = data["outcome"].values
-        for name in COLUMNS:
+        for name in measures.COLUMNS:
             frame[name] = data[quantity(name).variable].values
-        for name, (part, peak) in PLACES.items() if self.has_parts else ():
+        for name, (part, peak) in measures.PLACES.items() if self.has_parts else ():
             sizes = np.nan_to_num(np.abs(data[peak].values), nan=-1.0)
             names = data[part].values[sizes.argmax(axis=1)]
             frame[name] = np.where(sizes.max(axis=1) < 0.0, "", names)
@@ -196,7 +185,7 @@ class EarthquakeResult(DatasetResult):
         energy = self.energy
         given = energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
         frame["damping_of_input"] = energy["damping_kN_mm"] / given
-        for name in LOOP:
+        for name in measures.LOOP:
             frame[name] = data[quantity(name).variable].values
         if len(self.rig):
             frame["beyond_rig"] = limits_passed(self.rig.to_dict("records"), self.run_names)
@@ -214,7 +203,8 @@ class EarthquakeResult(DatasetResult):
         """
         table = self.table
         keys = [name for name in RUN.values() if name in table]
-        frame = table[[*keys, *LOOP]].rename(columns=lambda name: name.removeprefix("loop_"))
+        frame = table[[*keys, *measures.LOOP]]
+        frame = frame.rename(columns=lambda name: name.removeprefix("loop_"))
         frame["start_s"] = self.dataset["loop_start"].values
         frame["end_s"] = self.dataset["loop_end"].values
         return frame
@@ -231,12 +221,12 @@ class EarthquakeResult(DatasetResult):
         `force_max_kN` and `energy_kN_mm` are of one modelled bearing, `total_force_max_kN` of all
         bearings of the line in the structure. Empty where there are one line and one pier.
         """
-        return self._parts("line", LINES)
+        return self._parts("line", measures.LINES)
 
     @property
     def piers(self) -> pd.DataFrame:
         """One row per run and pier: displacement, ductility of its own hinge, moment; likewise."""
-        return self._parts("pier_part", PIERS)
+        return self._parts("pier_part", measures.PIERS)
 
     def _parts(self, dimension: str, columns: dict[str, str]) -> pd.DataFrame:
         if not self.has_parts:
@@ -291,12 +281,12 @@ class EarthquakeResult(DatasetResult):
         the thermal one to at least 1 kN mm, see `metrics.relative_residual`.
         """
         data = self.dataset
-        known = [name for name in STRUCTURE if f"energy_{name}" in data]
+        known = [name for name in measures.STRUCTURE if f"energy_{name}" in data]
         frame = pd.DataFrame({f"{name}_kN_mm": data[f"energy_{name}"].values for name in known})
-        names = [f"energy_{name}" for name in known] + [f"heat_{name}" for name in BEARING]
-        residuals = compute_residuals({name: data[name].values for name in names})
+        names = [f"energy_{name}" for name in known] + [f"heat_{name}" for name in measures.BEARING]
+        residuals = measures.compute_residuals({name: data[name].values for name in names})
         frame["structure_residual"] = residuals.pop("structure_residual")
-        for name in BEARING:
+        for name in measures.BEARING:
             frame[f"bearing_{name}_kN_mm"] = data[f"heat_{name}"].values
         return frame.assign(**residuals)
 
@@ -450,7 +440,6 @@ class EarthquakeResult(DatasetResult):
         }
 
     def _write(self, folder: Path) -> None:
-        """Write tables, histories, the dataset and the resolved case."""
         (folder / directory.RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
         write_csv(folder / directory.TABLE, self.table)
         others = {directory.MODES: self.modes_table, directory.LINES: self.lines}
@@ -464,7 +453,6 @@ class EarthquakeResult(DatasetResult):
         write_dataset(self.dataset, folder / directory.DATASET)
 
     def _write_histories(self, path: Path) -> None:
-        """Write the main histories of all runs below each other."""
         keys = {RUN[name]: self.dataset[name].values for name in LABELS}
         for run in range(self.runs):
             frame = self.history(run)
@@ -493,5 +481,4 @@ def _numbers(attribute: Any) -> list[float]:
 
 
 def _plain(row: dict[Any, Any]) -> dict[str, Any]:
-    """Return a row with Python numbers and texts."""
     return {str(k): v.item() if hasattr(v, "item") else v for k, v in row.items()}

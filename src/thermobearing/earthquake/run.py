@@ -245,7 +245,6 @@ def judged(
 def _refuse_too_much(
     case: EarthquakeCase, devices: Sequence[Device], motions: Sequence[GroundMotion]
 ) -> None:
-    """Refuse an analysis that would take hours, or more memory than there is."""
     lines, climates = len(case.structure.bearings), case.climates * len(case.modes)
     coordinates = 2.0 * len(case.structure.bodies)
     runs = []
@@ -383,7 +382,6 @@ class Soaked(NamedTuple):
 
 
 def _hour_map(constants: Constants) -> _HourMap:
-    """Return the map of an hour at rest of a bearing with a stack of cells."""
     size = len(constants.cells.capacity) + _has_lead(constants) + len(constants.lead_modes)
     nothing, still = np.zeros(size), Ambient(np.array([0.0, HOUR]), np.zeros(2))
     kept = np.column_stack([_after_an_hour(constants, unit, still) for unit in np.eye(size)])

@@ -201,7 +201,6 @@ def cold_ratios(result: "EarthquakeResult") -> pd.DataFrame:
 
 
 def _cold_table(result: "EarthquakeResult") -> Table:
-    """Return the effect of the cold: mean, lowest and highest over the motions."""
     ratios = cold_ratios(result)
     if not len(ratios):
         return make_table(ratios)
@@ -281,7 +280,6 @@ def _over(fast: float, slow: float) -> float:
 
 
 def _loops_table(result: "EarthquakeResult") -> Table:
-    """Return the largest loop of one bearing in each run that has a closed one."""
     frame = result.table
     keys = _keys(frame)
     note = "The loop that holds the largest displacement, from zero to zero displacement: K_eq = "

@@ -95,7 +95,6 @@ def _words_of_part(part: Case) -> str:
 
 
 def _answer(result: SequenceResult) -> list[str]:
-    """Return what governs and what earlier parts change."""
     if not result.parts:
         return [f"No part was finished: {tidy(result.sentence)}"]
     early = []
@@ -145,7 +144,6 @@ def _memory(table: pd.DataFrame, force: "pd.Series[Any]") -> str:
 
 
 def _books(result: SequenceResult) -> Table:
-    """Return the energy balance of the specimen in each part."""
     names = [*(f"{name}_kN_mm" for name in BEARING), "mechanical_residual", "thermal_residual"]
     rows = [
         part.energy.iloc[0].rename(lambda name: name.removeprefix("bearing_"))[names]
@@ -159,7 +157,6 @@ def _books(result: SequenceResult) -> Table:
 
 
 def _checks(result: SequenceResult, case: Case) -> list[Check]:
-    """Return the checks of rig and tested range: the part that goes farthest."""
 
     def rows(table: pd.DataFrame) -> list[dict[Any, Any]]:
         return [row | {"run": row["part"]} for row in table.to_dict("records")]
@@ -174,7 +171,6 @@ def _checks(result: SequenceResult, case: Case) -> list[Check]:
 
 
 def _residuals(result: SequenceResult, case: Case) -> list[tuple[str, float, float, str]]:
-    """Return the largest residuals of the energy balance, with their limits."""
     found = []
     gaps = case["analysis"]["scheme"] == "published"
     for name in ("mechanical", "thermal"):
@@ -186,7 +182,6 @@ def _residuals(result: SequenceResult, case: Case) -> list[tuple[str, float, flo
 
 
 def _inputs(result: SequenceResult, case: Case) -> dict[str, Table]:
-    """Return tables of what went in: parts, specimen, structures, rig, model."""
     own: dict[str, dict[str, str]] = {}  # sources of numbers, where the files of parts had some
     for part in result.parts:
         own |= tomllib.loads(part.dataset.attrs["case"]).get("sources", {})
@@ -209,7 +204,6 @@ def _inputs(result: SequenceResult, case: Case) -> dict[str, Table]:
 
 
 def _figures(result: SequenceResult) -> dict[str, ReportFigure]:
-    """Return loops and temperatures of every part."""
     loops: dict[str, list[Trace]] = {}
     warm: dict[str, list[Trace]] = {}
     for number_ in range(len(result.parts)):

@@ -67,7 +67,6 @@ def lay_out(structure: Structure) -> Layout:
 
 
 def _ends(structure: Structure, name: str) -> tuple[float, float]:
-    """Return the lowest and highest point of a body [m]."""
     heights = [mass.height for mass in structure.masses if mass.body == name]
     heights += [line.height for line in structure.bearings if name in (line.body, line.base)]
     heights += [
@@ -172,7 +171,6 @@ class StructureFigures(drawing.Figures):
         return np.array(ends)
 
     def _shape(self, ax: Axes, name: str, moved: Floats, look: dict[str, Any]) -> None:
-        """Draw a body as a line, moved at its ends."""
         layout, (low, high) = self._layout, self._layout.ends[name]
         if name in layout.decks:
             left, right = self._span(name)
@@ -182,7 +180,6 @@ class StructureFigures(drawing.Figures):
             ax.plot(x + moved, [low, high], marker="o", markersize=2.5, **look)
 
     def _span(self, name: str) -> tuple[float, float]:
-        """Return the ends of a deck on bearings."""
         layout = self._layout
         under = [layout.x(line.base) for line in self._structure.bearings if line.body == name]
         return min(under) - 0.35 * layout.spacing, max(under) + 0.35 * layout.spacing
@@ -248,14 +245,12 @@ class StructureFigures(drawing.Figures):
         up: float = 0.0,
         aside: float = 12.0,
     ) -> None:
-        """Write words beside a point."""
         look: dict[str, Any] = {"va": "center", "fontsize": drawing.SMALL, "zorder": 8}
         look |= {"ha": "right" if left else "left", "fontweight": "bold" if bold else "normal"}
         at = (-aside if left else aside, up)
         ax.annotate(text, (x, y), at, textcoords="offset points", **look)
 
     def _handles(self) -> list[Line2D]:
-        """Return the legend of the colours."""
         none: dict[str, Any] = {"linestyle": "none"}
         found = [Line2D([], [], color=drawing.INK, marker="o", label="mass", **none)]
         found.append(Line2D([], [], color=BEARING, marker="s", label="bearings", **none))

@@ -100,7 +100,6 @@ def _whose(item: Mapping[str, Any], items: list[Mapping[str, Any]]) -> str:
 
 
 def _report_tables(saved: SavedResult) -> dict[str, Table]:
-    """Return the errors of each test, its cycles, its thermocouples."""
     caption = "Largest errors of the model in each test"
     found = {"errors": errors_of_tests(saved["table"], caption)}
     if "cycles" in saved.tables:
@@ -112,7 +111,6 @@ def _report_tables(saved: SavedResult) -> dict[str, Table]:
 
 
 def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
-    """Return the pictures of the directory, and a plot of the loops."""
     found = content.saved_figures(saved, CAPTIONS)
     if "fit" in saved.tables:
         choices: dict[str, list[Trace]] = {}
@@ -134,7 +132,6 @@ MODEL_COLOURS = ("#CC3311", "#0077BB", "#009988", "#EE7733")
 
 
 def _report_checks(summary: Summary) -> list[Check]:
-    """Return the limits of the validation, and the tested range of each bearing."""
     items = summary["comparisons"]
     found = []
     for item in items:

@@ -94,7 +94,6 @@ def validate_bearing(
 
 
 def _load_tests(given: Sequence[Test] | Test) -> list[TestRecord]:
-    """Return one or several tests, read where they are files."""
     several = [given] if isinstance(given, TestRecord | str | Path) else list(given)
     return [item if isinstance(item, TestRecord) else load_test(item) for item in several]
 
