@@ -270,10 +270,7 @@ def sweep(
 
 
 def compare_models(
-    case: EarthquakeCase,
-    *,
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    case: EarthquakeCase, *, executor: Executor | None = None, progress: Progress | None = None
 ) -> dict[str, EarthquakeResult]:
     """Return the results of models by name, the multi-layer one first.
 

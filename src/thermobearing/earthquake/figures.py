@@ -838,10 +838,7 @@ def comparison_strains(results: dict[str, EarthquakeResult]) -> Figure:
 
 
 def _compare_single(
-    results: dict[str, EarthquakeResult],
-    what: str,
-    names: tuple[str, str],
-    labels: tuple[str, str],
+    results: dict[str, EarthquakeResult], what: str, names: tuple[str, str], labels: tuple[str, str]
 ) -> Figure:
     """Return the multi-layer model and a single temperature in the plane of two histories."""
 

@@ -332,10 +332,7 @@ def one_line(case: EarthquakeCase, device: Device, air: float, weather: Ambient 
 
 
 def run_earthquake(
-    case: EarthquakeCase,
-    *,
-    executor: Executor | None = None,
-    progress: Progress | None = None,
+    case: EarthquakeCase, *, executor: Executor | None = None, progress: Progress | None = None
 ) -> EarthquakeResult:
     """Carry out an analysis; never raises for a failed run (see `EarthquakeResult.outcome`).
 

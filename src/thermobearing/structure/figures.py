@@ -106,9 +106,7 @@ class StructureFigures(drawing.Figures):
             x = layout.x(hinge.body)
             ax.plot([x], [at], "o", color="white", markeredgecolor=HINGE, markersize=9, zorder=6)
             moment = hinge.yield_moment / 1e3
-            self._say(
-                ax, x, at, f"{hinge.name}: {moment:g} kN m, {1e3 * hinge.yield_rotation:g} mrad"
-            )
+            _say(ax, x, at, f"{hinge.name}: {moment:g} kN m, {1e3 * hinge.yield_rotation:g} mrad")
         for k, line in enumerate(structure.bearings):
             self._bearings(ax, line, k)
         for mass in structure.masses:
@@ -118,7 +116,7 @@ class StructureFigures(drawing.Figures):
             ax.plot([x], [y], "o", color=drawing.INK, markersize=7, zorder=7)
             deck = mass.body in layout.decks
             up = -13.0 if deck else 0.0
-            self._say(ax, x, y, f"{TONNES * mass.mass:g} t", left=True, up=up)
+            _say(ax, x, y, f"{TONNES * mass.mass:g} t", up, ha="right")
         low = min(low for low, _ in layout.ends.values())
         ax.axhline(low, color=drawing.GREY, linewidth=0.8, linestyle=(0, (6, 3)), zorder=0)
         ax.set_xticks([])
@@ -190,7 +188,7 @@ class StructureFigures(drawing.Figures):
         if name in layout.decks:
             left, right = self._span(name)
             ax.plot([left, right], [high, high], color=DECK, linewidth=7, solid_capstyle="butt")
-            self._say(ax, right, high, name, aside=6)
+            _say(ax, right, high, name)
             return
         x = layout.x(name)
         if low == high:
@@ -200,7 +198,7 @@ class StructureFigures(drawing.Figures):
             look: dict[str, Any] = {"color": PIER, "alpha": 0.45, "zorder": 1}
             look["linewidth"] = 12.5 if self._structure.body(name).moves else 10.0
             ax.plot([x, x], [low, high], solid_capstyle="butt", **look)
-        self._say(ax, x - 0.22 * layout.spacing, 0.5 * (low + high), name, bold=True, left=True)
+        _say(ax, x - 0.22 * layout.spacing, 0.5 * (low + high), name, ha="right", fontweight="bold")
 
     def _spring(self, ax: Axes, spring: Any) -> None:
         """Draw teeth towards its base, or an open ring against rotation."""
@@ -210,7 +208,7 @@ class StructureFigures(drawing.Figures):
         if spring.stiffness is None:
             ax.plot([x], [low], "o", color="none", markeredgecolor=SPRING, markersize=15, zorder=5)
             size = f"{spring.rotational_stiffness / 1e3:g} kN m/rad"
-            self._say(ax, x, low, f"{spring.name}: {size}", up=-14)
+            _say(ax, x, low, f"{spring.name}: {size}", up=-14)
             return
         far = x - 0.45 * layout.spacing if spring.base == GROUND else layout.x(spring.base)
         across = np.linspace(far, x, 2 * TEETH + 2)
@@ -218,7 +216,7 @@ class StructureFigures(drawing.Figures):
         teeth[[0, -1]] = 0.0
         ax.plot(across, y + teeth, color=SPRING, linewidth=1.3, zorder=4)
         ax.plot([far, far], [y - 0.04 * layout.spacing, y + 0.04 * layout.spacing], color=SPRING)
-        self._say(ax, x, y, f"{spring.name}: {spring.stiffness:g} kN/mm", up=-26)
+        _say(ax, x, y, f"{spring.name}: {spring.stiffness:g} kN/mm", up=-26)
 
     def _bearings(self, ax: Axes, line: Any, number: int) -> None:
         """Draw a box between the two bodies of a line."""
@@ -231,24 +229,7 @@ class StructureFigures(drawing.Figures):
         box = Rectangle((x - 0.5 * wide, y), wide, height, color=BEARING, zorder=5)
         ax.add_patch(box)
         told = f"{line.name}: {line.count} x {line.equivalent_stiffness:.4g} kN/mm"
-        self._say(ax, x, top, told, up=14 + 11 * (number % 2))
-
-    def _say(
-        self,
-        ax: Axes,
-        x: float,
-        y: float,
-        text: str,
-        *,
-        left: bool = False,
-        bold: bool = False,
-        up: float = 0.0,
-        aside: float = 12.0,
-    ) -> None:
-        look: dict[str, Any] = {"va": "center", "fontsize": drawing.SMALL, "zorder": 8}
-        look |= {"ha": "right" if left else "left", "fontweight": "bold" if bold else "normal"}
-        at = (-aside if left else aside, up)
-        ax.annotate(text, (x, y), at, textcoords="offset points", **look)
+        _say(ax, x, top, told, up=14 + 11 * (number % 2))
 
     def _handles(self) -> list[Line2D]:
         none: dict[str, Any] = {"linestyle": "none"}
@@ -264,3 +245,11 @@ class StructureFigures(drawing.Figures):
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return what draws each figure, by name of its file."""
         return {"model": self.model, "modes": self.modes}
+
+
+def _say(ax: Axes, x: float, y: float, text: str, up: float = 0.0, **look: Any) -> None:
+    """Write words at the right of a point, or at the left of it with ha = "right"."""
+    usual: drawing.Look = {"va": "center", "ha": "left", "fontsize": drawing.SMALL, "zorder": 8}
+    look = usual | look
+    at = (-12.0 if look["ha"] == "right" else 12.0, up)
+    ax.annotate(text, (x, y), at, textcoords="offset points", **look)
