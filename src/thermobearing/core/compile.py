@@ -60,7 +60,7 @@ def kernel_files() -> list[Path]:
 
 @cache
 def kernels_digest() -> str:
-    """What tells one set of kernels, and the version that compiles them, from another."""
+    """The digest that identifies a set of kernels and the version that compiles them."""
     digest = hashlib.sha256(f"{numba.__version__}".encode())
     for source in kernel_files():
         digest.update(source.read_bytes())
@@ -141,7 +141,7 @@ class _Locator(caching._CacheLocator):
         return kernels_digest()
 
     def get_disambiguator(self) -> str:
-        """Return what tells functions of the same name in one file apart."""
+        """Return what distinguishes functions of the same name in one file."""
         return str(self._line)
 
 

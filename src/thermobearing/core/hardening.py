@@ -2,9 +2,9 @@
 
     f = ke d + (1 + B s^2) kh Z,   s = (1 - w) d + w x/N,   B = b/t_r^2
 
-w = 0 is the print. Where a strained layer unloads, d and Z have opposite signs, and the hardening
-makes the layer tangent small or negative; there w goes to 1 (sharing.py says why). With
-`monotone` the law itself is changed there, and there only: B s^2 goes on as a straight line from
+w = 0 is the published law. Where a strained layer unloads, d and Z have opposite signs, and the
+hardening makes the layer tangent small or negative; there w goes to 1 (see sharing.py). With
+`monotone` the law itself is changed there, and there only: B s^2 continues as a straight line from
 the strain where its slope could take more than 1 - `sharing_start` of ke. Every tangent is then
 at least `sharing_start` ke, and w stays 0.
 """
@@ -19,7 +19,7 @@ from thermobearing.core.types import EULER, Layer, LayerWork, Rubber, State
 
 @compiled
 def strain_factor(rubber: Rubber, ke: float, kh: float, s: float, z: float) -> tuple[float, float]:
-    """B s^2 and its derivative by s, or what stands for them where s and Z differ in sign."""
+    """B s^2 and its derivative by s, or their monotone form where s and Z differ in sign."""
     b = rubber.hardening
     if rubber.monotone and any_lane(s * z < 0.0):
         steepest = (1.0 - rubber.sharing_start) * ke / (kh * rubber.yield_displacement)

@@ -7,7 +7,7 @@ temperature over the step,
 
     (I + dt/2 M) dT = -dt M T + dt (losses to T_A) + source,
 
-so that the energy books close to rounding. `published` leaves the side loss out of the
+so that the energy balance closes to rounding. `published` leaves the side loss out of the
 matrix (P2: explicit in time, as printed).
 """
 

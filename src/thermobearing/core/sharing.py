@@ -1,4 +1,4 @@
-"""How the rubber layers in series share the bearing displacement (4.3.1 of the source).
+"""How the rubber layers in series share the bearing displacement (Shen 2023, 4.3.1).
 
 Every layer carries the same force and the layer displacements add up to that of the
 bearing; Newton's method finds them. The layer law (Eq. 4.34)
@@ -18,7 +18,7 @@ ke + (1 + B s^2) kh Z' + (1 - w) 2 B s kh Z, which is positive for every layer a
 function of the smallest layer tangent that equal increments x/N would give: 0 above
 `sharing_start` times ke, 1 below `sharing_full` times ke. It asks for no solution, so force
 and tangent are continuous in x, and dw/dx is known. All layers still carry one force F, so the
-work F dd_j of the layers adds up to F dx and the energy books need no extra term; the price is
+work F dd_j of the layers adds up to F dx and the energy balance needs no extra term; the price is
 the difference between F and the force of the unmodified layer law, reported as the mismatch.
 """
 

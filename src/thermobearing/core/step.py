@@ -4,10 +4,10 @@
 
 Cyclic tests, structures, identification and outside solvers all call it. It reads `state`
 and writes `new` (two different records), so a trial step is undone by forgetting `new`.
-Order within a step, as in the source: layer stiffness at the temperatures of the start
+Order within a step, as in Shen (2023): layer stiffness at the temperatures of the start
 (`begin`), equal-force sharing of x (`move`), heat of the layers (Eq. 4.22), conduction, and the
-energy books (`settle`). Force and tangent need no heat of the same step, so who searches for x
-may `move` as often as it takes between one `begin` and one `settle`.
+energy balance (`settle`). Force and tangent do not depend on the heat of the same step, so a
+search for x may call `move` as often as it needs between one `begin` and one `settle`.
 """
 
 import math
@@ -205,7 +205,7 @@ def heat_step(
     ambient: float,
     new: State,
 ) -> None:
-    """Heat of the step into rubber and lead, conduction, and the heat books."""
+    """Heat of the step into rubber and lead, conduction, and the heat balance."""
     cells, old, books = constants.cells, state.books[0], new.books[0]
     dx = x - old.displacement
     if any_lane(work.factored_dt[0] != dt):
@@ -252,7 +252,7 @@ def begin(constants: Constants, work: Workspace, state: State) -> None:
 
 @compiled
 def has_failed(outcome: int) -> bool:
-    """Whether a step came to nothing."""
+    """Whether a step failed."""
     return (outcome != COMPLETED) & (outcome != SOFTENED)
 
 
@@ -292,7 +292,7 @@ def move(
 def settle(
     constants: Constants, work: Workspace, state: State, dt: float, ambient: float, new: State
 ) -> int:
-    """Thermal part of a step, after the last `move`: memory, heat, temperatures, energy books.
+    """Thermal part of a step, after the last `move`: memory, heat, temperatures, energy balance.
 
     Returns COMPLETED, NOT_FINITE or TEMPERATURE_RUNAWAY.
     """

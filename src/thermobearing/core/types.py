@@ -23,7 +23,7 @@ EULER: Final = 1
 HEAT_FROM_WORK: Final = 0
 HEAT_FROM_DISSIPATION: Final = 1
 
-# Outcome of one step. The sentences for people are in simulate.py.
+# Outcome of one step. The sentences for users are in model/outcomes.py.
 COMPLETED: Final = 0
 SOFTENED: Final = 1  # a layer tangent was not safely positive: hardening was shared
 NOT_CONVERGED: Final = 2
@@ -120,7 +120,7 @@ class Turn:
 
 
 class Branches:
-    """What acts beside the rubber: lead cores, rate dependence."""
+    """Lead cores and rate dependence, parallel to the rubber."""
 
     lead_temperature: float  # [degC]; 0 without lead
     core_force: float  # of one core [kN]
@@ -130,7 +130,7 @@ class Branches:
 
 
 class RubberBooks:
-    """What every bearing is asked for: energies since the start, but `recoverable` is now."""
+    """What every bearing reports: energies since the start; `recoverable` is the present one."""
 
     clock: Annotated[float, "s", "time since the start"]
     displacement: Annotated[float, "mm", "shear displacement of the bearing"]
@@ -148,7 +148,7 @@ class RubberBooks:
 
 
 class Books(RubberBooks):
-    """And what is asked of a bearing with lead or rate dependence."""
+    """What a bearing with lead or rate dependence reports in addition."""
 
     rubber_force: Annotated[float, "kN", "share of the rubber layers in the force"]
     lead_force: Annotated[float, "kN", "share of the lead cores in the force"]

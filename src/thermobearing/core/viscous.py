@@ -1,4 +1,4 @@
-"""Rate dependence: a dashpot and a spring in series, beside the rubber (Eq. 5.38-5.39).
+"""Rate dependence: a dashpot and a spring in series, parallel to the rubber (Eq. 5.38-5.39).
 
     f_v' + f_v / tau = K_v x',   tau = c_v / K_v
 

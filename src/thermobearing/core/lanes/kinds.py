@@ -96,7 +96,7 @@ def define(
 ) -> None:
     """Teach numba a function of `count` lanes (or masks): `code(builder, *values)` writes it.
 
-    Where one argument is a lane, numbers beside it become lanes.
+    Where one argument is a lane, the numbers passed with it become lanes.
     """
 
     def typed(*found: Any) -> Any:
