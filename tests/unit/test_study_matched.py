@@ -82,14 +82,14 @@ def test_random_phases_have_a_name_and_a_key_of_their_own(tmp_path: Path) -> Non
         {"matched": str(file), "count": 3},
         {"matched": str(file), "count": 3, "phases": "jra-i-i"},
     ]
-    keys = [recipe.key for one in [MADE_UP, *others] for recipe in motions.recipes(_factor(one))]
+    keys = [recipe.key for one in [MADE_UP, *others] for recipe in motions._recipes(_factor(one))]
     assert len(set(keys)) == 3 * len(others) + 3
     named = _factor(others[-1])
     assert named.names == ["site-1", "site-2", "site-3"]
-    before = motions.recipes(named)[0].key
+    before = motions._recipes(named)[0].key
     file.write_text("period [s];Sa [g]\n0.05;0.5\n0.5;1.01\n4;0.1\n")
-    assert motions.recipes(named)[0].key != before
-    assert motions.recipes(_factor(MADE_UP | {"seed": 2}))[0].key == keys[1]
+    assert motions._recipes(named)[0].key != before
+    assert motions._recipes(_factor(MADE_UP | {"seed": 2}))[0].key == keys[1]
 
 
 def _factor(motion: dict[str, Any]) -> Any:
@@ -114,7 +114,7 @@ def test_made_once_and_kept_in_the_directory(
     run_study(matched(), one, jobs=1, size=1)
     whole = kept(one)
     assert set(motions._read_made(one / motions.MADE)) == {
-        recipe.key for recipe in motions.recipes(_factor(FITS))
+        recipe.key for recipe in motions._recipes(_factor(FITS))
     }
     run_study(matched(), out, jobs=1, size=1, shard="1/2")
     assert study_status(out).done == 2
@@ -128,7 +128,7 @@ def test_made_once_and_kept_in_the_directory(
     assert [row["id"] for row in rows] == Store(out).table()["id"].tolist()
     (motion,) = Preparer(study).make_task(rows[3]).case.motions
     assert motion.load().name == NAMES[1]
-    stored = motions._read_made(out / motions.MADE)[motions.recipes(_factor(FITS))[1].key].motion
+    stored = motions._read_made(out / motions.MADE)[motions._recipes(_factor(FITS))[1].key].motion
     assert_array_equal(motion.acceleration, stored.acceleration)
     assert repeat_run(study, 3).table["motion"].tolist() == [NAMES[1]]
     assert fits == dict.fromkeys(NAMES, 1)

@@ -105,7 +105,7 @@ def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[st
     if "motion" in given:
         motions = _settle_motions(given["motion"], folder, faults)
     if "bearing" in given:
-        settle_bearings(given["bearing"], folder, faults)
+        _settle_bearings(given["bearing"], folder, faults)
     _settle_structures(given["structure"], folder, faults)
     if "ambient" in given:
         _settle_weather(given["ambient"], folder)
@@ -182,9 +182,13 @@ def _settle_structures(table: dict[str, Any], folder: Path, faults: list[str]) -
     if not isinstance(table.get("levels"), list):
         return
     faults += load_things(table, "levels", load_structure, folder, before="factors.structure.")
-    names = [getattr(item, "name", "") for item in table["levels"]]
+    faults += _twice(table["levels"], "structure")
+
+
+def _twice(levels: list[Any], factor: str) -> list[str]:
+    names = [getattr(item, "name", "") for item in levels]
     twice = dict.fromkeys(name for name in names if name and names.count(name) > 1)
-    faults += [f'factors.structure.levels: two are called "{name}"' for name in twice]
+    return [f'factors.{factor}.levels: two are called "{name}"; give each a name' for name in twice]
 
 
 def _settle_weather(table: dict[str, Any], folder: Path) -> None:
@@ -301,7 +305,7 @@ SIZES = ("plan", "diameter", "layers", "shim", "end_plate", "sealing_plate", "le
 OTHERS = ("cores", "confined", "end_spreading")
 
 
-def settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> None:
+def _settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> None:
     """Replace the levels of a table `factors.bearing` by records of bearings and posteriors.
 
     A calibration or a compound may stand in the table itself instead of `levels`.
@@ -327,11 +331,7 @@ def settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> N
             faults += error.lines(key)
     # A stand-in for what is reported already, so that the other checks go on.
     table["levels"] = settled or [load_device(ANY)] if len(faults) > before else settled
-    names = [getattr(item, "name", "") for item in settled]
-    twice = dict.fromkeys(name for name in names if name and names.count(name) > 1)
-    faults += [
-        f'factors.bearing.levels: two are called "{name}"; give each a name' for name in twice
-    ]
+    faults += _twice(settled, "bearing")
 
 
 def _level(item: Any, folder: Path) -> list[AnyLevel]:

@@ -98,7 +98,7 @@ class Recipe:
         return Fitted(motion, misfit(motion, self.spectrum.at))
 
 
-def recipes(factor: MotionFactor) -> list[Recipe]:
+def _recipes(factor: MotionFactor) -> list[Recipe]:
     """Return what the motions of a factor with `matched` are made of."""
     assert factor.matched is not None
     spectrum = load_spectrum(factor.matched, factor.zone_factor or 1.0)
@@ -188,7 +188,7 @@ def _read_made(path: Path) -> dict[str, Fitted]:
 def motions_to_be(factor: MotionFactor) -> list[GroundMotion]:
     """Return a step of rest for each motion that is to be made, as long as its own steps."""
     try:
-        steps = [recipe.record or recipe for recipe in recipes(factor)]
+        steps = [recipe.record or recipe for recipe in _recipes(factor)]
     except InputError as error:
         raise InputError(error.lines("factors.motion")) from None
     return [GroundMotion("to be made", one.dt, np.zeros(2)) for one in steps]
@@ -199,7 +199,7 @@ def factor_motions(factor: MotionFactor) -> list[GroundMotion]:
     if factor.matched is None:
         return [motion.load() for motion in factor.levels or ()]
     if factor.made is None:  # a fit is not done twice
-        wanted = recipes(factor)
+        wanted = _recipes(factor)
         factor.keep_made(_checked(factor, wanted, _made(wanted, {}, 1, None)))
     assert factor.made is not None
     return list(factor.made.motions)
@@ -229,7 +229,7 @@ def with_matched(
     known = {recipe.key: one for recipe, one in _known(factor)}
     if directory is not None:
         known |= _read_made(directory / MADE)
-    wanted = recipes(factor)
+    wanted = _recipes(factor)
     found = _made(wanted, known, jobs or os.cpu_count() or 1, progress)
     return _with(study, _checked(factor, wanted, found))
 
@@ -237,7 +237,7 @@ def with_matched(
 def with_kept(study: Study, directory: Path) -> Study:
     """Return a study with the motions of its directory, if it has all of them."""
     kept = _read_made(directory / MADE)
-    wanted = recipes(study.factors.motion) if kept and study.factors.motion.matched else []
+    wanted = _recipes(study.factors.motion) if kept and study.factors.motion.matched else []
     if not wanted or any(recipe.key not in kept for recipe in wanted):
         return study
     return _with(study, _named(wanted, [kept[recipe.key] for recipe in wanted]))
@@ -258,7 +258,7 @@ def missing_motions(study: Study, directory: Path | None = None) -> list[Recipe]
     if factor.matched is None or factor.made is not None:
         return []
     kept = {} if directory is None else _read_made(directory / MADE)
-    return [one for one in recipes(factor) if one.key not in kept and _cached(one) is None]
+    return [one for one in _recipes(factor) if one.key not in kept and _cached(one) is None]
 
 
 def with_first_motion(study: Study) -> tuple[Study, int, float]:
@@ -338,5 +338,5 @@ def _known(factor: MotionFactor) -> list[tuple[Recipe, Fitted]]:
         return []
     return [
         (recipe, Fitted(motion, misfit(motion, recipe.spectrum.at)))
-        for recipe, motion in zip(recipes(factor), factor.made.motions, strict=True)
+        for recipe, motion in zip(_recipes(factor), factor.made.motions, strict=True)
     ]

@@ -147,12 +147,13 @@ def count_failures(table: pd.DataFrame) -> pd.DataFrame:
 
 def failures_table(failures: pd.DataFrame) -> Table:
     """Return why runs failed as a table for readers."""
-    heads = {"outcome": "Outcome", "runs": "Runs", "share": "Share", "first": "First run"}
     columns = [
-        Quantity(head, form="d" if name in ("runs", "first") else ".3g", name=name)
-        for name, head in heads.items()
+        Quantity("Outcome", form=".3g", name="outcome"),
+        Quantity("Runs", form="d", name="runs"),
+        Quantity("Share", form=".3g", name="share"),
+        Quantity("First run", form="d", name="first"),
+        Quantity("Explanation", name="sentence"),
     ]
-    columns.append(Quantity("Explanation", name="sentence"))
     return make_table(failures, columns, "Why runs failed")
 
 
@@ -214,12 +215,10 @@ def forecast(study: Study, jobs: int | None = None) -> Forecast:
 
 def say_duration(seconds: float) -> str:
     """Return a time in words: "42 s", "3 min 20 s", "11 h 6 min"."""
-    rounded = round(seconds)
-    if rounded < 60:
-        return f"{rounded} s"
-    if rounded < 3600:
-        return f"{rounded // 60} min {rounded % 60} s"
-    return f"{rounded // 3600} h {rounded % 3600 // 60} min"
+    minutes, rest = divmod(round(seconds), 60)
+    if minutes < 60:
+        return f"{minutes} min {rest} s" if minutes else f"{rest} s"
+    return f"{minutes // 60} h {minutes % 60} min"
 
 
 class Pace:

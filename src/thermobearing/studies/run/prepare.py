@@ -108,7 +108,7 @@ class Warmth:
         assert self.history is not None
         return self._weather.before(hour, self.history)
 
-    def foresee(self, wanted: Iterable[tuple[Key, Device, Ints]]) -> None:
+    def _foresee(self, wanted: Iterable[tuple[Key, Device, Ints]]) -> None:
         """Find all temperatures that are needed, of devices by thermal key and hours."""
         devices: dict[Key, Device] = {}
         hours: dict[Key, list[Ints]] = {}
@@ -214,9 +214,7 @@ class Preparer:
         return Task(prepared, device, shaking, air, lines, case, case.modes[0])
 
     def _case(self, changes: Changes, row: Mapping[str, Any]) -> EarthquakeCase:
-        case = self.study.case
-        if changes:
-            case = with_numbers(case, changes)
+        case = with_numbers(self.study.case, changes) if changes else self.study.case
         if case.laboratory is not None and case.laboratory.force_noise > 0.0:
             own = case.laboratory.model_copy(update={"seed": int(row["seed"])})
             case = case.model_copy(update={"laboratory": own})
@@ -228,9 +226,7 @@ class Preparer:
         shared = plain and not changes
         if shared and level in self._prepared:
             return self._prepared[level]
-        structure = self.study.factors.structure.levels[level]
-        if changes:
-            structure = with_numbers(structure, changes)
+        structure = with_numbers(self.study.factors.structure.levels[level], changes)
         made = prepare_structure(structure, case.analysis.mass, case.analysis.damping)
         if shared:
             self._prepared[level] = made
@@ -287,7 +283,7 @@ class Preparer:
         """Go through the weather once, for all rows of the plan that will be needed."""
         if HOUR in rows:
             case = self.study.case
-            self.warmth.foresee(
+            self.warmth._foresee(
                 (_thermal_key(device, case), device, hours) for device, hours in self._warmed(rows)
             )
 

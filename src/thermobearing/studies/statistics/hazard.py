@@ -252,8 +252,7 @@ class ClimateFragility:
         """Return the annual rate at each temperature, and its part of the total."""
         rows = []
         for (temperature, part), share in zip(self.parts.items(), self.shares, strict=True):
-            alone = ClimateFragility({temperature: part}, np.ones(1))
-            found = annual_rate(alone, hazard)
+            found = annual_rate(ClimateFragility({temperature: part}, np.ones(1)), hazard)
             row = {"temperature_degC": temperature, "share": share, "rate": found.rate}
             rows.append({**row, "rate_low": found.low, "rate_high": found.high})
         table = pd.DataFrame(rows)

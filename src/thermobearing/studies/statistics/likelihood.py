@@ -164,7 +164,7 @@ def _between(x: Floats, yes: Floats, no: Floats, highest_no: Floats, lowest_yes:
 def _newton(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Floats]:
     share = yes.sum(-1) / (yes + no).sum(-1)
 
-    def value(a: Floats, b: Floats) -> Floats:
+    def _value(a: Floats, b: Floats) -> Floats:
         return _likelihood(a[:, None] + b[:, None] * x, yes, no, link)
 
     def _derivatives(a: Floats, b: Floats) -> tuple[Floats, ...]:
@@ -174,7 +174,7 @@ def _newton(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Flo
         rise = slope.sum(-1), (slope * x).sum(-1)
         return *rise, weight.sum(-1), (weight * x).sum(-1), (weight * x**2).sum(-1)
 
-    return _climb(value, _derivatives, np.asarray(ndtri(share)), np.zeros(len(yes)))
+    return _climb(_value, _derivatives, np.asarray(ndtri(share)), np.zeros(len(yes)))
 
 
 def _climb(
@@ -315,7 +315,7 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
     around = (second + (v * c**2).sum(-1)) / total - mean**2
     b = 1.0 / np.sqrt(np.maximum(around, 1e-6))
 
-    def value(a: Floats, b: Floats) -> Floats:
+    def _value(a: Floats, b: Floats) -> Floats:
         tail = (v * log_ndtr(-(a[:, None] + b[:, None] * c))).sum(-1)
         return np.asarray(
             n * np.log(b) - 0.5 * (n * a**2 + 2.0 * a * b * first + b**2 * second) + tail
@@ -330,7 +330,7 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
         h1 = first + (bend * c).sum(-1)
         return g0, g1, n + bend.sum(-1), h1, n / b**2 + second + (bend * c**2).sum(-1)
 
-    a, b = _climb(value, _derivatives, -mean * b, b, positive=True)
+    a, b = _climb(_value, _derivatives, -mean * b, b, positive=True)
     return centre - a / b, b
 
 
