@@ -226,10 +226,10 @@ def test_a_held_size_that_becomes_too_small_is_searched_again() -> None:
 
 
 def test_one_size_with_a_jump_is_not_two() -> None:
-    assert sizing.two_sizes([sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 8)], 0.01) is None
-    assert sizing.two_sizes([sized(1, 200.0, 300.0, 8), sized(2, 251.0, 200.0, 9)], 0.01) is None
+    assert sizing._two_sizes([sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 8)], 0.01) is None
+    assert sizing._two_sizes([sized(1, 200.0, 300.0, 8), sized(2, 251.0, 200.0, 9)], 0.01) is None
     low, high = sized(1, 250.0, 300.0, 8), sized(2, 251.0, 200.0, 9)
-    assert sizing.two_sizes([sized(3, 230.0, 300.0, 8), high, low], 0.01) == (low, high)
+    assert sizing._two_sizes([sized(3, 230.0, 300.0, 8), high, low], 0.01) == (low, high)
 
 
 def test_row_and_loop_of_a_round() -> None:

@@ -28,7 +28,7 @@ def sine(frequency: float) -> record.GroundMotion:
 def test_quiet_end_for_any_motion(seed: int, count: int, dt: float) -> None:
     values = 1000.0 * np.random.default_rng(seed).standard_normal(count)
     quiet = process.with_quiet_end(values, dt)
-    assert abs(record.integrate_velocity(quiet, dt)[-1]) < tol.QUIET_END
+    assert abs(record._integrate_velocity(quiet, dt)[-1]) < tol.QUIET_END
     assert abs(record.integrate_displacement(quiet, dt)[-1]) < tol.QUIET_END
     assert quiet[0] == pytest.approx(values[0])
     assert_allclose(process.with_quiet_end(quiet, dt), quiet, atol=1e-6)
@@ -292,7 +292,7 @@ def test_pulse_by_hand(cycles: float, phase: float) -> None:
     assert not pulse.acceleration(beside).any()
     dt = 1e-3
     time = np.arange(10_001) * dt
-    velocity = record.integrate_velocity(pulse.acceleration(time), dt)
+    velocity = record._integrate_velocity(pulse.acceleration(time), dt)
     assert_allclose(velocity, pulse.velocity(time), atol=tol.PULSE_INTEGRAL)
 
 

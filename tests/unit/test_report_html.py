@@ -258,7 +258,7 @@ def test_histories_keep_their_extremes_and_gaps():
     x = np.linspace(0.0, 100.0, 50_001)
     y = np.sin(x)
     y[12_345], y[40_000], y[30_000:30_010] = 5.0, -7.0, np.nan
-    found_x, found_y = figures.thinned(x, y, 1000)
+    found_x, found_y = figures._thinned(x, y, 1000)
     assert len(found_x) <= 1150
     assert np.nanmax(found_y) == 5.0
     assert np.nanmin(found_y) == -7.0
@@ -266,13 +266,13 @@ def test_histories_keep_their_extremes_and_gaps():
     assert found_x[np.isnan(found_y)][0] == x[30_000]
     assert (found_x[0], found_x[-1]) == (x[0], x[-1])
     for few in ((x[:900], y[:900]), (x, np.full_like(x, np.nan))):
-        assert len(figures.thinned(*few, 1000)[0]) <= 1000
+        assert len(figures._thinned(*few, 1000)[0]) <= 1000
 
 
 def test_paths_keep_their_shape_and_turns():
     angle = np.linspace(0.0, 60.0 * np.pi, 60_001)
     x, y = np.cos(angle), np.sin(angle)
-    found_x, found_y = figures.thinned(x, y, 4000)
+    found_x, found_y = figures._thinned(x, y, 4000)
     assert len(found_x) <= 2 * 4000
     assert np.hypot(found_x, found_y) == pytest.approx(1.0)
     assert found_x.max() > 1.0 - tol.SEEN

@@ -14,9 +14,9 @@ from tests import tolerances as tol
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import (
     LARGEST,
+    _converted,
     _usual,
     conversion,
-    converted,
     is_number,
     number_list,
     parse_quantity,
@@ -134,7 +134,7 @@ def test_a_unit_that_is_wanted_needs_no_pint(monkeypatch: pytest.MonkeyPatch) ->
 def test_usual_units_are_as_pint_finds_them() -> None:
     for target, units in _usual().items():
         for unit, factor in units.items():
-            assert (factor, 0.0) == converted(unit, target), (unit, target)
+            assert (factor, 0.0) == _converted(unit, target), (unit, target)
 
 
 def test_files_of_the_library_need_no_pint() -> None:

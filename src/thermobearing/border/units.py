@@ -53,7 +53,7 @@ def conversion(unit: str, target: str) -> tuple[float, float]:
         return 1.0, 0.0
     usual = _usual().get(target, {}).get(unit)
     # pint takes longer to be imported than a small run, and most files have no other units.
-    return (usual, 0.0) if usual is not None else converted(unit, target)
+    return (usual, 0.0) if usual is not None else _converted(unit, target)
 
 
 @cache
@@ -64,7 +64,7 @@ def _usual() -> dict[str, dict[str, float]]:
     return found
 
 
-def converted(unit: str, target: str) -> tuple[float, float]:
+def _converted(unit: str, target: str) -> tuple[float, float]:
     """Return scale and offset as pint finds them."""
     import pint
 

@@ -418,7 +418,7 @@ def size_name(turn: Round) -> str:
     return f"{size.side:g} mm with {size.layers}x{size.layer_thickness:g} mm"
 
 
-def two_sizes(rounds: Sequence[Round], tolerance: float) -> tuple[Round, Round] | None:
+def _two_sizes(rounds: Sequence[Round], tolerance: float) -> tuple[Round, Round] | None:
     """Rounds on both sides of a jump between two sizes where no design is; None if there may be."""
     short = [turn for turn in rounds if turn.difference > tolerance]
     ample = [turn for turn in rounds if turn.difference < -tolerance]
@@ -454,7 +454,7 @@ class Search:
         if self.held is not None and turn.difference > tolerance:
             self.rounds, self.held, self.gain = [], None, 1.0
         before, self.rounds = self.rounds[-1:], [*self.rounds, turn]
-        self.held = self.held or two_sizes(self.rounds, tolerance)
+        self.held = self.held or _two_sizes(self.rounds, tolerance)
         if before and turn.difference * before[0].difference < 0.0:
             self.gain *= 0.5
         free = self.assumed + self.gain * (turn.found - self.assumed)

@@ -105,7 +105,7 @@ class GroundMotion:
     @property
     def velocity(self) -> Floats:
         """Ground velocity [mm/s], from rest; exact for an acceleration linear between samples."""
-        return integrate_velocity(self.acceleration, self.dt)
+        return _integrate_velocity(self.acceleration, self.dt)
 
     @property
     def displacement(self) -> Floats:
@@ -113,7 +113,7 @@ class GroundMotion:
         return integrate_displacement(self.acceleration, self.dt)
 
 
-def integrate_velocity(acceleration: Floats, dt: float) -> Floats:
+def _integrate_velocity(acceleration: Floats, dt: float) -> Floats:
     """Integral from rest of an acceleration that is linear between its samples."""
     steps = 0.5 * dt * (acceleration[1:] + acceleration[:-1])
     return np.concatenate([[0.0], np.cumsum(steps)])
@@ -121,7 +121,7 @@ def integrate_velocity(acceleration: Floats, dt: float) -> Floats:
 
 def integrate_displacement(acceleration: Floats, dt: float) -> Floats:
     """Second integral from rest of an acceleration that is linear between its samples."""
-    velocity = integrate_velocity(acceleration, dt)
+    velocity = _integrate_velocity(acceleration, dt)
     steps = velocity[:-1] * dt + dt * dt * (2.0 * acceleration[:-1] + acceleration[1:]) / 6.0
     return np.concatenate([[0.0], np.cumsum(steps)])
 

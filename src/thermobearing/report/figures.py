@@ -213,7 +213,7 @@ def _draw_trace(ax: Axes, plot: Plot, trace: Trace, handles: dict[str, Line2D]) 
         x = trace.x if trace.frames_x is None else trace.frames_x[place]
         y = trace.y if trace.frames is None else trace.frames[place]
         if not moving:
-            x, y = thinned(x, y, MOST_POINTS)
+            x, y = _thinned(x, y, MOST_POINTS)
         (line,) = ax.plot(x, y, alpha=order / len(places), **look)
     name = trace.name
     if moving:
@@ -255,7 +255,7 @@ def plot_json(plot: Plot, most: int) -> str:
 
     def trace_data(trace: Trace) -> dict[str, Any]:
         moving = trace.frames is not None or trace.frames_x is not None
-        x, y = (trace.x, trace.y) if moving else thinned(trace.x, trace.y, most)
+        x, y = (trace.x, trace.y) if moving else _thinned(trace.x, trace.y, most)
         data: dict[str, Any] = {"name": trace.name, "colour": trace.colour, "look": trace.look}
         data |= {"x": place(x), "y": place(y)}
         return data | {"frames_x": place(trace.frames_x), "frames_y": place(trace.frames)}
@@ -270,7 +270,7 @@ def plot_json(plot: Plot, most: int) -> str:
     return json.dumps(data, allow_nan=False, separators=(",", ":"))
 
 
-def thinned(x: Floats, y: Floats, most: int) -> tuple[Floats, Floats]:
+def _thinned(x: Floats, y: Floats, most: int) -> tuple[Floats, Floats]:
     """Return a line of at most about so many points that looks like all of them.
 
     Of a history the lowest and highest of every piece of time stay, of a path in the plane its
