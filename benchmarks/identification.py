@@ -15,7 +15,7 @@ from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.uncertainty.assumed import _assumed_groups, shifted, usual_groups
+from thermobearing.identify.uncertainty.covariance import _assumed_groups, shifted, usual_groups
 
 Floats = NDArray[np.float64]
 

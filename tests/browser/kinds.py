@@ -13,7 +13,7 @@ from thermobearing.cyclic.comparison import compare_models
 from thermobearing.cyclic.run import run_case
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_design, run_factors
-from thermobearing.identify.output import save_checks
+from thermobearing.identify.records.checks import save_checks
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.run import examine_motion
 from thermobearing.results.drawing import save_figures

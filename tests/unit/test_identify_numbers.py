@@ -42,7 +42,7 @@ from thermobearing.identify.fit.start import _with_temperature, loop_start
 from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.identify.records.cycles import compute_measures, full_cycles, turning_points
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
-from thermobearing.identify.uncertainty.agreement import determination, fit_of_record
+from thermobearing.identify.result import _fit_of_record, determination
 from thermobearing.identify.uncertainty.covariance import effective_samples, estimate, remedy
 
 HDR, LHDR = tb.load_bearing("shen-hdr-specimen"), tb.load_bearing("shen-lhdr-specimen")
@@ -164,7 +164,7 @@ def lopsided(record: TestRecord, up: float, down: float) -> np.ndarray:
 def test_errors_of_cycles_by_hand() -> None:
     """The model 30 % too strong upwards and 10 % too weak downwards."""
     record = sines((10.0, 10.0, 0.8))
-    fit = fit_of_record(record, Prediction(lopsided(record, 1.3, 0.9), {}), HDR)
+    fit = _fit_of_record(record, Prediction(lopsided(record, 1.3, 0.9), {}))
     assert [c.number for c in fit.loops] == [1, 2]  # not the closing one
     for loop in fit.loops:
         errors = loop.errors
@@ -180,7 +180,7 @@ def test_measures_of_a_fit_by_hand() -> None:
     """R2 is relative to the mean of the test, NRMSE to its largest force either way."""
     record = replace(sines((10.0,)), force=sines((10.0,)).force + 7.0)
     off = np.where(np.arange(len(record.force)) % 2, 1.0, -1.0)
-    fit = fit_of_record(record, Prediction(record.force + off, {}), HDR)
+    fit = _fit_of_record(record, Prediction(record.force + off, {}))
     peak = np.abs(record.force).max()
     assert pytest.approx(1.0 / peak, rel=tol.LOOP) == fit.NRMSE
     variance = float(np.mean((record.force - record.force.mean()) ** 2))
@@ -193,14 +193,14 @@ def test_stiffer_first_cycles_are_told(first: float, told: bool) -> None:
     record = sines((10.0, 10.0, 10.0))
     force = record.force.copy()
     force[:POINTS] *= first
-    fit = fit_of_record(replace(record, force=force), Prediction(record.force, {}), HDR)
-    said = [text for text in fit.warnings if "scragging" in text]
+    fit = _fit_of_record(replace(record, force=force), Prediction(record.force, {}))
+    said = [text for text in fit._warnings if "scragging" in text]
     assert len(said) == int(told)
     if told:
         assert "17% stronger" in said[0]  # 1 - 1/1.2
         assert "first_cycle_weight = 0" in said[0]
         fit = replace(fit, record=replace(fit.record, first_cycle_weight=0.0))
-        (text,) = (text for text in fit.warnings if "scragging" in text)
+        (text,) = (text for text in fit._warnings if "scragging" in text)
         assert "they had no weight" in text
         assert "first_cycle_weight" not in text
 

@@ -118,7 +118,7 @@ def test_poorly_determined_parameters_are_told(fitted: SavedResult) -> None:
 
 
 def test_checks_of_tests(record: tb.TestRecord, tmp_path) -> None:
-    from thermobearing.identify.output import save_checks
+    from thermobearing.identify.records.checks import save_checks
 
     saved = save_checks([tb.check_test(record)], tmp_path / "check", figures=False)
     looked = identify_report.build_pieces(loaded(saved))

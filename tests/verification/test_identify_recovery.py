@@ -16,7 +16,7 @@ from thermobearing.identify.fit.parameters import default_free, with_values
 from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.uncertainty.assumed import _assumed_groups, shifted, usual_groups
+from thermobearing.identify.uncertainty.covariance import _assumed_groups, shifted, usual_groups
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 LHDR = tb.load_bearing("shen-lhdr-specimen")

@@ -157,7 +157,7 @@ def test_a_table_in_a_file(tmp_path: Path) -> None:
 
 def test_a_fit_states_the_range_of_its_own_tests() -> None:
     """Of two temperatures where n_T was free; that of the template where it was not."""
-    from thermobearing.identify.output import _bearing_table
+    from thermobearing.identify.result import _bearing_table
 
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
     records = [

@@ -23,7 +23,7 @@ from thermobearing.design.peaks import Rules
 from thermobearing.design.sizing import Curves
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
 from thermobearing.identify.records.record import ChamberNumbers, TestRecord, load_test
-from thermobearing.identify.uncertainty.assumed import Groups
+from thermobearing.identify.uncertainty.covariance import Groups
 from thermobearing.model.outcomes import TemperatureLimits
 from thermobearing.model.stack import build_stack
 from thermobearing.results.ranges import TESTED

@@ -202,8 +202,7 @@ def _limits(words: list[str] | None) -> dict[str, float]:
 
 def _look_over(records: "list[TestRecord]", bearing: "Bearing | None", end: Ending) -> Answer:
     """Print the findings of the tests, without a fit; status 2 if one of them cannot be used."""
-    from thermobearing.identify.output import print_checks, save_checks
-    from thermobearing.identify.records.checks import check_test
+    from thermobearing.identify.records.checks import check_test, print_checks, save_checks
 
     target = end.output
     if target is None and end.with_report:

@@ -11,7 +11,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.units import is_number
 from thermobearing.identify.records.record import TestRecord, load_test
-from thermobearing.identify.uncertainty.assumed import chosen_groups
+from thermobearing.identify.uncertainty.covariance import chosen_groups
 
 Method = Literal["least-squares", "krill-herd", "differential-evolution"]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]

@@ -15,15 +15,9 @@ from matplotlib.ticker import MaxNLocator
 from thermobearing.bearing.model import Bearing
 from thermobearing.identify.fit.forward import Prediction
 from thermobearing.identify.records.checks import CheckReport
-from thermobearing.identify.records.cycles import (
-    TURN,
-    Loop,
-    loop_middles,
-    turning_points,
-)
+from thermobearing.identify.records.cycles import TURN, Loop, loop_middles, turning_points
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.result import Identification
-from thermobearing.identify.uncertainty.agreement import RecordFit
+from thermobearing.identify.result import Identification, RecordFit
 from thermobearing.identify.uncertainty.posterior import Band
 from thermobearing.results import drawing
 from thermobearing.results.metrics import FEWEST_POINTS, CycleMeasures, measure_cycle
@@ -39,11 +33,7 @@ MEASURES: dict[str, tuple[str, str, Callable[[CycleMeasures], float]]] = {
     "G_eq_error": ("equivalent shear modulus G_e", "G_e [MPa]", lambda m: m.G_eq_MPa),
     "h_eq_error": ("equivalent damping ratio h_eq", "h_eq", lambda m: m.h_eq),
     "energy_error": ("energy", "energy [kJ = kN m]", lambda m: m.energy_kN_mm / 1000.0),
-    "force_max_error": (
-        "peak force",
-        "force [kN]",
-        lambda m: max(m.force_max_kN, -m.force_min_kN),
-    ),
+    "force_max_error": ("peak force", "force [kN]", lambda m: max(m.force_max_kN, -m.force_min_kN)),
 }
 
 
@@ -107,15 +97,10 @@ class IdentificationFigures(drawing.Figures):
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return what draws each figure, by name of its file."""
-        figures: dict[str, Callable[[], Figure]] = {
-            "loops": self.loops,
-            "residuals": self.residuals,
-            "convergence": self.convergence,
-            "correlation": self.correlation,
-            "cycles": self.cycles,
-        }
+        shown = [self.loops, self.residuals, self.convergence, self.correlation, self.cycles]
         if any(panel.record.temperatures for panel in self._panels):
-            figures["temperatures"] = self.temperatures
+            shown.append(self.temperatures)
+        figures: dict[str, Callable[[], Figure]] = {draw.__name__: draw for draw in shown}
         bands = self._found.forecast.bands if self._found.forecast else ()
         return figures | {f"band_{band.ambient:g}": partial(self.band, band) for band in bands}
 
@@ -144,11 +129,9 @@ class IdentificationFigures(drawing.Figures):
             place.set(xlim=(-widest, widest), ylim=force)
         for place in axes[len(panels) :]:
             place.set_visible(False)
-        lines = [
-            Line2D([], [], color=PALE_TEST, linewidth=BAND_WIDTH, label="test (band)"),
-            Line2D([], [], color=MODEL, linewidth=1.2, label="model"),
-        ]
-        drawing.legend_below(figure, lines)
+        band = Line2D([], [], color=PALE_TEST, linewidth=BAND_WIDTH, label="test (band)")
+        line = Line2D([], [], color=MODEL, linewidth=1.2, label="model")
+        drawing.legend_below(figure, [band, line])
         return figure
 
     def residuals(self) -> Figure:
@@ -177,9 +160,8 @@ class IdentificationFigures(drawing.Figures):
     def convergence(self) -> Figure:
         """Draw the best residual so far against evaluations."""
         figure, (ax,) = drawing.panels(1, 1, (6.5, 3.8), self._title("convergence"))
-        history = self._found.history
-        count = np.array([item[0] for item in history], dtype=float)
-        error = 100.0 * np.sqrt(np.array([item[1] for item in history]))
+        count, squares = np.array(self._found.history, dtype=float).T
+        error = 100.0 * np.sqrt(squares)
         ax.step(count, error, where="post", color=drawing.INK, linewidth=1.3)
         ax.set_yscale("log")
         decades = np.log10(error.max() / error.min()) if error.min() > 0.0 else 2.0
@@ -277,13 +259,9 @@ class IdentificationFigures(drawing.Figures):
         peaks.set_ylim(bottom=min(0.0, *peaks.get_ylim()))
         drawing.name_axes(peaks, "turn of the motion", "force on the side of the turn [kN]")
         drawing.name_axes(peaks, title="force at each turn")
-        drawing.legend_below(
-            figure,
-            [
-                Line2D([], [], color=PALE_TEST, linewidth=6.0, label="95 %, parameters alone"),
-                Line2D([], [], color=MODEL, marker="o", markersize=3.5, label="best fit"),
-            ],
-        )
+        band95 = Line2D([], [], color=PALE_TEST, linewidth=6.0, label="95 %, parameters alone")
+        best = Line2D([], [], color=MODEL, marker="o", markersize=3.5, label="best fit")
+        drawing.legend_below(figure, [band95, best])
         return figure
 
 
@@ -294,8 +272,8 @@ def check_figure(report: CheckReport) -> Figure:
     figure, (top, middle, loops, centre) = drawing.panels(2, 2, (10.0, 6.8), title)
     _draw_histories(report, top, middle)
     x, force = record.displacement, record.force
-    spans = max(float(np.ptp(x)), 1e-9), max(float(np.ptp(force)), 1e-9)
-    kept = drawing.thin_loops(x, force, *spans)
+    width, height = (max(float(np.ptp(values)), 1e-9) for values in (x, force))
+    kept = drawing.thin_loops(x, force, width, height)
     loops.plot(x[kept], force[kept], color=drawing.INK, linewidth=0.6)
     drawing.name_axes(loops, "displacement [mm]", "force [kN]", "loops as recorded")
     _draw_middles(report, centre)

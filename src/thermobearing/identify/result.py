@@ -5,35 +5,52 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
+import tomli_w
 
 import thermobearing
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.library import bearing_from_table
+from thermobearing.bearing.model import Bearing, TemperatureLaw
 from thermobearing.bearing.plausible import implausible
+from thermobearing.bearing.scaling import compound_of
 from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import printable
+from thermobearing.border.toml import sourced_toml, to_table, with_sources
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import Prediction
-from thermobearing.identify.fit.parameters import ParameterSet
+from thermobearing.identify.fit.parameters import M_T, N_T, ParameterSet
 from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.start import Sensitivity
-from thermobearing.identify.output import write_identification
 from thermobearing.identify.records.checks import CheckReport
-from thermobearing.identify.records.cycles import compare_largest_loops
+from thermobearing.identify.records.cycles import Loop, compare_largest_loops, compare_loops
 from thermobearing.identify.records.record import TestRecord, record_conditions
-from thermobearing.identify.uncertainty.agreement import (
-    UNUSABLE,
-    RecordFit,
-    fit_of_record,
-    thermocouple_rows,
-)
 from thermobearing.identify.uncertainty.covariance import Uncertainty
 from thermobearing.quantities.tables import Table
 from thermobearing.results.base import COMPLETED, Result
+from thermobearing.results.directory import (
+    COMPOUND,
+    FIT_TABLE,
+    IDENTIFIED,
+    SAMPLES,
+    THERMOCOUPLES,
+    VALIDATED_CYCLES,
+)
+from thermobearing.results.writing import without_formulas, write_csv
 
 if TYPE_CHECKING:
     from thermobearing.identify.uncertainty.posterior import Forecast
 
+POOR_R2 = 0.98  # coefficient of determination below which the fit is called poor
+UNUSABLE = 0.9  # below it a fit is no bearing: forces that are all off by 31 % have this R2
+FIRST_CYCLE = 0.04  # of the peak force: first cycles stiffer than later ones by this are reported
+AVERAGED = (
+    "the fitted values are averages of both. Set first_cycle_weight = 0 in the sidecar to fit the "
+    "later cycles, or give the bearing a table scragging to fit both"
+)
+LATER = "they had no weight; the bearing is that of the later ones, and too soft in a first cycle"
+ENERGY = 0.15  # error of a cycle's energy that is reported
+LEAST_RISE = 0.5  # [K]: relative errors of less mean nothing
 OF_ESTIMATE = ["stderr", "stderr_of_tests", "lower", "upper", "at_bound"]  # in summary.json
 OF_ESTIMATE += ["determined", "well_determined"]
 SENTENCES = {
@@ -41,6 +58,111 @@ SENTENCES = {
     "poor_fit": "bearing.toml is marked and does not load. Look at figures/loops.png and the "
     "warnings; --accept-poor writes it without the mark.",
 }
+
+
+@dataclass(frozen=True)
+class RecordFit:
+    """Agreement of the model with one record."""
+
+    record: TestRecord
+    R2: float  # coefficient of determination of the force, Eq. 4.38
+    NRMSE: float  # root mean square error of the force over the largest force of the test
+    loops: list[Loop]  # each full cycle in the test and in the model
+    thermocouples: list[dict[str, Any]]  # rows of thermocouples.csv
+
+    def _summary(self, rubber: float) -> dict[str, Any]:
+        """Return what summary.json says of the record; `rubber` is the total thickness [mm]."""
+        record = self.record
+        return {
+            "name": record.name,
+            "file": record.file,
+            "ambient_degC": record.ambient,
+            "R2": self.R2,
+            "NRMSE": self.NRMSE,
+            "temperature_error": {  # of the rise, Eq. 4.39
+                row["thermocouple"]: abs(row["rise_model_K"] - row["rise_test_K"])
+                / row["rise_test_K"]
+                for row in self.thermocouples
+                if row["rise_error"] is not None
+            },
+            "unused_columns": list(record.unused),
+            "cycles": [
+                {"cycle": loop.cycle, "number": loop.number}
+                | {"amplitude_strain": loop.amplitude / rubber}
+                | loop.errors
+                for loop in self.loops
+            ],
+            "conditions": record_conditions(record, rubber),
+        }
+
+    @property
+    def _virgin(self) -> str:
+        """A sentence if first cycles are stronger than heating explains; else ""."""
+        first = [loop.errors["force_max_error"] for loop in self.loops if loop.number == 1]
+        later = [loop.errors["force_max_error"] for loop in self.loops if loop.number > 1]
+        stiffer = float(np.mean(later)) - float(np.mean(first)) if first and later else 0.0
+        if stiffer <= FIRST_CYCLE:
+            return ""
+        said = (
+            f"{self.record.name}: first cycles are {stiffer:.0%} stronger in the test than later "
+        )
+        said += "ones beyond what heating explains (scragging); "
+        return said + (AVERAGED if self.record.first_cycle_weight else LATER)
+
+    @property
+    def _warnings(self) -> list[str]:
+        """What the residuals say about the law itself; of virgin rubber that alone."""
+        said, name = [self._virgin] if self._virgin else [], self.record.name
+        if self.R2 < POOR_R2:
+            said.append(f"{name}: R2 = {self.R2:.3f} is poor for this law, NRMSE {self.NRMSE:.1%}")
+        worst = max((abs(loop.errors["energy_error"]) for loop in self.loops), default=0.0)
+        if worst > ENERGY and not self._virgin:
+            said.append(f"{name}: the energy of a cycle is off by up to {worst:.0%}")
+        return said
+
+
+def determination(measured: Floats, model: Floats) -> float:
+    """Return the coefficient of determination R^2 (contribution rate), Eq. 4.38."""
+    left = float(np.sum((model - measured) ** 2))
+    return 1.0 - left / float(np.sum((measured - measured.mean()) ** 2))
+
+
+def _fit_of_record(record: TestRecord, prediction: Prediction) -> RecordFit:
+    """Return the agreement of a record with the model at its samples."""
+    error = float(np.sqrt(np.mean((prediction.force - record.force) ** 2)))
+    return RecordFit(
+        record=record,
+        R2=determination(record.force, prediction.force),
+        NRMSE=error / record.peak_force,
+        loops=compare_loops(record, prediction.force),
+        thermocouples=thermocouple_rows(record, prediction),
+    )
+
+
+def thermocouple_rows(record: TestRecord, prediction: Prediction) -> list[dict[str, Any]]:
+    """Return a row of thermocouples.csv for each thermocouple, the model compared with the test.
+
+    `rise_error` is that of the largest rise (Eq. 4.39 with its sign), None where the test rises by
+    less than half a kelvin.
+    """
+    rows = []
+    for title, test in record.temperatures.items():
+        model = prediction.temperatures[title]
+        rise, modelled = float(test.max() - test[0]), float(model.max() - model[0])
+        rows.append(
+            {
+                "thermocouple": title,
+                "place": record.places[title],
+                "start_test_degC": float(test[0]),
+                "highest_test_degC": float(test.max()),
+                "highest_model_degC": float(model.max()),
+                "rise_test_K": rise,
+                "rise_model_K": modelled,
+                "rise_error": modelled / rise - 1.0 if rise > LEAST_RISE else None,
+                "rms_difference_K": float(np.sqrt(np.mean((model - test) ** 2))),
+            }
+        )
+    return rows
 
 
 @dataclass(frozen=True, repr=False)
@@ -109,15 +231,9 @@ class Identification(Result):
     def table(self) -> pd.DataFrame:
         """One row per free parameter: value, standard error, 95 % interval."""
         rows = [
-            {
-                "parameter": item.parameter.kind.symbol,
-                "unit": item.parameter.kind.unit,
-                "value": item.value,
-                "standard_error": item.stderr,
-                "lower": item.lower,
-                "upper": item.upper,
-                "at_bound": item.at_bound,
-            }
+            {"parameter": item.parameter.kind.symbol, "unit": item.parameter.kind.unit}
+            | {"value": item.value, "standard_error": item.stderr}
+            | {name: getattr(item, name) for name in ("lower", "upper", "at_bound")}
             for item in self.uncertainty.estimates.values()
         ]
         return pd.DataFrame(rows)
@@ -130,10 +246,7 @@ class Identification(Result):
     @cached_property
     def fits(self) -> list[RecordFit]:
         """Agreement with each record."""
-        return [
-            fit_of_record(record, prediction, self.bearing)
-            for record, prediction in zip(self.records, self.predictions, strict=True)
-        ]
+        return [*map(_fit_of_record, self.records, self.predictions)]
 
     @cached_property
     def cycles(self) -> pd.DataFrame:
@@ -149,11 +262,7 @@ class Identification(Result):
     @property
     def thermocouples(self) -> list[dict[str, Any]]:
         """Thermocouples of all tests and of the model, a row each."""
-        return [
-            {"test": record.name, **row}
-            for record, prediction in zip(self.records, self.predictions, strict=True)
-            for row in thermocouple_rows(record, prediction)
-        ]
+        return [{"test": fit.record.name, **row} for fit in self.fits for row in fit.thermocouples]
 
     @property
     def poor(self) -> list[str]:
@@ -179,8 +288,8 @@ class Identification(Result):
     def warnings(self) -> list[str]:
         """What a reader must know before using the numbers."""
         said = [f.sentence for check in self.checks for f in check.findings if f.level != "note"]
-        said = [warning for fit in self.fits for warning in fit.warnings] + said
-        if not any(fit.virgin for fit in self.fits):  # which is the cause of the misfit
+        said = [warning for fit in self.fits for warning in fit._warnings] + said
+        if not any(fit._virgin for fit in self.fits):  # which is the cause of the misfit
             said = self.uncertainty.misfit + said
         said += self.uncertainty.warnings
         said += [f"the fitted bearing has {sentence}" for sentence in implausible(self.bearing)]
@@ -192,14 +301,14 @@ class Identification(Result):
 
     def tables(self) -> dict[str, Table]:
         """Tables of parameters, of the agreement with the tests, and of thermocouples."""
-        from thermobearing.identify import tables
+        from thermobearing.identify import report
 
         summary = self.summary()
         found = {
-            "parameters": tables.parameters_table(summary, tables.BRIEF),
-            "records": tables.agreement_table(summary["records"]),
-            "thermocouples": tables.thermocouples_table(summary["thermocouples"]),
-            "posterior": tables.posterior_table(summary.get("posterior", {})),
+            "parameters": report.parameters_table(summary, report.BRIEF),
+            "records": report.agreement_table(summary["records"]),
+            "thermocouples": report.thermocouples_table(summary["thermocouples"]),
+            "posterior": report.posterior_table(summary.get("posterior", {})),
         }
         return {name: table for name, table in found.items() if table.rows}
 
@@ -238,11 +347,17 @@ class Identification(Result):
                 for p in self.pset.parameters
                 if p.kind.key not in estimates
             },
-            "sensitivity": {item.key: item.summary() for item in self.sensitivity},
+            "sensitivity": {
+                item.key: {
+                    "free": item.free,
+                    "stderr_of_source": item.spread if item.spread > 0.0 else None,
+                    "stderr_expected": item.stderr if item.spread > 0.0 else None,
+                }
+                for item in self.sensitivity
+            },
             "assumed": [item.summary() for item in self.uncertainty.assumed.evidence],
             "records": [
-                fit.summary()
-                | {"conditions": record_conditions(fit.record, rubber)}
+                fit._summary(rubber)
                 | {"treatment": check.treatment.summary() if check.treatment else None}
                 for fit, check in zip(self.fits, self.checks, strict=True)
             ],
@@ -293,4 +408,94 @@ class Identification(Result):
         return Result.save(found, directory, overwrite=overwrite, figures=figures)
 
     def _write(self, folder: Path) -> None:
-        write_identification(self, folder)
+        if self.forecast is not None:
+            tied = [p for p in self.pset.parameters if p.tie is not None]
+            symbols = {p.kind.key: p.kind.symbol for p in (*self.pset.free, *tied)}
+            rows = [self.pset.values(place) for place in self.forecast.samples.cube]
+            samples = pd.DataFrame(rows)[list(symbols)].rename(columns=symbols)
+            samples.to_csv(folder / SAMPLES, index=False, float_format="%.6g", lineterminator="\n")
+        table = _bearing_table(self)
+        (folder / IDENTIFIED).write_text(tomli_w.dumps(table), encoding="utf-8")
+        if self.outcome != "poor_fit":  # nobody should make bearings of it
+            compound = compound_of(
+                bearing_from_table(table, "fit"), f"{self.bearing.name}-compound"
+            )
+            text = sourced_toml(compound, compound.sources)
+            (folder / COMPOUND).write_text(text, encoding="utf-8")
+        fit = without_formulas(_fit_table(self))
+        fit.to_csv(folder / FIT_TABLE, index=False, float_format="%.9g", lineterminator="\n")
+        if len(self.cycles):
+            write_csv(folder / VALIDATED_CYCLES, self.cycles)
+        if rows := self.thermocouples:
+            without_formulas(pd.DataFrame(rows)).to_csv(folder / THERMOCOUPLES, index=False)
+
+
+def _bearing_table(found: "Identification") -> dict[str, Any]:
+    """Return the fitted bearing as the table of a library file, each number with its source."""
+    bearing, tested = found.bearing, found.bearing.tested_range
+    tests = ", ".join(record.name for record in found.records)
+    fitted = "; ".join(f"{fit.record.name}: R2 = {fit.R2:.4f}" for fit in found.fits)
+    changes: dict[str, Any] = {
+        "name": f"{bearing.name}-identified",
+        "description": f"{bearing.description} (identified from tests)".strip(),
+        "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
+        "temperature_law": _range_of_law(found),
+    }
+    if found.outcome == "poor_fit":
+        changes["poor_fit"] = "; ".join(found.poor)
+    sources = _sources(found, tests)
+    for name in tested.ranges() if tested else ():
+        sources[f"tested_range.{name}"] = (
+            f"the fitted model in {tests}" if name == "lead_temperature" else f"tests {tests}"
+        )
+    if changes["temperature_law"] is not bearing.temperature_law:
+        keys = ("temperature_law.coldest", "temperature_law.warmest")
+        sources |= dict.fromkeys(keys, "air of the tests; the rubber itself was warmer")
+    return with_sources(to_table(bearing.model_copy(update=changes)), sources)
+
+
+def _range_of_law(found: "Identification") -> TemperatureLaw | None:
+    """Return the temperature law with the air of the tests as its range, if m_T or n_T were free.
+
+    Tests at one temperature fix no range; the rubber was warmer, but no test says how much.
+    """
+    law = found.bearing.temperature_law
+    if not {M_T, N_T} & set(found.uncertainty.estimates):
+        return law
+    ambients = [record.ambient for record in found.records]
+    low, high = (min(ambients), max(ambients)) if len(set(ambients)) > 1 else (None, None)
+    if law is None or law.temperatures is None:
+        return TemperatureLaw(coldest=low, warmest=high) if low is not None else None
+    return law.model_copy(update={"coldest": low, "warmest": high})
+
+
+def _sources(found: "Identification", tests: str) -> dict[str, str]:
+    estimates, sources = found.uncertainty.estimates, found.bearing.sources
+    for key, item in estimates.items():
+        said = f"standard error {item.stderr:.2g} {item.parameter.kind.unit}".rstrip()
+        said += f" ({abs(item.stderr / item.value):.1%})" if item.value else ""
+        said = said if item.determined else f"not determined, {item.where}"
+        sources[key] = f"identified from {tests}; {said}"
+    for p in found.pset.parameters:
+        if p.tie is not None:
+            sources[p.kind.key] = f"tied to {p.tie[1]:g} x {p.tie[0]}"
+        else:
+            sources.setdefault(p.kind.key, "held at the value of the starting bearing")
+    return sources
+
+
+def _fit_table(found: "Identification") -> pd.DataFrame:
+    """Return tests and model sample by sample: number of the record, s, mm, kN, degC."""
+    frames, tests = [], zip(found.records, found.predictions, strict=True)
+    for number, (record, prediction) in enumerate(tests):
+        columns: dict[str, Any] = {
+            "record": number,
+            "time_s": record.time,
+            "displacement_mm": record.displacement,
+            "force_kN": record.force,
+            "model_force_kN": prediction.force,
+        }
+        for title, values in record.temperatures.items():
+            columns |= {title: values, f"model_{title}": prediction.temperatures[title]}
+        frames.append(pd.DataFrame(columns))
+    return pd.concat(frames)

@@ -15,7 +15,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError
 from thermobearing.identify.case import (
@@ -24,7 +24,7 @@ from thermobearing.identify.case import (
     Test,
     make_identify_case,
 )
-from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.fit.parameters import (
     M_T,
     ParameterSet,
@@ -43,11 +43,11 @@ from thermobearing.identify.fit.start import (
     without_needless,
 )
 from thermobearing.identify.records.checks import check_test
+from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
-from thermobearing.identify.uncertainty.agreement import range_of_tests
-from thermobearing.identify.uncertainty.assumed import chosen_groups
-from thermobearing.identify.uncertainty.covariance import estimate, remedy
+from thermobearing.identify.uncertainty.covariance import chosen_groups, estimate, remedy
+from thermobearing.results.ranges import cycles_in_a_row, largest_speed
 
 
 @renamed()
@@ -143,7 +143,7 @@ def run_identify(case: IdentifyCase) -> Identification:
     predictions = [p for p in problem.predict(cube) if p is not None]
     if len(predictions) != len(records):
         raise InputError("the model ends early in these tests with all parameters tried")
-    covered = range_of_tests(records, predictions, base.total_rubber_thickness)
+    covered = _range_of_tests(records, predictions, base.total_rubber_thickness)
     uncertainty = estimate(problem, cube, chosen_groups(case.assumed))
     uncertainty.warnings[:0] = held
     names = ("method", "seed", "starts", "loss", "temperatures", "blind", "polish", "evaluations")
@@ -222,3 +222,31 @@ def _problem(
         return problem, start, found
     pset, start = _begin(free)
     return problem.with_parameters(pset), start, found
+
+
+def _range_of_tests(
+    records: Sequence[TestRecord], predictions: Sequence[Prediction], rubber: float
+) -> Validity:
+    """Return the range of each quantity in some tests, as the file of a bearing holds it.
+
+    Strains are those of the full cycles (of the whole test without any), over the total thickness
+    `rubber` [mm]; the temperature of the lead is the model's.
+    """
+    strains, speeds = [], []
+    for record in records:
+        full = [cycle.amplitude for cycle in full_cycles(record) if not cycle.closing]
+        strains += [float(size) / rubber for size in full or [record.peak_displacement]]
+        speeds.append(largest_speed(record.time, record.displacement) / rubber)
+    leads = [end for found in predictions for end in found.lead or ()]
+    ends = {
+        name: [float(f"{end:.5g}") for end in (min(values), max(values))]
+        for name, values in (
+            ("strain", strains),
+            ("strain_rate", speeds),
+            ("ambient", [float(record.ambient) for record in records]),
+            ("lead_temperature", leads),
+        )
+        if values
+    }
+    most = max(cycles_in_a_row(record.time, record.displacement) for record in records)
+    return Validity(**ends, cycles=[0.0, most])

@@ -4,8 +4,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
-from thermobearing.identify.report import error_check, loop_trace
-from thermobearing.identify.tables import cycles_table, tests_table, thermocouples_table
+from thermobearing.identify.report import (
+    cycles_table,
+    error_check,
+    loop_trace,
+    tests_table,
+    thermocouples_table,
+)
 from thermobearing.quantities.tables import Table
 from thermobearing.report import content
 from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace

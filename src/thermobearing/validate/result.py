@@ -14,12 +14,9 @@ from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import printable
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import Prediction
-from thermobearing.identify.output import write_identification
 from thermobearing.identify.records.cycles import Loop
 from thermobearing.identify.records.record import TestRecord, record_conditions
-from thermobearing.identify.result import Identification
-from thermobearing.identify.tables import errors_table, thermocouples_table
-from thermobearing.identify.uncertainty.agreement import thermocouple_rows
+from thermobearing.identify.result import Identification, thermocouple_rows
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
@@ -259,6 +256,8 @@ class Validation(Result):
 
     def tables(self) -> dict[str, Table]:
         """Tables of the largest errors of each test, and of thermocouples."""
+        from thermobearing.identify.report import thermocouples_table
+
         found = {"errors": errors_of_tests(self.table, "Largest errors of the model in each test")}
         if len(self.thermocouples):
             found["thermocouples"] = thermocouples_table(self.thermocouples.to_dict("records"))
@@ -299,6 +298,8 @@ class Validation(Result):
 
 def errors_of_tests(table: pd.DataFrame, caption: str) -> Table:
     """Return the largest errors of each test; bearing and model where there are several."""
+    from thermobearing.identify.report import errors_table
+
     keys = ["test", *(name for name in ("bearing", "model") if table[name].nunique() > 1)]
     return errors_table(caption, table.to_dict("records"), keys)
 
@@ -473,7 +474,7 @@ class CrossValidation(Result):
         return replace(self, final=replace(self.final, forecast=forecast)) if forecast else self
 
     def _write(self, folder: Path) -> None:
-        write_identification(self.final, folder)
+        self.final._write(folder)
         write_csv(folder / TABLE, self.table)
         write_csv(folder / CYCLES, self.judged.cycles)
         if self.folds:

@@ -26,10 +26,9 @@ from thermobearing.identify.case import IdentifyCase, Test, make_identify_case
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.cycles import compare_largest_loops, compare_loops
-from thermobearing.identify.records.record import TestRecord, load_test
-from thermobearing.identify.result import Identification
+from thermobearing.identify.records.record import TestRecord, load_test, reached_in
+from thermobearing.identify.result import Identification, determination
 from thermobearing.identify.run import run_identify
-from thermobearing.identify.uncertainty.agreement import determination, reached_in
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions
 from thermobearing.results.ranges import asked_of_tests, outside_tests

@@ -95,11 +95,9 @@ def _full_key(name: str, before: str = "") -> str:
     return key
 
 
-# To the scale of the search and back.
-FORWARD: dict[str, Callable[[float], float]]
-FORWARD = {"linear": float, "log": math.log, "log1p": math.log1p}
-BACKWARD: dict[str, Callable[[float], float]]
-BACKWARD = {"linear": float, "log": math.exp, "log1p": math.expm1}
+Scale = dict[str, Callable[[float], float]]  # to that of the search, and back
+FORWARD: Scale = {"linear": float, "log": math.log, "log1p": math.log1p}
+BACKWARD: Scale = {"linear": float, "log": math.exp, "log1p": math.expm1}
 
 
 @dataclass(frozen=True)
@@ -239,9 +237,9 @@ def at_one_temperature(ambients: Iterable[float]) -> bool:
 
 def split_at_one_temperature(free: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return the other free parameters, and the symbols of the temperature coefficients."""
-    keys = {name: _full_key(name.split("=")[0], "free: ") for name in free}
-    warm = [name for name in free if keys[name] in (M_T, N_T)]
-    return [name for name in free if name not in warm], [BY_KEY[keys[n]].symbol for n in warm]
+    symbols = {name: _full_key(name.split("=")[0], "free: ") for name in free}
+    warm = {name: BY_KEY[key].symbol for name, key in symbols.items() if key in (M_T, N_T)}
+    return [name for name in free if name not in warm], [warm[n] for n in free if n in warm]
 
 
 def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:

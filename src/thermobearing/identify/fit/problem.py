@@ -134,14 +134,10 @@ class Problem:
             up, down = cube.copy(), cube.copy()
             up[i] = min(cube[i] + STEP, 1.0)
             down[i] = max(cube[i] - STEP, 0.0)
-            if here is not None and up[i] - cube[i] > 0.5 * STEP:
-                low, base = here, cube[i]
-                high = np.concatenate(self.parts(up, fine=fine))
-                columns.append((high - low) / (up[i] - base))
-                continue
-            high = np.concatenate(self.parts(up, fine=fine))
-            low = np.concatenate(self.parts(down, fine=fine))
-            columns.append((high - low) / (up[i] - down[i]))
+            high, low, base = np.concatenate(self.parts(up, fine=fine)), here, cube[i]
+            if low is None or up[i] - base <= 0.5 * STEP:
+                low, base = np.concatenate(self.parts(down, fine=fine)), down[i]
+            columns.append((high - low) / (up[i] - base))
         return np.column_stack(columns)
 
 
@@ -158,15 +154,13 @@ def _robust_weights(residuals: Floats, loss: str) -> Floats:
 def _sample_weights(record: TestRecord) -> Floats:
     """Return the square roots of the weights of the samples of a record."""
     weights = np.full(len(record.time), np.sqrt(record.weight))
-    if record.cycle_balance > 0.0:
-        for cycle in full_cycles(record):
-            part = slice(cycle.first, cycle.last)
+    for cycle in full_cycles(record):
+        part = slice(cycle.first, cycle.last)
+        if record.cycle_balance > 0.0:
             peak = float(np.abs(record.force[part]).max())
             weights[part] *= (record.peak_force / peak) ** record.cycle_balance
-    if record.first_cycle_weight != 1.0:
-        for cycle in full_cycles(record):
-            if cycle.number == 1 and not cycle.closing:
-                weights[cycle.first : cycle.last] *= np.sqrt(record.first_cycle_weight)
+        if cycle.number == 1 and not cycle.closing:
+            weights[part] *= np.sqrt(record.first_cycle_weight)
     return weights
 
 

@@ -8,7 +8,7 @@ shrinks with the merit of a krill, both as in the authors' own program.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -137,17 +137,14 @@ def search(problem: Problem, case: IdentifyCase) -> Floats:
         from scipy.optimize import differential_evolution
 
         generations = max(1, case.evaluations // (MEMBERS * len(first)) - 1)
-        unit, how = [(0.0, 1.0)] * len(first), {"init": "latinhypercube", "rng": case.seed}
-        found = differential_evolution(
-            problem.cost,
-            unit,
-            maxiter=generations,
-            popsize=MEMBERS,
-            polish=False,
-            x0=first,
-            tol=0.0,
-            **how,
-        )
+        how: dict[str, Any] = {
+            "maxiter": generations,
+            "popsize": MEMBERS,
+            "polish": False,
+            "tol": 0.0,
+        }
+        how |= {"init": "latinhypercube", "rng": case.seed, "x0": first}
+        found = differential_evolution(problem.cost, [(0.0, 1.0)] * len(first), **how)
         return np.asarray(found.x)
     best, lowest = first, float("inf")
     for point in _starting_points(problem, first, case):
@@ -182,18 +179,12 @@ def _least_squares(
     """Run bounded trust-region least squares in the unit cube; return whether it converged too."""
     from scipy.optimize import least_squares
 
+    how = {"method": "trf", "loss": problem.loss, "f_scale": ROBUST_SCALE, "x_scale": "jac"}
     found = least_squares(
         lambda u: problem.residuals(u, fine=fine),
         np.clip(start, INSIDE, 1.0 - INSIDE),
         jac=lambda u: problem.jacobian(u, fine=fine),
         bounds=(0.0, 1.0),
-        method="trf",
-        loss=problem.loss,
-        f_scale=ROBUST_SCALE,
-        x_scale="jac",
-        ftol=1e-7,
-        xtol=1e-7,
-        gtol=1e-9,
-        max_nfev=steps,
+        **(how | {"ftol": 1e-7, "xtol": 1e-7, "gtol": 1e-9, "max_nfev": steps}),
     )
     return np.asarray(found.x), bool(found.status > 0)

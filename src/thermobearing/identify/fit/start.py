@@ -15,9 +15,8 @@ than the spread of one compound, are dropped only where the tests say nothing ab
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise, product
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,7 +28,7 @@ from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.problem import AT_BOUND, Problem, half_cycles, linearised
 from thermobearing.identify.records.cycles import TURN, turning_points
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.uncertainty.assumed import CLEAR, Group, linearise_assumed
+from thermobearing.identify.uncertainty.covariance import CLEAR, Group, linearise_assumed
 
 SATURATED = 0.55  # part of a leg after which Z counts as saturated
 YIELD_STRAINS = (0.05, 0.1, 0.18, 0.3, 0.5, 0.8)  # d_y / t_r to try
@@ -46,7 +45,7 @@ BETTER = 1.0  # of that of its source: what tests know better than this errs les
 NOTHING = 0.9  # of WIDE: tests that leave so much say nothing
 
 
-def backbone(record: TestRecord, rubber: float) -> tuple[float, float, float]:
+def _backbone(record: TestRecord, rubber: float) -> tuple[float, float, float]:
     """Return strength Q [kN], hardening b and stiffness K [kN/mm] of the loops of a record."""
     x, force = record.displacement, record.force
     turns = turning_points(x, TURN * record.peak_displacement)
@@ -85,19 +84,19 @@ def loop_start(
     h, geometry = base.hysteresis, base.geometry
     layers = geometry.rubber_layers
     ambients = np.array([record.ambient for record in records])
-    loops = [backbone(record, base.total_rubber_thickness) for record in records]
-    strengths = [q for q, _, _ in loops]
+    rubber = base.total_rubber_thickness
+    strengths, hardenings, stiffnesses = zip(*(_backbone(r, rubber) for r in records), strict=True)
     lead = _lead_strength(base, min(strengths), free=kinds.SIGMA_Y not in fixed)
-    rubber = [max(q - lead, 0.05 * q) for q in strengths]
+    own = [max(q - lead, 0.05 * q) for q in strengths]  # of the rubber
     reference = h.reference_temperature
     q, n_t = _with_temperature(
-        rubber, ambients, reference, h.hysteretic_temperature_coefficient, kinds.N_T not in fixed
+        own, ambients, reference, h.hysteretic_temperature_coefficient, kinds.N_T not in fixed
     )
-    layer = [layers * k for _, _, k in loops]
+    layer = [layers * k for k in stiffnesses]
     elastic, m_t = _with_temperature(
         layer, ambients, reference, h.elastic_temperature_coefficient, kinds.M_T not in fixed
     )
-    hardening = float(np.mean([b for _, b, _ in loops])) * max(strengths) / max(rubber)
+    hardening = float(np.mean(hardenings)) * max(strengths) / max(own)
     common = {kinds.HARDENING: min(hardening, 1.9), kinds.M_T: m_t, kinds.N_T: n_t}
     if base.rate is not None:
         common[kinds.K_V] = VISCOUS_SHARE * elastic / layers
@@ -114,7 +113,7 @@ def loop_start(
         if base.lead is not None:
             area = base.lead.core_area / NEWTON_PER_KILONEWTON
             stress = lead / (base.lead.cores * area) if lead else base.lead.yield_stress
-            stiffness = stress * area / (lead_yield * base.total_rubber_thickness)
+            stiffness = stress * area / (lead_yield * rubber)
             trial |= {kinds.SIGMA_Y: stress, kinds.K_L: stiffness}
         trials.append({key: value for key, value in trial.items() if key not in fixed})
     costs = [_cost(base, trial, records, models) for trial in trials]
@@ -152,8 +151,7 @@ def _cost(
     return total
 
 
-@dataclass(frozen=True)
-class Sensitivity:
+class Sensitivity(NamedTuple):
     """How well tests would determine a parameter."""
 
     key: str
@@ -162,15 +160,6 @@ class Sensitivity:
     free: bool  # by default
     usual: bool  # free unless the tests say nothing about it
 
-    def summary(self) -> dict[str, Any]:
-        """Return what summary.json says of it."""
-        known = self.spread > 0.0
-        return {
-            "free": self.free,
-            "stderr_of_source": self.spread if known else None,
-            "stderr_expected": self.stderr if known else None,
-        }
-
 
 def candidates(problem: Problem, groups: Sequence[Group]) -> list[str]:
     """Return the usual keys, and all others whose source has an uncertainty."""
@@ -178,11 +167,8 @@ def candidates(problem: Problem, groups: Sequence[Group]) -> list[str]:
     usual = kinds.default_free(bearing, [record.ambient for record in problem.records])
     linear = bearing.hysteresis.post_yield_ratio == 1.0
     known = {key for group in groups for key in group.keys}
-    more = [
-        kind.key
-        for kind in kinds.available(bearing)
-        if kind.key in known and not (linear and kind.key in kinds.OF_YIELDING)
-    ]
+    more = [kind.key for kind in kinds.available(bearing) if kind.key in known]
+    more = [key for key in more if not (linear and key in kinds.OF_YIELDING)]
     return list(dict.fromkeys([*usual, *more]))
 
 
@@ -193,12 +179,8 @@ def sensitivities(problem: Problem, cube: Floats, groups: Sequence[Group]) -> li
     limits = np.array([NOTHING * WIDE if key in usual else BETTER for key in free])
     base = problem.pset.base
     sources = {key: group for group in reversed(groups) for key in group.keys}
-    spreads = np.array(
-        [
-            sources[key].step(kinds.dotted_value(base, key) or 0.0) if key in sources else 0.0
-            for key in free
-        ]
-    )
+    known = [(sources.get(key), kinds.dotted_value(base, key) or 0.0) for key in free]
+    spreads = np.array([source.step(value) if source else 0.0 for source, value in known])
     stated = spreads > 0.0
     slopes = np.array([p.slope(float(u)) for p, u in zip(problem.pset.free, cube, strict=True)])
     jacobian = problem.jacobian(cube) * (np.where(stated, spreads, 1.0) / slopes)

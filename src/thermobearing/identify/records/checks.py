@@ -1,7 +1,9 @@
 """Checks of a test record before it is used."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +13,12 @@ from numpy.typing import NDArray
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import PAUSE
 from thermobearing.identify.records.cycles import (
     Cycle,
     compute_measures,
     loop_middles,
-    loop_zeros,
     split_runs,
 )
 from thermobearing.identify.records.record import TestRecord, load_test
@@ -31,7 +33,9 @@ from thermobearing.identify.records.treatment import (
     treat,
     warn,
 )
+from thermobearing.results.directory import FIGURES, write_directory
 from thermobearing.results.metrics import loop_energy
+from thermobearing.results.writing import write_summary
 
 SOFTEST, STIFFEST = 0.2, 12.0  # equivalent shear modulus of bearings, cold ones too [MPa]
 LARGEST_STRAIN, SMALLEST_STRAIN = 4.0, 0.05
@@ -51,6 +55,7 @@ GAP_WAY = 0.05  # of the largest displacement, covered without a sample
 OFFSET = 0.03  # of the largest force or displacement, middle of the cycles, however few
 SLIGHT, FEWEST_ZEROS = 0.005, 4  # the same where so many cycles agree on it (SURE)
 ENDS_AWAY = 0.1  # of the largest displacement
+MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
 CLIPPED_RUN = 4  # samples in a row at exactly the extreme force ...
 CLIPPED_WAY = 0.02  # ... while the bearing moves this part of the largest displacement
 SLOWEST, FASTEST = 0.01, 2000.0  # mean speed [mm/s]
@@ -89,26 +94,6 @@ def _gravest(levels: set[Any]) -> str:
     return next((level for level in ("refused", "warning") if level in levels), "good")
 
 
-def checks_summary(reports: list[CheckReport]) -> dict[str, Any]:
-    """Return summary.json of checked tests: the gravest outcome, the findings of each record."""
-    return {
-        "command": "identify",
-        "outcome": _gravest({report.outcome for report in reports}),
-        "records": [
-            {
-                "name": report.record.name,
-                "file": report.record.file,
-                "ambient_degC": report.record.ambient,
-                "outcome": report.outcome,
-                "cycles": len(report.cycles),
-                "findings": [vars(finding) for finding in report.findings],
-                "treatment": report.treatment.summary() if report.treatment else None,
-            }
-            for report in reports
-        ],
-    }
-
-
 def check_test(
     record: TestRecord | str | Path, bearing: Bearing | str | Path | None = None
 ) -> CheckReport:
@@ -139,28 +124,31 @@ def check_test(
     record = record if isinstance(record, TestRecord) else load_test(record)
     bearing = None if bearing is None else as_bearing(bearing)
     report = CheckReport(record, clipped=np.zeros(len(record.time), dtype=bool))
-    report.findings += _check_file(record)
-    refused = list(_check_numbers(record))
-    report.findings += refused
-    if refused:
+    findings = report.findings
+    findings += _check_file(record)
+    if refused := list(_check_numbers(record)):
+        findings += refused
         return report
     report.treatment = treat(record)
-    report.cycles = report.treatment.cycles
-    report.findings += describe_treatment(report.treatment)
-    steady, cycles = report.steady, report.cycles
-    refused = list(_check_sign(steady, cycles))
-    report.findings += refused
-    if refused:
+    report.cycles = cycles = report.treatment.cycles
+    findings += describe_treatment(report.treatment)
+    steady = report.steady
+    if refused := list(_check_sign(steady, cycles)):
+        findings += refused
         return report
     report.clipped = _find_clipped(record)
     full = [cycle for cycle in cycles if not cycle.closing]
-    report.findings += _check_sampling(steady, full)
-    report.findings += _check_cycles(steady, full)
-    report.findings += _check_zero(steady, cycles)
-    report.findings += _check_saturation(record, report.clipped)
+    findings += _check_sampling(steady, full)
+    findings += _check_cycles(steady, full)
+    findings += _check_zero(steady, cycles)
+    if report.clipped.any():
+        largest = float(np.abs(record.force[report.clipped]).max())
+        said = f"force is clipped at {largest:.4g} kN in {int(report.clipped.sum())} samples: the "
+        said += "load cell or amplifier was saturated; a fit leaves them out, and peak forces of "
+        findings.append(warn("saturation", said + "the test are too small"))
     if bearing is not None and cycles:
-        report.findings += check_plausibility(steady, bearing)
-    report.findings += _check_thermocouples(record)
+        findings += check_plausibility(steady, bearing)
+    findings += _check_thermocouples(record)
     return report
 
 
@@ -171,9 +159,8 @@ def _check_file(record: TestRecord) -> Iterator[Finding]:
     if record.unused:
         yield note("columns", f"columns not used: {', '.join(record.unused)}")
     if record.rubber_thickness is not None:
-        size = f"{record.rubber_thickness:.4g} mm"
-        said = f"displacement over strain gives a total rubber thickness of {size}"
-        yield note("rubber", said)
+        said = "displacement over strain gives a total rubber thickness of "
+        yield note("rubber", f"{said}{record.rubber_thickness:.4g} mm")
 
 
 def _check_numbers(record: TestRecord) -> Iterator[Finding]:
@@ -181,11 +168,8 @@ def _check_numbers(record: TestRecord) -> Iterator[Finding]:
     back = np.flatnonzero(~(np.diff(record.time) > 0.0))
     if len(back):
         k = int(back[0])
-        yield refuse(
-            "time",
-            f"time does not increase from {record.time[k]:g} to {record.time[k + 1]:g} s "
-            f"(rows {k + 1} and {k + 2}): files joined, or columns swapped?",
-        )
+        said = f"time does not increase from {record.time[k]:g} to {record.time[k + 1]:g} s (rows "
+        yield refuse("time", f"{said}{k + 1} and {k + 2}): files joined, or columns swapped?")
         return
     for name, unit in UNITS.items():
         values = getattr(record, name)
@@ -201,16 +185,12 @@ def _check_sign(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
     energy = sum(loop_energy(d[rows], f[rows]) for rows in loops)
     along = float(np.corrcoef(d, f)[0, 1])
     if energy < 0.0 and along > 0.0:
-        yield refuse(
-            "columns",
-            f"the loops give back work ({energy:.4g} kN mm) although force goes with displacement: "
-            "the columns of displacement and force look swapped",
-        )
+        said = f"the loops give back work ({energy:.4g} kN mm) although force goes with "
+        said += "displacement: the columns of displacement and force look swapped"
+        yield refuse("columns", said)
     elif not along > 0.0:
-        yield refuse(
-            "sign",
-            "force has the opposite sign of displacement: set flip_force = true in the sidecar",
-        )
+        said = "force has the opposite sign of displacement: set flip_force = true in the sidecar"
+        yield refuse("sign", said)
 
 
 def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
@@ -221,21 +201,15 @@ def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     same_block = np.diff(record.block) == 0
     lost = (gaps > GAP_FACTOR * usual) & (ways > GAP_WAY * record.peak_displacement) & same_block
     for k in np.flatnonzero(lost)[:3]:
-        yield warn(
-            "sampling",
-            f"no samples from {record.time[k]:.4g} to {record.time[k + 1]:.4g} s, while the "
-            f"bearing moved {ways[k]:.3g} mm",
-        )
+        said = f"no samples from {record.time[k]:.4g} to {record.time[k + 1]:.4g} s, while the "
+        yield warn("sampling", f"{said}bearing moved {ways[k]:.3g} mm")
     speed = float(np.sum(ways[moving]) / max(float(np.sum(gaps[moving])), 1e-12))
     if not SLOWEST <= speed <= FASTEST:
         said = f"mean speed is {speed:.3g} mm/s: is the unit of time or displacement right?"
         yield warn("speed", said)
-    yield note(
-        "sampling",
-        f"{len(record.time)} samples, usually {1e3 * usual:.3g} ms apart, mean speed "
-        f"{speed:.3g} mm/s, {int(((gaps > PAUSE) & ~moving).sum())} gaps longer than {PAUSE:g} s "
-        "at rest",
-    )
+    rests = int(((gaps > PAUSE) & ~moving).sum())
+    said = f"{len(record.time)} samples, usually {1e3 * usual:.3g} ms apart, mean speed {speed:.3g}"
+    yield note("sampling", f"{said} mm/s, {rests} gaps longer than {PAUSE:g} s at rest")
     fewest = min((c.last - c.first for c in full), default=FEW_SAMPLES)
     if fewest < FEW_SAMPLES:
         said = f"a cycle has only {fewest} samples"
@@ -245,17 +219,12 @@ def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
 def _check_cycles(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     """Yield the number of full cycles, and a record that does not begin and end at zero."""
     if not full:
-        yield refuse(
-            "cycles",
-            "no full cycle (zero, one side, other side, zero) was found: a fit needs reversals",
-        )
+        said = "no full cycle (zero, one side, other side, zero) was found: a fit needs reversals"
+        yield refuse("cycles", said)
         return
     if len(full) == 1:
-        yield warn(
-            "cycles",
-            "one cycle only: nothing tells the virgin loop from the later ones, amplitude "
-            "dependence (b) from stiffness, or heating from the rest",
-        )
+        said = "one cycle only: nothing tells the virgin loop from the later ones, amplitude "
+        yield warn("cycles", said + "dependence (b) from stiffness, or heating from the rest")
     levels = sum(c.number == 1 for c in full)
     yield note("cycles", f"{len(full)} full cycles at {levels} amplitudes in a row")
     first, last = record.displacement[0], record.displacement[-1]
@@ -271,10 +240,9 @@ def _check_cycles(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
 def _check_zero(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
     """Yield the zero of force and displacement, from the middle of the loops."""
     near = []
-    peaks = {"force": record.peak_force, "displacement": record.peak_displacement}
-    for name, peak in peaks.items():
+    for name, peak in ("force", record.peak_force), ("displacement", record.peak_displacement):
         values = getattr(record, name)
-        middles, zeros = loop_middles(values, cycles), loop_zeros(values, cycles)
+        middles, zeros = loop_middles(values, cycles), _loop_zeros(values, cycles)
         if len(middles) == 0:
             continue
         offset = float(np.median(zeros if len(zeros) >= FEWEST_ZEROS else middles))
@@ -282,17 +250,33 @@ def _check_zero(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
         sure = len(zeros) >= FEWEST_ZEROS and abs(offset) > max(SURE * error, SLIGHT * peak)
         shown = f"{offset:.2g} {UNITS[name]}"
         if abs(offset) > OFFSET * peak or sure:
-            yield warn(
-                "offset",
-                f"the middle of the {name} loops is at {shown} ({abs(offset) / peak:.1%} of the "
-                f'peak), not at zero: left in; {name}_offset = "{shown}" in the sidecar takes it '
-                "away",
-            )
+            said = f"the middle of the {name} loops is at {shown} ({abs(offset) / peak:.1%} of the "
+            said += f'peak), not at zero: left in; {name}_offset = "{shown}" in the sidecar takes '
+            yield warn("offset", said + "it away")
         else:
             near.append(f"{shown} in the {name}")
     if near:
         said = f"middle of the loops at {' and '.join(near)}: no more than these cycles can tell"
         yield note("zero", said)
+
+
+def _loop_zeros(values: Floats, cycles: list[Cycle]) -> Floats:
+    """Return the zero of a signal by each cycle that is the third of its amplitude or later.
+
+    A rubber that softens makes the second side of each loop weaker than the first, by up to 1 %
+    of the peak in the cold. So the first extreme is compared with the mean of those before and
+    after it. First cycles lean to their first side and do not count.
+    """
+    full = [cycle for cycle in cycles if not cycle.closing]
+    ends = []  # the two extremes of each loop, in the order of time
+    for cycle in full:
+        loop = values[cycle.first : cycle.last + 1]
+        ends.append(loop[np.sort([loop.argmin(), loop.argmax()])])
+    found = []
+    for k in range(1, len(full)):
+        if full[k - 1].number >= 2 and full[k].number == full[k - 1].number + 1:
+            found.append(0.5 * ends[k][0] + 0.25 * (ends[k - 1][1] + ends[k][1]))
+    return np.array(found)
 
 
 def _find_clipped(record: TestRecord) -> NDArray[np.bool_]:
@@ -306,17 +290,6 @@ def _find_clipped(record: TestRecord) -> NDArray[np.bool_]:
     return clipped
 
 
-def _check_saturation(record: TestRecord, clipped: NDArray[np.bool_]) -> Iterator[Finding]:
-    if clipped.any():
-        largest = float(np.abs(record.force[clipped]).max())
-        yield warn(
-            "saturation",
-            f"force is clipped at {largest:.4g} kN in {int(clipped.sum())} samples: the load cell "
-            "or amplifier was saturated; a fit leaves them out, and peak forces of the test are "
-            "too small",
-        )
-
-
 def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding]:
     """Yield what the largest strain and the shear modulus there say of the units of a test.
 
@@ -327,33 +300,25 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
     strain = record.peak_displacement / rubber
     reached = f"displacement reaches {record.peak_displacement:.4g} mm"
     if strain > LARGEST_STRAIN:
-        yield refuse(
-            "strain",
-            f"{reached}, {strain:.0%} of the total rubber thickness of {rubber:g} mm: wrong unit, "
-            "or the wrong bearing?",
-        )
+        said = f"{strain:.0%} of the total rubber thickness of {rubber:g} mm: wrong unit, or the "
+        yield refuse("strain", f"{reached}, {said}wrong bearing?")
     elif strain < SMALLEST_STRAIN:
         said = f"displacement reaches {strain:.1%} of the total rubber thickness only: wrong unit?"
         yield warn("strain", said)
     file = record.rubber_thickness
     if file is not None and abs(file - rubber) > OTHER_RUBBER * rubber:
-        yield warn(
-            "rubber",
-            f"displacement over strain gives a total rubber thickness of {file:.4g} mm, but "
-            f"the bearing has {rubber:g} mm: the wrong bearing, or a wrong unit?",
-        )
+        said = f"displacement over strain gives a total rubber thickness of {file:.4g} mm, but "
+        said += f"the bearing has {rubber:g} mm: the wrong bearing, or a wrong unit?"
+        yield warn("rubber", said)
     try:
         measured = compute_measures(record, record.force, bearing.area, rubber)
     except InputError:  # a cycle with too few samples, which the check of sampling has refused
         return
     modulus = max(measured, key=lambda m: m.amplitude_mm).G_eq_MPa
     stated = f"the equivalent shear modulus at the largest amplitude is {modulus:.3g} MPa"
-    if modulus < SOFTEST:
-        slip = _suspected_slip(modulus, strain)
-        yield refuse("unit", f"{stated}, less than any rubber has{slip}")
-    elif modulus > STIFFEST:
-        slip = _suspected_slip(modulus, strain)
-        yield refuse("unit", f"{stated}, more than any bearing has{slip}")
+    if not SOFTEST <= modulus <= STIFFEST:
+        less = "less than any rubber" if modulus < SOFTEST else "more than any bearing"
+        yield refuse("unit", f"{stated}, {less} has{_suspected_slip(modulus, strain)}")
     else:
         yield note("unit", stated)
 
@@ -376,7 +341,46 @@ def _check_thermocouples(record: TestRecord) -> Iterator[Finding]:
             said = f"{title} runs from {values.min():.3g} to {values.max():.3g} degC: broken?"
             yield warn("thermocouple", said)
         elif abs(values[0] - record.ambient) > 5.0:
-            yield warn(
-                "thermocouple",
-                f"{title} starts at {values[0]:.3g} degC, the ambient is {record.ambient:g} degC",
-            )
+            said = f"{title} starts at {values[0]:.3g} degC, the ambient is {record.ambient:g} degC"
+            yield warn("thermocouple", said)
+
+
+def print_checks(reports: list[CheckReport]) -> None:
+    """Print the outcome of each record, and a line for each finding."""
+    for report in reports:
+        print(f"{report.record.name}: {report.outcome}")
+        for finding in report.findings:
+            print(f"  {MARKS[finding.level]:8} {finding.check}: {finding.sentence}")
+
+
+def save_checks(
+    reports: list[CheckReport], directory: Path, *, overwrite: bool = False, figures: bool = True
+) -> Path:
+    """Write summary.json and a figure per record; return the directory."""
+    records = [
+        {
+            "name": report.record.name,
+            "file": report.record.file,
+            "ambient_degC": report.record.ambient,
+            "outcome": report.outcome,
+            "cycles": len(report.cycles),
+            "findings": [vars(finding) for finding in report.findings],
+            "treatment": report.treatment.summary() if report.treatment else None,
+        }
+        for report in reports
+    ]
+    outcome = _gravest({report.outcome for report in reports})
+
+    def _fill(folder: Path) -> None:
+        write_summary(folder, {"command": "identify", "outcome": outcome, "records": records})
+        if figures:
+            from thermobearing.identify.figures import check_figure
+            from thermobearing.results.drawing import save_figures
+
+            drawn = {}
+            for number, report in enumerate(reports, start=1):
+                name = re.sub(r"[^\w.+-]+", "-", report.record.name)
+                drawn[f"check_{number}_{name}"] = partial(check_figure, report)
+            save_figures(drawn, folder / FIGURES)
+
+    return write_directory(directory, _fill, overwrite=overwrite)

@@ -129,25 +129,6 @@ def loop_middles(values: Floats, cycles: list[Cycle]) -> Floats:
     return np.array([0.5 * (loop.max() + loop.min()) for loop in loops])
 
 
-def loop_zeros(values: Floats, cycles: list[Cycle]) -> Floats:
-    """Return the zero of a signal by each cycle that is the third of its amplitude or later.
-
-    A rubber that softens makes the second side of each loop weaker than the first, by up to 1 %
-    of the peak in the cold. So the first extreme is compared with the mean of those before and
-    after it. First cycles lean to their first side and do not count.
-    """
-    full = [cycle for cycle in cycles if not cycle.closing]
-    ends = []  # the two extremes of each loop, in the order of time
-    for cycle in full:
-        loop = values[cycle.first : cycle.last + 1]
-        ends.append(loop[np.sort([loop.argmin(), loop.argmax()])])
-    found = []
-    for k in range(1, len(full)):
-        if full[k - 1].number >= 2 and full[k].number == full[k - 1].number + 1:
-            found.append(0.5 * ends[k][0] + 0.25 * (ends[k - 1][1] + ends[k][1]))
-    return np.array(found)
-
-
 @dataclass(frozen=True)
 class Loop:
     """One loop of a test and of the model, which the displacement of the test moves.

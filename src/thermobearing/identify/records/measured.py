@@ -54,14 +54,9 @@ class MeasuredCycles:
         """Write summary.json, cycles.csv and the figure of the loops; return the directory."""
 
         def _fill(folder: Path) -> None:
-            summary = {
-                "command": "measure",
-                "outcome": "completed",
-                "file": self.record.file,
-                "notes": list(self.notes),
-                "cycles": self.table.to_dict("records"),
-            }
-            write_summary(folder, summary)
+            summary = {"command": "measure", "outcome": "completed", "file": self.record.file}
+            cycles = self.table.to_dict("records")
+            write_summary(folder, summary | {"notes": list(self.notes), "cycles": cycles})
             without_formulas(self.table).to_csv(folder / VALIDATED_CYCLES, index=False)
             if figures:
                 drawing.save_figures({"loops": partial(_draw_loops, self)}, folder / FIGURES)
@@ -98,18 +93,14 @@ def measured_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
         notes += [f.sentence for f in check_plausibility(record, bearing) if f.level != "note"]
     if readings.unused:
         notes.append(f"columns not used: {', '.join(readings.unused)}")
+    rubber = bearing.total_rubber_thickness
+    size = {"area": bearing.area, "total_rubber_thickness": rubber}
     try:
-        measures = measure_history(
-            x,
-            record.force,
-            area=bearing.area,
-            total_rubber_thickness=bearing.total_rubber_thickness,
-            rests=rests,
-        )
+        measures = measure_history(x, record.force, rests=rests, **size)
     except InputError as error:
         raise InputError(error.problems, str(path)) from None
     rows = [slice(cycle.first, cycle.last + 1) for cycle in full]
-    return MeasuredCycles(measures, ends, notes, record, rows, bearing.total_rubber_thickness)
+    return MeasuredCycles(measures, ends, notes, record, rows, rubber)
 
 
 def _draw_loops(found: MeasuredCycles) -> Figure:

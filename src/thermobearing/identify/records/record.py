@@ -21,7 +21,7 @@ from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.border.units import number_list
 from thermobearing.core.records import Floats, Ints
-from thermobearing.results.ranges import cycles_in_a_row, largest_speed
+from thermobearing.results.ranges import Ends, cycles_in_a_row, largest_speed, reached_by
 from thermobearing.tables.laboratory import Readings, read_laboratory
 
 PARTS = 20  # of the test, in time: noise and a door that was opened are no drift
@@ -209,10 +209,8 @@ def build_record(readings: Readings) -> TestRecord:
     assumptions = list(readings.assumptions)
     where = Path(sidecar.bearing) if sidecar.bearing else None
     inside = where is not None and where.suffix == ".toml" and not where.is_absolute()
-    thickness, given = (
-        _rubber_thickness(values, assumptions),
-        readings.given.get("thermocouples", {}),
-    )
+    thickness = _rubber_thickness(values, assumptions)
+    given = readings.given.get("thermocouples", {})
     return TestRecord(
         name=sidecar.name or readings.file.stem,
         file=str(readings.file),
@@ -287,3 +285,17 @@ def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
         "assumptions": list(record.assumptions),
         "sha256": digest.hexdigest(),
     }
+
+
+def reached_in(
+    record: TestRecord, rubber: float, ambient: float, lead: tuple[float, float] | None
+) -> dict[str, float | Ends]:
+    """Return what the history of a record asks of a bearing, as `reached_by` does.
+
+    `rubber` is the total thickness [mm], `ambient` the air [degC], `lead` the coldest and warmest
+    lead [degC].
+    """
+    time, x = record.time, record.displacement
+    air, warm = (ambient, ambient), None if lead is None else np.array(lead)
+    speed = largest_speed(time, x)
+    return reached_by(time, x, speed, rubber=rubber, ambient=air, lead=warm)

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,8 +98,7 @@ def _leg_time(record: TestRecord) -> float:
 def _reach(x: Floats, band: float) -> Ints:
     """The earliest sample from which the signal stays in a band until each sample."""
     first, begin = np.zeros(len(x), dtype=np.int64), 0
-    highs: deque[int] = deque()
-    lows: deque[int] = deque()
+    highs, lows = deque[int](), deque[int]()
     values = x.tolist()
     for i, value in enumerate(values):
         while highs and values[highs[-1]] <= value:
@@ -110,10 +109,9 @@ def _reach(x: Floats, band: float) -> Ints:
         lows.append(i)
         while values[highs[0]] - values[lows[0]] > band:
             begin += 1
-            if highs[0] < begin:
-                highs.popleft()
-            if lows[0] < begin:
-                lows.popleft()
+            for extremes in (highs, lows):
+                if extremes[0] < begin:
+                    extremes.popleft()
         first[i] = begin
     return first
 
@@ -157,8 +155,7 @@ def _thin_rests(record: TestRecord, rests: list[tuple[int, int]]) -> tuple[TestR
     return short, kept, resting[kept]
 
 
-@dataclass(frozen=True)
-class Drift:
+class Drift(NamedTuple):
     """Drift of the zero of a signal: a straight line in time through the middles of its loops."""
 
     times: Floats  # middles of the cycles that count [s]
@@ -192,16 +189,12 @@ class Treatment:
         return {
             "noise": {f"{name}_{UNITS[name]}": value for name, value in self.noise.items()},
             "rests": len(self.rests),
-            "samples_at_rest": _count_samples(self.rests),
+            "samples_at_rest": sum(last - first + 1 for first, last in self.rests),
             "spikes": {name: len(split_runs(flags)) for name, flags in self.spikes.items()},
             "spikes_removed": self.record.despike,
             "drift": {f"{name}_{UNITS[name]}": drift.total for name, drift in self.drifts.items()},
             "drift_removed": _detrended(self.record),
         }
-
-
-def _count_samples(rests: list[tuple[int, int]]) -> int:
-    return sum(last - first + 1 for first, last in rests)
 
 
 def _detrended(record: TestRecord) -> list[str]:
@@ -244,14 +237,12 @@ def treat(record: TestRecord) -> Treatment:
     cycles = full_cycles(steady)
     drifts = _drifts(steady, cycles)
     cleaned = bare if record.despike else record
-    lines = {
-        name: drifts[name].slope * (time - time[0]) for name in _detrended(record) if name in drifts
-    }
-    if lines:
-        bare, cleaned = (
-            replace(one, **{name: getattr(one, name) - line for name, line in lines.items()})
-            for one in (bare, cleaned)
-        )
+    drifting = [name for name in _detrended(record) if name in drifts]
+    for name in drifting:
+        line = drifts[name].slope * (time - time[0])
+        bare = replace(bare, **{name: getattr(bare, name) - line})
+        cleaned = replace(cleaned, **{name: getattr(cleaned, name) - line})
+    if drifting:
         rests = _find_rests(bare)
         steady = _hold_rests(bare, rests)
     return Treatment(
@@ -336,8 +327,7 @@ def _drifts(record: TestRecord, cycles: list[Cycle]) -> dict[str, Drift]:
         middles = loop_middles(values, used)
         (slope, begin), error = np.polyfit(times - times[0], middles, 1, cov=True)
         total = float(slope * (record.time[-1] - record.time[0]))
-        sure = abs(slope) > SURE * np.sqrt(error[0, 0])
-        if sure and abs(total) > DRIFT * float(np.abs(values).max()):
+        if abs(slope) > SURE * np.sqrt(error[0, 0]) and abs(total) > DRIFT * np.abs(values).max():
             found[name] = Drift(times, middles, float(slope), float(begin), total)
     return found
 
@@ -346,12 +336,9 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
     """Yield what was found; a warning where something is left in that the user may remove."""
     record = found.record
     if found.rests:
-        part = _count_samples(found.rests) / len(record.time)
-        yield note(
-            "rests",
-            f"{_count(len(found.rests), 'rest')}, {part:.0%} of the samples: a fit holds the "
-            "displacement at its mean there, and leaves their force out",
-        )
+        part = sum(last - first + 1 for first, last in found.rests) / len(record.time)
+        said = f"{_count(len(found.rests), 'rest')}, {part:.0%} of the samples: a fit holds the "
+        yield note("rests", said + "displacement at its mean there, and leaves their force out")
     shown = [f"{v:.2g} {UNITS[name]} in the {name}" for name, v in found.noise.items() if v]
     if shown:
         yield note("noise", f"noise (standard deviation) of {' and '.join(shown)}")
@@ -360,20 +347,18 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
             values = getattr(record, name)
             off = np.abs(values - _bridge(record.time, values, flags))
             worst = int(np.argmax(off))
-            said = (
-                f"{_count(len(split_runs(flags)), 'spike')} in the {name}, the largest "
-                f"{off[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
-            )
+            said = f"{_count(len(split_runs(flags)), 'spike')} in the {name}, the largest "
+            said += f"{off[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
             ask = "left in; despike = true in the sidecar, or --despike, takes them out"
             level, end = (note, "removed, as asked") if record.despike else (warn, ask)
             yield level("spikes", f"{said}: {end}")
     for name, drift in found.drifts.items():
         said = f"the zero of the {name} drifts by {drift.total:.3g} {UNITS[name]} over the record"
-        ask = f'left in; detrend = "{name}" in the sidecar, or --detrend {name}, takes a straight '
-        asked = "removed as a straight line in time, as asked"
-        removed = name in _detrended(record)
-        level, end = (note, asked) if removed else (warn, f"{ask}line in time out")
-        yield level("drift", f"{said}: {end}")
+        if name in _detrended(record):
+            yield note("drift", f"{said}: removed as a straight line in time, as asked")
+        else:
+            said += f': left in; detrend = "{name}" in the sidecar, or --detrend {name}, takes a '
+            yield warn("drift", f"{said}straight line in time out")
 
 
 def _count(count: int, name: str) -> str:

@@ -22,7 +22,7 @@ from thermobearing.earthquake.case import (
     settle_motions,
     settle_surroundings,
 )
-from thermobearing.identify.uncertainty.samples import posterior_bearings
+from thermobearing.identify.uncertainty.posterior import posterior_bearings
 from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
 from thermobearing.results.directory import IDENTIFIED, SAMPLES

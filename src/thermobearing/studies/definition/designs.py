@@ -28,7 +28,7 @@ from thermobearing.climate.readers import read_weather
 from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.case import Motion
 from thermobearing.identify.fit.parameters import ALIASES
-from thermobearing.identify.uncertainty.samples import posterior_bearings
+from thermobearing.identify.uncertainty.posterior import posterior_bearings
 from thermobearing.motions.record import GroundMotion
 from thermobearing.studies.definition.motions import factor_motions, motion_levels
 from thermobearing.studies.definition.record import (
