@@ -29,7 +29,7 @@ from thermobearing.core.step import step
 from thermobearing.cyclic.history import room_for
 from thermobearing.model import lead_ends as way
 from thermobearing.model.constants import build_constants
-from thermobearing.model.lead_ends import _core_side, _core_sizes, end_state_at
+from thermobearing.model.lead_ends import _core_side, _core_sizes, _end_impedance
 from thermobearing.model.stack import EndFace, build_stack
 
 SPECIMEN = "shen-lhdr-specimen"
@@ -279,7 +279,7 @@ def test_fin_is_that_of_finite_volumes() -> None:
     across = 2.0 * math.pi * steel.conductivity * 1e-3 * 3.0
     link = across / np.log(middle[1:] / middle[:-1])
     flow = np.diag(np.r_[link, 0.0] + np.r_[0.0, link]) - np.diag(link, 1) - np.diag(link, -1)
-    found = way.fin(steel, 3.0, taken, 75.0, 350.0)
+    found = way._fin(steel, 3.0, taken, 75.0, 350.0)
     for at in range(0, len(taken), 8):
         t = np.linalg.solve(flow + np.diag(taken[at] * area), np.eye(400)[0])
         edge = t[0] + math.log(middle[0] / faces[0]) / across
@@ -294,12 +294,12 @@ def test_few_terms_are_enough(name: str, measured: Recorder) -> None:
     stack = build_stack(bearing, half=True)
     core = _core_sizes(bearing, stack)
     (end, _), side = (
-        end_state_at(bearing, core, math.inf),
+        _end_impedance(bearing, core, math.inf),
         _core_side(bearing, stack, core).impedance,
     )
     worst = 0.0
     for impedance in (end, side):
-        a, tau = way.fitted(impedance)
+        a, tau = way._fitted(impedance)
         assert a.min() > 0.0
         assert len(a) <= len(way.RELAXATIONS)
         fit = (a / (1.0 + way.FREQUENCIES[:, None] * tau)).sum(axis=1)

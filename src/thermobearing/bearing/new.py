@@ -8,7 +8,7 @@ from pydantic import Field
 
 from thermobearing.bearing.compound import Compound, as_compound
 from thermobearing.bearing.model import Bearing, Cells, Geometry, Plan, PlanSize, Thickness
-from thermobearing.bearing.scaling import Cores, bearing_of, compound_of
+from thermobearing.bearing.scaling import RULES, Cores, bearing_of, compound_of
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.units import parse_quantity
@@ -16,13 +16,7 @@ from thermobearing.border.units import parse_quantity
 END_PLATE = 30.0  # mm, where a drawing says nothing; those of bearings are 20 to 50
 TIMES = re.compile(r"^\s*(?P<first>[^x×]*?)\s*[x×]\s*(?P<second>[^x×]*?)\s*$")
 NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
-RULES = {  # of bearing/scaling.py: key of a bearing, rule, key of its compound
-    "hysteresis.layer_stiffness": ("K_r = G_r A/t_r", "rubber.shear_modulus"),
-    "hysteresis.yield_displacement": ("d_y = gamma_y t_r", "rubber.yield_strain"),
-    "lead.stiffness": ("K_l = G_l A_l/H", "lead.shear_modulus"),
-    "rate.stiffness": ("K_v = G_v A/H", "rate.shear_modulus"),
-    "rate.damping": ("c_v = eta_v A/H", "rate.viscosity"),
-}
+GIVEN = {"lead.cores", "lead.diameter", "lead.confined", "lead.end_spreading"}
 
 
 class Drawing(Strict):
@@ -181,16 +175,13 @@ def _sources(made: Bearing, of: Compound, *, assumed_plate: bool) -> dict[str, s
     sources = of.sources
     found = {}
     for key in _number_keys(made):
-        table, _, _ = key.partition(".")
-        before = key.replace("hysteresis.", "rubber.", 1)
-        if table in ("geometry", "cells") or key in ("lead.cores", "lead.diameter"):
-            found[key] = "given" if table != "cells" else "default"
-        elif key in ("lead.confined", "lead.end_spreading"):
+        if key.startswith("cells."):
+            found[key] = "default"
+        elif key.startswith("geometry.") or key in GIVEN:
             found[key] = "given"
-        elif key.endswith(".shape") and table == "geometry":
-            continue
         else:
-            rule, before = RULES.get(key, ("", before))
+            same = (key.replace("hysteresis.", "rubber.", 1), "", "")
+            before, _, rule = RULES.get(key, same)
             if key == "lead.stiffness" and of.lead and of.lead.stiffness_ratio is not None:
                 rule, before = "K_1/K_2 of the bearing", "lead.stiffness_ratio"
             parts = [rule, f"compound {of.name}", sources.get(before, "")]

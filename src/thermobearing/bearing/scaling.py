@@ -35,6 +35,13 @@ WITHOUT_SIZE = (
 )
 OF_LEAD = ("yield_stress", "softening", "reference_temperature", "surface_ratio", "clock")
 COPIED = ("materials", "temperature_law", "tested_range", "scragging")
+RULES = {  # key of a bearing: key of its compound, rule that divides the size out, and back
+    "hysteresis.layer_stiffness": ("rubber.shear_modulus", "K_r t_r/A", "K_r = G_r A/t_r"),
+    "hysteresis.yield_displacement": ("rubber.yield_strain", "d_y/t_r", "d_y = gamma_y t_r"),
+    "lead.stiffness": ("lead.shear_modulus", "K_l H/A_l", "K_l = G_l A_l/H"),
+    "rate.stiffness": ("rate.shear_modulus", "K_v H/A", "K_v = G_v A/H"),
+    "rate.damping": ("rate.viscosity", "c_v H/A", "c_v = eta_v A/H"),
+}
 KINDS = {("HDR", False): "HDR", ("HDR", True): "LHDR", ("NR", True): "LRB"}
 
 
@@ -93,18 +100,11 @@ def compound_of(bearing: Bearing, name: str = "") -> Compound:
 
 def _number_sources(bearing: Bearing) -> dict[str, str]:
     """Sources of a bearing's numbers under the names that they have in a compound."""
-    divided = {
-        "hysteresis.layer_stiffness": ("rubber.shear_modulus", "K_r t_r/A"),
-        "hysteresis.yield_displacement": ("rubber.yield_strain", "d_y/t_r"),
-        "lead.stiffness": ("lead.shear_modulus", "K_l H/A_l"),
-        "rate.stiffness": ("rate.shear_modulus", "K_v H/A"),
-        "rate.damping": ("rate.viscosity", "c_v H/A"),
-    }
     found = {}
     for key, source in bearing.sources.items():
         table, _, name = key.partition(".")
-        if key in divided:
-            new, rule = divided[key]
+        if key in RULES:
+            new, rule, _ = RULES[key]
             found[new] = f"{rule} of {bearing.name}; {source}"
         elif table == "hysteresis":
             found[f"rubber.{name}"] = source

@@ -48,7 +48,12 @@ SHORT = "strain cycles wave speed frequency period rest"  # of a test in a few w
     fields("cyclic.protocol:cyclic_test", SHORT, TEST),
     fields("cyclic.protocol:CyclicTest", "dt", TEST),
     fields("model.options:ModelOptions", OPTIONS, MODEL),
-    fields("cyclic.case:Analysis", "keep_every", RESULT),
+    fields(
+        "cyclic.case:Analysis",
+        "keep_every",
+        RESULT,
+        keep_every="|Keep every n-th step; turning points are kept besides; 1 by default.",
+    ),
     examples="cyclic --bearing shen-lhdr-specimen --ambient -20 --ambient 23 -o my-run\n"
     "cyclic --strain 1.75 --wave sine --frequency 0.5 --cycles 11",
     panel=ANALYSES,

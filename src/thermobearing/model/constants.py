@@ -36,18 +36,13 @@ SLACK = 0.1  # beyond the range that nobody can measure [K]
 COLDER = -1e30  # where the first piece begins
 
 
-def no_table() -> Rows[LawPiece]:
-    """The exponential law alone."""
-    return rows(LawPiece, 0)
-
-
 def _law_pieces(law: TemperatureLaw | None) -> Rows[LawPiece]:
     """Logarithms of the table's factors as cubics in T, piece by piece (Fritsch & Carlson 1980).
 
     The first and last piece are straight lines that go on beyond the table with its slope there.
     """
     if law is None or law.temperatures is None:
-        return no_table()
+        return rows(LawPiece, 0)  # the exponential law alone
     from scipy.interpolate import PchipInterpolator
 
     at = np.array(law.temperatures)

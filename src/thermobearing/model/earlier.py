@@ -18,6 +18,7 @@ from thermobearing.core.types import (
     HEAT_FROM_WORK,
     Cells,
     Constants,
+    LawPiece,
     LayerCells,
     Lead,
     LeadCell,
@@ -25,7 +26,6 @@ from thermobearing.core.types import (
     Rubber,
     Viscous,
 )
-from thermobearing.model.constants import no_table
 from thermobearing.model.outcomes import limits_of_a_step
 from thermobearing.model.stack import MM_PER_M, Stack
 
@@ -59,7 +59,7 @@ class BilinearParameters:
     initial: float
 
 
-def adiabatic(constants: Constants) -> Constants:
+def _adiabatic(constants: Constants) -> Constants:
     """Adiabatic rise of the rubber, T = (1/(rho c V)) int F du.
 
     Constantinou et al. (2007), Eq. 2.4-2.6 of Shen (2023): no conduction to steel, ends or air.
@@ -134,10 +134,10 @@ def _temperature_blind(constants: Constants) -> Constants:
     """
     rubber = constants.rubber._replace(elastic_exponent=0.0, hysteretic_exponent=0.0)
     lead = constants.lead._replace(softening=0.0)
-    return constants._replace(rubber=rubber, lead=lead, law=no_table())
+    return constants._replace(rubber=rubber, lead=lead, law=rows(LawPiece, 0))
 
 
-def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
+def _bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
     """The bilinear model of design (Fig. 6.3), blind to temperature.
 
     A linear spring K_2 and, in parallel, an elastic and perfectly plastic one of strength Q_d
@@ -149,7 +149,7 @@ def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
         rubber=_backbone_rubber(constants.rubber.layer_count, parameters),
         lead=_backbone_spring(parameters, constants.lead.fold),
         viscous=constants.viscous._replace(stiffness=0.0),
-        law=no_table(),
+        law=rows(LawPiece, 0),
         cells=cells,
         lead_cells=rows(LeadCell, 0),
     )
@@ -159,7 +159,7 @@ def bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
 def bilinear_constants(parameters: BilinearParameters) -> Constants:
     """Return constants of a bilinear bearing alone: one layer, one cell that never warms."""
     return Constants(
-        law=no_table(),
+        law=rows(LawPiece, 0),
         rubber=_backbone_rubber(1.0, parameters),
         lead=_backbone_spring(parameters, 1.0),
         viscous=Viscous(0.0, 1.0, heats=False),
@@ -248,7 +248,7 @@ def apply_model(
     `backbone` makes the bilinear model of a bearing, which "bilinear" needs.
     """
     if model == "adiabatic":
-        return adiabatic(constants)
+        return _adiabatic(constants)
     if model == "per-cycle":
         return _lumped(constants, stack)
     if model == "single-temperature":
@@ -258,5 +258,5 @@ def apply_model(
     if model == "temperature-blind":
         return _temperature_blind(constants)
     if model == "bilinear" and backbone is not None:
-        return bilinear(constants, backbone(bearing))
+        return _bilinear(constants, backbone(bearing))
     return constants

@@ -14,14 +14,13 @@ exponentials, fitted to impedances (model/lead_impedance.py):
 
 Each function gives, at `FREQUENCIES` s on the positive real axis, an impedance Z(s): how much
 warmer a place becomes by a flow of one [K s/(kN mm)], or an admittance. Such a Z is a sum of
-a/(1 + s tau) with a > 0, which `fitted` finds. Means over the plan are left out: the stack of
+a/(1 + s tau) with a > 0, which `_fitted` finds. Means over the plan are left out: the stack of
 cells has them already.
 """
 
 import math
-from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -39,12 +38,12 @@ RELAXATIONS = np.logspace(-1.5, 4.5, 11)  # s, to choose from
 SMALL = 1e-3  # below it a series is exact to rounding
 
 
-def numbers(material: Material) -> tuple[float, float]:
+def _numbers(material: Material) -> tuple[float, float]:
     """Conductivity [kN/(s K)] and heat capacity [kN mm/(mm3 K)]."""
     return material.conductivity / MM_PER_M, material.volumetric_heat
 
 
-def fitted(impedance: Floats) -> Floats:
+def _fitted(impedance: Floats) -> Floats:
     """[2, K] a and tau of the terms of an impedance: relative least squares with a >= 0."""
     from scipy.optimize import nnls  # a third of a second, only for lead
 
@@ -81,7 +80,7 @@ def _disc_on_plate(
     """
     from scipy.special import j1
 
-    k, heat = numbers(steel)
+    k, heat = _numbers(steel)
     zeros, j0_there = _plan_modes()
     wave = zeros / plan
     share = 4.0 * (j1(wave * radius) / (zeros * j0_there)) ** 2
@@ -102,8 +101,8 @@ def _through(own: Any, tangent: Any, beyond: Any) -> Any:
 
 def _layers(steel: Material, rubber: Material, layer: float, shim: float, wave: Floats) -> Floats:
     """Admittance of layers and shims to radial modes, per area."""
-    k, heat = numbers(steel)
-    k_rubber, heat_rubber = numbers(rubber)
+    k, heat = _numbers(steel)
+    k_rubber, heat_rubber = _numbers(rubber)
     s = FREQUENCIES[:, None]
     own = k_rubber * np.sqrt(wave**2 + s * heat_rubber / k_rubber)
     tangent = np.tanh(own / k_rubber * layer)
@@ -118,7 +117,7 @@ def _core_modes(lead: Material, half_height: float, radius: float, beside: Any =
 
     `beside` is what else takes heat from them, per height [kN/(s K)].
     """
-    k, heat = numbers(lead)
+    k, heat = _numbers(lead)
     area = np.pi * radius**2
     wave = np.arange(1, AXIAL + 1)[:, None] * np.pi / half_height
     return np.asarray(2.0 / half_height / (area * (heat * FREQUENCIES + k * wave**2) + beside))
@@ -128,7 +127,7 @@ def _core_to_wall(lead: Material, height: float, radius: float) -> Floats:
     """Mean of a core less its wall, when heat leaves evenly through the wall."""
     from scipy.special import ive
 
-    k, heat = numbers(lead)
+    k, heat = _numbers(lead)
     x = radius * np.sqrt(FREQUENCIES * heat / k)
     large = np.maximum(x, SMALL)
     whole = (large * ive(0, large) / ive(1, large) - 2.0) / large**2
@@ -139,7 +138,7 @@ def _to_edges(lead: Material, height: float, shim: float, layer: float, radius: 
     """Wall at the edges of the shims less all the wall, when heat leaves through them only."""
     from scipy.special import ive
 
-    k, heat = numbers(lead)
+    k, heat = _numbers(lead)
     n = np.arange(1, ACROSS + 1)
     wave = np.sqrt((2.0 * np.pi * n / (shim + layer)) ** 2 + FREQUENCIES[:, None] * heat / k)
     mode = 2.0 * np.sinc(n * shim / (shim + layer)) ** 2
@@ -151,19 +150,19 @@ def _fin_heat(
     steel: Material, thickness: float, rubber: Material, layer: float, faces: int
 ) -> Floats:
     """Admittance per area of a fin with half a layer of rubber on one or two faces."""
-    _, heat = numbers(steel)
-    k, heat_rubber = numbers(rubber)
+    _, heat = _numbers(steel)
+    k, heat_rubber = _numbers(rubber)
     beta = np.sqrt(FREQUENCIES * heat_rubber / k)
     return np.asarray(
         thickness * heat * FREQUENCIES + faces * k * beta * np.tanh(0.5 * beta * layer)
     )
 
 
-def fin(steel: Material, thickness: float, per_area: Floats, radius: float, plan: float) -> Floats:
+def _fin(steel: Material, thickness: float, per_area: Floats, radius: float, plan: float) -> Floats:
     """Inner edge of an annular fin that is heated there, less its mean: Bessel's functions."""
     from scipy.special import ive, kve
 
-    across = numbers(steel)[0] * thickness
+    across = _numbers(steel)[0] * thickness
     m = np.sqrt(per_area / across)
     inner, outer = m * radius, m * plan
     damped = np.exp(-2.0 * (outer - inner))
@@ -175,7 +174,7 @@ def fin(steel: Material, thickness: float, per_area: Floats, radius: float, plan
 
 def _rubber_at_wall(rubber: Material, layer: float, radius: float) -> Floats:
     """Admittance of a layer that touches the wall, beyond what the shims beside it give."""
-    k, heat = numbers(rubber)
+    k, heat = _numbers(rubber)
     odd = np.pi * (2.0 * np.arange(RADIAL) + 1.0)
     rate = FREQUENCIES[:, None] * heat / k
     each = 8.0 / odd**2 * rate / np.sqrt((odd / layer) ** 2 + rate)
@@ -187,16 +186,8 @@ STEPS_OF_LEAD = 50.0
 COMMON = 2  # modes of the core that act on ends and side
 
 
-@dataclass(frozen=True)
-class Network:
-    """Ports of the cores.
-
-    Attributes
-    ----------
-    ports : how many.
-    cells : which cells they heat.
-    modes : [K] terms of what separates core and ports.
-    """
+class Network(NamedTuple):
+    """Ports of the cores: how many, the cells that they heat, terms between core and ports."""
 
     ports: int
     cells: Rows[LeadCell]
@@ -212,8 +203,7 @@ def half_space(end: Floats, side: Floats) -> Network:
     return Network(0, cells, rows(Mode, 0))
 
 
-@dataclass(frozen=True)
-class Core:
+class Core(NamedTuple):
     """Sizes of one core in its share of the plan [mm]."""
 
     radius: float
@@ -222,23 +212,14 @@ class Core:
     foot: float  # of the part between sealing plates that it touches
 
 
-@dataclass(frozen=True)
-class Side:
-    """The wall of a core in touch with shims.
+class Side(NamedTuple):
+    """The wall of a core in touch with shims."""
 
-    Attributes
-    ----------
-    cells, shares : of the shims, and how the flow divides among them.
-    impedance : mean of the core less the shims.
-    felt : [AXIAL] of each mode of the core, at the shims.
-    beside : [AXIAL, s] what the shims take from it beyond that, per height.
-    """
-
-    cells: Any
-    shares: Floats
-    impedance: Floats
-    felt: Floats
-    beside: Floats
+    cells: Any  # of the shims
+    shares: Floats  # of the flow
+    impedance: Floats  # mean of the core less the shims
+    felt: Floats  # [AXIAL] of each mode of the core, at the shims
+    beside: Floats  # [AXIAL, s] what the shims take from it beyond that, per height
 
 
 def _core_sizes(bearing: Bearing, stack: Stack) -> Core:
@@ -261,7 +242,7 @@ def _core_side(bearing: Bearing, stack: Stack, core: Core) -> Side:
     steel = stack.thickness[shims]
     count, height = steel.sum() / g.shim_thickness, 2.0 * (core.half - core.foot) / stack.fold
     heat = _fin_heat(m.steel, g.shim_thickness, m.rubber, g.rubber_thickness, faces=2)
-    each = fin(m.steel, g.shim_thickness, heat, core.radius, core.plan)
+    each = _fin(m.steel, g.shim_thickness, heat, core.radius, core.plan)
     pitch = g.shim_thickness + g.rubber_thickness
     each += _to_edges(m.lead, pitch, g.shim_thickness, g.rubber_thickness, core.radius)
     taken = count * (1.0 / each + _rubber_at_wall(m.rubber, g.rubber_thickness, core.radius))
@@ -279,7 +260,7 @@ def _core_side(bearing: Bearing, stack: Stack, core: Core) -> Side:
     return Side(shims, shares, impedance, felt, uneven[:, None] * per_height)
 
 
-def end_state_at(bearing: Bearing, core: Core, film: float) -> tuple[Floats, Floats]:
+def _end_impedance(bearing: Bearing, core: Core, film: float) -> tuple[Floats, Floats]:
     """End of a core, or its foot: less the plates around it, and [AXIAL] of the core's modes.
 
     A foot gives heat to the end plate through its end and to the sealing plate through its
@@ -300,7 +281,7 @@ def end_state_at(bearing: Bearing, core: Core, film: float) -> tuple[Floats, Flo
     if core.foot == 0.0:
         return lead.end_spreading * plate, np.ones(AXIAL)
     heat = _fin_heat(m.steel, core.foot, m.rubber, g.rubber_thickness, faces=1)
-    around = fin(m.steel, core.foot, heat, core.radius, core.plan)
+    around = _fin(m.steel, core.foot, heat, core.radius, core.plan)
     around += _core_to_wall(m.lead, core.foot, core.radius)
     down = float(np.median(around / (plate + around)))  # of the heat, through the end
     n, part = np.arange(1, AXIAL + 1), core.foot / core.half
@@ -322,11 +303,11 @@ def _end_terms(
     """(a, tau, port, weight, other, other_weight) of one end; the side is port 0."""
     common = 0 if side is None else COMMON
     alone = own + (at_end[common:, None] ** 2 * modes[common:]).sum(axis=0)
-    found: list[Term] = [(a, tau, port, 1.0, port, 0.0) for a, tau in fitted(alone).T]
+    found: list[Term] = [(a, tau, port, 1.0, port, 0.0) for a, tau in _fitted(alone).T]
     for n in range(common):
         assert side is not None
         felt = 0.5 * fold * side.felt[n]
-        found += [(a, tau, port, at_end[n], 0, felt) for a, tau in fitted(modes[n]).T]
+        found += [(a, tau, port, at_end[n], 0, felt) for a, tau in _fitted(modes[n]).T]
     return found
 
 
@@ -368,13 +349,13 @@ def lead_network(bearing: Bearing, stack: Stack, upper: EndFace, lower: EndFace 
     if not lead.confined and "shim" in stack.part:
         side = _core_side(bearing, stack, core)
         cells += [(cell, 0, share) for cell, share in zip(side.cells, side.shares, strict=True)]
-        terms += [(a, tau, 0, 1.0, 0, 0.0) for a, tau in fitted(side.impedance).T]
+        terms += [(a, tau, 0, 1.0, 0, 0.0) for a, tau in _fitted(side.impedance).T]
     first = 0 if side is None else 1
     beside = 0.0 if side is None else side.beside
     modes = _core_modes(material, core.half, core.radius, beside)
     faces = [upper] if lower is None else [upper, lower]
     for end, (touched, face) in enumerate(zip(_end_cells(stack, core), faces, strict=True)):
-        own, at_end = end_state_at(bearing, core, film_at_face(face, stack, -end))
+        own, at_end = _end_impedance(bearing, core, film_at_face(face, stack, -end))
         cells += [(cell, first + end, 1.0 / len(touched)) for cell in touched]
         terms += _end_terms(own, modes, at_end, side, first + end, stack.fold)
     cell, port, share = np.array(cells).T

@@ -179,7 +179,7 @@ class ModelOptions(Strict):
             clock = lead_clock(lead, published=self.scheme == "published", asked=clock)
         filled = {
             "small_loops": self._small_loops(bearing),
-            "heat_source": self.heat_source or default_heat_source(bearing),
+            "heat_source": self.heat_source or _default_heat_source(bearing),
             "lead_ends": self._lead_ends(bearing),
             "clock": clock,
         }
@@ -232,11 +232,11 @@ class BearingModel:
     options: ModelOptions
 
 
-def default_heat_source(bearing: Bearing) -> HeatSource:
+def _default_heat_source(bearing: Bearing) -> HeatSource:
     """Dissipated work where the rubber is natural (LRB) and gives its elastic work back, else all.
 
     >>> from thermobearing.bearing.library import load_bearing
-    >>> default_heat_source(load_bearing("lrb-example"))
+    >>> _default_heat_source(load_bearing("lrb-example"))
     'dissipation'
     """
     return "dissipation" if bearing.kind == "LRB" else "work"
@@ -264,7 +264,7 @@ def build_model(
         lower=None if options.half else options.lower_face,
         scheme=options.scheme,
         integrator=options.integrator,
-        heat_source=options.heat_source or default_heat_source(bearing),
+        heat_source=options.heat_source or _default_heat_source(bearing),
         lead_ends=options.lead_ends or "half-space",
         hardening=options.hardening,
         small_loops=options.small_loops or "published",
