@@ -56,7 +56,10 @@ def main() -> None:
     try:
         epoch = os.environ.get("SOURCE_DATE_EPOCH", "0")
         if not (epoch.isascii() and epoch.isdecimal()):
-            typer.echo(f"thermobearing: SOURCE_DATE_EPOCH={epoch}: must be whole seconds", err=True)
+            typer.echo(
+                f"thermobearing: SOURCE_DATE_EPOCH={epoch}: must be an integer number of seconds",
+                err=True,
+            )
             sys.exit(BAD_INPUT)
         app()
     finally:

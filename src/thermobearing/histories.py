@@ -68,17 +68,17 @@ def _of_test(result: Result) -> dict[str, History]:
 
 
 def _of_tables(saved: SavedResult) -> dict[str, History]:
-    """Long tables, such as samples of tests; what tells their rows apart becomes keys."""
+    """Long tables, such as samples of tests; columns that identify rows become keys."""
     found = {}
     for name, table in saved.tables.items():
         if len(table) <= MOST_ROWS:
             continue
-        keyed = [column for column in table.columns if not _is_number(table[column])]
-        groups: Any = table.groupby(keyed, sort=False, dropna=False) if keyed else [((), table)]
+        labels = [column for column in table.columns if not _is_number(table[column])]
+        groups: Any = table.groupby(labels, sort=False, dropna=False) if labels else [((), table)]
         for values, part in groups:
-            keys = dict(zip(map(_head, keyed), map(str, values), strict=True))
+            keys = dict(zip(map(_head, labels), map(str, values), strict=True))
             label = " ".join([name, *keys.values()])
-            found[label] = _history(keys, part.drop(columns=keyed))
+            found[label] = _history(keys, part.drop(columns=labels))
     return found
 
 

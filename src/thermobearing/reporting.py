@@ -1,6 +1,6 @@
 """A document of any result: what its analysis says, put into its directory.
 
-It is written whole, or the earlier one stays as it was.
+It is written atomically: on failure the earlier one is kept.
 """
 
 import os

@@ -31,7 +31,7 @@ def nothing_wrong_with_command(words: list[str]) -> None:
     command: Any = typer.main.get_command(app)
     while hasattr(command, "commands"):
         command, words = command.commands[words[0]], words[1:]
-    command = command.whole
+    command = command.full
     context = command.context_class(command, info_name="thermobearing")
     options, others, _ = command.make_parser(context).parse_args(args=words)
     assert not others

@@ -115,7 +115,7 @@ def test_a_slip_is_named(slip: str, tmp_path: Path) -> None:
     assert checked.kind == "bearing"
     assert any(said in sentence for sentence in checked.warnings), checked.warnings
     mine = next(sentence for sentence in checked.warnings if said in sentence)
-    assert "Often behind it: " in mine
+    assert "Usual cause: " in mine
     assert "Shen" in mine  # where the usual range is from
 
 
@@ -212,4 +212,4 @@ def test_slips_in_a_structure(tmp_path: Path, old: str, new: str, said: list[str
     case.write_text('structure = "mine.toml"\ncompound = "G8"\n')
     assert set(warnings) <= set(check_file(case).warnings)
     shown = CliRunner().invoke(app, ["structures", "show", str(file)])
-    assert "Often behind it" in shown.output
+    assert "Usual cause" in shown.output

@@ -228,7 +228,7 @@ def test_missing_hours_lie_on_a_line(tmp_path: Path) -> None:
         rows[k][6] = "99.9"
     weather = tb.read_weather(write(tmp_path, rows))
     assert_allclose(weather.temperature, -30.0 + 0.005 * np.arange(48), atol=tol.MEAN)
-    assert weather.assumptions == ("3 hours without a temperature lie on straight lines",)
+    assert weather.assumptions == ("3 hours without a temperature were interpolated linearly",)
 
 
 def _long_gap(rows: list[list[str]]) -> None:
@@ -282,7 +282,7 @@ def test_table_with_stamps(tmp_path: Path) -> None:
     weather = tb.read_weather(table(tmp_path, rows))
     assert_array_equal(weather.temperature, [-8.0, -4.0, -3.0, -2.0, -1.0])
     assert (str(weather.begins), weather.recurs) == ("2024-01-30T23", False)
-    assert "straight lines" in weather.assumptions[0]
+    assert "interpolated" in weather.assumptions[0]
 
 
 def test_table_without_dates(tmp_path: Path) -> None:

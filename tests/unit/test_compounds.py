@@ -228,7 +228,7 @@ def test_built_in_compounds_are_checked_and_cited(name: str) -> None:
         ({"layers": "20x8m"}, ["rubber_thickness = '8m'", "at most 1000 mm"]),
         ({"shim": "3"}, ["shim", "no unit", "3 mm"]),
         ({"lead": None}, ["natural-rubber", "needs lead"]),
-        ({"compound": "shen-hdr"}, ["shen-hdr", "says nothing of lead"]),
+        ({"compound": "shen-hdr"}, ["shen-hdr", "has no lead parameters"]),
         ({"lead": "1.2m"}, ["lead cores take", "of a plan of 1e+06"]),
         ({"cores": 0}, ["cores = 0", "at least 1"]),
         ({"end_spreading": 2.0}, ["end_spreading = 2.0", "at most 1"]),

@@ -74,7 +74,7 @@ def test_restart_is_from_the_run_at_the_same_temperature(air: float) -> None:
     found = final_state(earlier(), [air])
     assert_allclose(found.temperature, air + np.array([0.5, 1.0, 1.5]))
     assert found.lead_temperature == air + 40.0
-    assert not found.whole
+    assert not found.complete
 
 
 def test_restart_from_an_only_run_and_from_none() -> None:

@@ -105,7 +105,7 @@ def test_rises_have_no_empty_panel_and_lead_its_own(study: Any) -> None:
 def test_shares_are_named_right_and_of_the_largest_loop(study: Any) -> None:
     figure = study.plot.shares()
     assert figure.axes[-1].get_xlabel() == "displacement [mm]"
-    assert {"lead cores", "bilinear: yielding part", "whole force"} <= set(legend(figure))
+    assert {"lead cores", "bilinear: yielding part", "total force"} <= set(legend(figure))
     only = study.sel(bearing=BILINEAR).plot.shares()
     assert "lead cores" not in legend(only)
     loop = study.largest_loops.loc[2 * len(MOTIONS)]

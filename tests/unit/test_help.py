@@ -30,7 +30,7 @@ def commands(group: Any, *words: str) -> Iterator[tuple[tuple[str, ...], Any]]:
         if hasattr(item, "commands"):
             yield from commands(item, *words, name)
         else:
-            yield (*words, name), item.whole
+            yield (*words, name), item.full
 
 
 COMMANDS = dict(commands(typer.main.get_command(app)))
@@ -180,7 +180,7 @@ FIT = ("identify", "t.csv", "--bearing", "shen-hdr-specimen")
         (("cyclic", "--strain", "1", "--wave", "saw"), "--wave = 'saw': must be"),
         (("hybrid", "--mode", "q"), "--mode = 'q': must be"),
         (("lambda", "shen-hdr-bridge", "--strain", "-1"), "--strain = -1.0: must be"),
-        (("motions", "show", "strong.csv"), "say so with --trust-unit"),
+        (("motions", "show", "strong.csv"), "confirm it with --trust-unit"),
         ((*FIT, "--free", "K_x"), '--free: no parameter "K_x"'),
         ((*FIT, "--free", "sigma_Y"), '--free: "sigma_Y": the bearing'),
         ((*FIT, "--starts", "0"), "--starts = 0: must be"),
@@ -196,7 +196,7 @@ def test_python_names_its_keywords(tmp_path: Path) -> None:
     said(tmp_path, "cyclic", "--dt", "-1")  # a command that ran before leaves nothing behind
     with pytest.raises(tb.InputError, match=r"analysis\.keep_every = 0"):
         tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[1.0], cycles=1), keep=tb.Keep(every=0))
-    with pytest.raises(tb.InputError, match="say so with trust_unit"):
+    with pytest.raises(tb.InputError, match="confirm it with trust_unit"):
         read_motion(tmp_path / "strong.csv")
     with pytest.raises(tb.InputError, match=r'^free: no parameter "K_x"'):
         tb.identify_bearing(tmp_path / "t.csv", "shen-hdr-specimen", free=["K_x"])

@@ -16,7 +16,7 @@ from tests.unit.inputs import command, write_test
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.records.cycles import compare_largest_loops, compare_loops
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.validate.result import BEYOND, TOLD, WITHIN, CrossValidation, Validation
+from thermobearing.validate.result import BEYOND, REPORTED, WITHIN, CrossValidation, Validation
 from thermobearing.validate.run import cross_validate, rise_errors, split_tests
 
 HDR = "shen-hdr-specimen"
@@ -131,7 +131,7 @@ def test_one_test_given_twice_is_one(tmp_path: Path, good: list[TestRecord]) -> 
     [
         ({}, "hold out"),
         ({"folds": 2, "hold_out": "first"}, "folds"),
-        ({"hold_out": "all"}, "none is left"),
+        ({"hold_out": "all"}, "none remains"),
         *(({"folds": folds}, "from 2 to the number of tests, 3") for folds in (4, 1, True, 2.0)),
         ({"folds": 2, "limits": {"K_eg": 0.1}}, '"K_eq"'),
         ({"folds": 2, "method": "annealing"}, "least-squares"),
@@ -203,7 +203,11 @@ def test_command(tmp_path: Path, good: list[TestRecord], faulty: TestRecord) -> 
     done = command("identify", *files[:2], "--hold-out", files[2], *fit, "-o", out, "--no-figures")
     assert done.exit_code == 0, done.output
     shown = " ".join(done.output.split())
-    assert shown.index("fitted to") < shown.index("test held out") < shown.index("verdict: beyond")
+    assert (
+        shown.index("used in the calibration")
+        < shown.index("test held out")
+        < shown.index("verdict: beyond")
+    )
     told = json.loads((out / "summary.json").read_text())
     assert told["command"] == "identify"
     assert told["held_out"]["verdict"] == "beyond"
@@ -295,7 +299,7 @@ def test_verdicts_follow_the_limits(found: Validation) -> None:
     assert row["h_eq_verdict"] == WITHIN
     assert row["energy_verdict"] == WITHIN  # 30 % were given
     assert row["temperature_verdict"] == BEYOND
-    assert row["force_verdict"] == row["NRMSE_verdict"] == TOLD
+    assert row["force_verdict"] == row["NRMSE_verdict"] == REPORTED
     assert found.verdict == BEYOND
     looser = replace(found, limits={"K_eq": 0.2})
     assert looser.verdict == WITHIN
@@ -412,7 +416,7 @@ def test_command_validate(tmp_path: Path, record: TestRecord) -> None:
     told = json.loads((out / "summary.json").read_text())
     assert (told["verdict"], told["limits"]) == ("within", {"K_eq": 0.3, "h_eq": 0.15})
     assert told["comparisons"][0]["largest_loop"]["cycle"] == 4
-    assert told["comparisons"][0]["errors"]["temperature"]["verdict"] == "told"
+    assert told["comparisons"][0]["errors"]["temperature"]["verdict"] == "reported"
     files = {str(path.relative_to(out)) for path in out.rglob("*.*")}
     drawn = ("loops", "ratios", "cycles", "residuals", "temperatures")
     tables = {"summary.json", "table.csv", "cycles.csv", "fit.csv", "thermocouples.csv"}

@@ -79,8 +79,8 @@ def test_file_that_is_one_value(load: Callable[[Path], Any], text: str, tmp_path
 @pytest.mark.parametrize(
     ("text", "piece"),
     [
-        ("name = 0x" + "f" * 4000, "name: a whole number of more than 64 bits"),
-        ("[[test.steps]]\ncount = 1" + "0" * 400, "test.steps[0].count: a whole number"),
+        ("name = 0x" + "f" * 4000, "name: an integer of more than 64 bits"),
+        ("[[test.steps]]\ncount = 1" + "0" * 400, "test.steps[0].count: an integer"),
         ("a" + ".a" * DEEPEST + " = 1", f"deeper than {DEEPEST} levels"),
         ("count = 1" + "0" * 5000, "cannot be read"),
     ],

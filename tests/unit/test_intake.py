@@ -113,7 +113,7 @@ def test_a_sidecar_that_is_there_wins_and_stays(tmp_path: Path) -> None:
     file.with_suffix(".toml").write_text(kept, encoding="utf-8")
     status, shown = command("intake", file, "--beside", "-o", tmp_path / "out")
     assert status == 2
-    assert "is there already" in shown
+    assert "exists; correct it" in shown
     assert not (tmp_path / "out").exists()
     assert file.with_suffix(".toml").read_text(encoding="utf-8") == kept
     file.with_suffix(".toml").write_text('ambient = "5 degC"\nflip_force = false\n')
@@ -157,7 +157,7 @@ def test_blocks_and_sheets(tmp_path: Path) -> None:
 BAD = [
     ("words", "a,b,c\n" + "x,y,z\n" * 20, "0 rows of numbers"),
     ("short", "time_s,displacement_mm,force_kN\n0,0,0\n1,1,1\n", "2 rows of numbers"),
-    ("no force", "time_s,a_mm\n" + "".join(f"{k},{k % 7}\n" for k in range(20)), "like a force"),
+    ("no force", "time_s,a_mm\n" + "".join(f"{k},{k % 7}\n" for k in range(20)), "as force"),
     ("no unit of force", "time_s,a_mm,Kraft [t]\n" + "1,2,3\n2,3,4\n" * 20, '"t" cannot be'),
     ("empty", "", "is empty"),
     ("binary", bytes(range(1, 256)) * 3, "neither UTF-8"),

@@ -256,7 +256,7 @@ def test_lines_of_another_bearing_are_told_about_with_their_own_numbers() -> Non
         ([{"line": "on A", "bearing": "shen-hdr-brige"}], "shen-hdr-bridge"),
         ([{"line": "on A", "weather": "none.csv"}], "none.csv"),
         ([{"line": "on A", "ambient": "0 degC", "weather": "x.csv"}], "not both"),
-        ([{"line": f"on {k}", "bearing": "lrb-example"} for k in "AB"], "none is left"),
+        ([{"line": f"on {k}", "bearing": "lrb-example"} for k in "AB"], "are not used"),
     ],
 )
 def test_lines_that_cannot_be(lines: Any, said: str) -> None:

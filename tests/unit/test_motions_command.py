@@ -95,7 +95,7 @@ def test_poor_fit_is_an_outcome_of_its_own(tmp_path: Path, monkeypatch: pytest.M
         (["--zone-factor", 9], "--zone-factor: 9"),
         (["--from", "jra-ii-i-1", "--seed", 2], "--seed belongs to random phases"),
         (["--unit", "gal"], "belong to a record"),
-        (["--from", "jra-ii-i-9"], 'no motion is called "jra-ii-i-9"'),
+        (["--from", "jra-ii-i-9"], 'no motion is named "jra-ii-i-9"'),
     ],
 )
 def test_bad_options_of_make(words: list[object], piece: str, tmp_path: Path) -> None:

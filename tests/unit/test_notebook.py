@@ -164,7 +164,7 @@ def test_bad_labels(study: tb.EarthquakeResult, result: tb.Result) -> None:
     told(lambda: study.sel(ambient="cold"), "no run with ambient = 'cold'")
     told(lambda: result.sel(ambient=5), "no run with ambient = 5")
     told(lambda: tb.sweep(NAMES, test=tb.cyclic_test(), motion="jra-ii-i-1"), "test or a motion")
-    told(lambda: tb.sweep([NAMES[0], NAMES[0]]), "name of its own")
+    told(lambda: tb.sweep([NAMES[0], NAMES[0]]), "unique")
     told(lambda: tb.element("shen-hdr-bridge", ambinet=-20), 'unknown key "ambinet"')
 
 

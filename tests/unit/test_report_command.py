@@ -84,7 +84,7 @@ def test_without_pdf_an_earlier_one_goes(earlier: Path) -> None:
         (["--title", "logo=nothing.png"], "no such file"),
         (["--title", f"logo={__file__}"], "PNG or an SVG"),
         (["--template", "nothing.md"], "no such file"),
-        (["--template", __file__], "a placeholder stands on a line of its own"),
+        (["--template", __file__], "a placeholder must be alone on its line"),
     ],
 )
 def test_what_is_wrong_is_told_and_nothing_is_touched(

@@ -413,7 +413,7 @@ def test_warnings_are_marked_and_checks_come_whole(tmp_path):
         ("{{ figure lead }}", 'write "lead?" where it may be missing'),
         ("{{ tabels }}", 'did you mean "tables"'),
         ("{{ chapter one }}", "table NAME or figure NAME"),
-        ("so {{ tables }}", "a line of its own"),
+        ("so {{ tables }}", "alone on its line"),
     ],
 )
 def test_wrong_placeholders_are_told_with_their_line(line, told, tmp_path):

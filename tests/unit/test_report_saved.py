@@ -137,7 +137,7 @@ def test_validation(record: tb.TestRecord, tmp_path) -> None:
     pieces = validate_report.build_pieces(saved)
     assert_well_formed(pieces)
     arranged(pieces)
-    assert pieces.answer[0].startswith("The model is beyond a limit; largest errors K_eq −")
+    assert pieces.answer[0].startswith("The model exceeds a limit; largest errors K_eq −")
     worst = found.table["K_eq_error"][0]
     assert f"{100 * worst:.1f} %".replace("-", "−") in pieces.answer[0]
     told = {check.what: check for check in pieces.checks}

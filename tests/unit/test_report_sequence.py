@@ -44,13 +44,14 @@ def test_question_and_answer(result: SequenceResult, pieces: Pieces) -> None:
         "3. pause: rest of 600 s",
     ):
         assert words in pieces.question
-    assert "at ambient −20 °C" in pieces.question
+    assert "at ambient temperature −20 °C" in pieces.question
     table = result.table
     force = float(np.abs(table[["force_max_kN", "force_min_kN"]]).to_numpy().max())
     assert f"{force:.4g} kN (02-loading)" in pieces.answer[0]
     first, last = (np.abs(table.loc[k, ["force_max_kN", "force_min_kN"]]).max() for k in (0, 3))
     assert (
-        f"04-second against 01-first: force {100 * abs(last / first - 1):.0f} %" in pieces.answer[1]
+        f"04-second compared with 01-first: force {100 * abs(last / first - 1):.0f} %"
+        in pieces.answer[1]
     )
 
 

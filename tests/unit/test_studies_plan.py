@@ -265,7 +265,7 @@ FACTORS: list[tuple[dict[str, Any], str]] = [
     ),
     ({"bearing": {"posterior": "nowhere"}}, "holds no posterior.csv"),
     ({"bearing": {"posterior": "fit", "counts": 3}}, 'did you mean "count"'),
-    ({"bearing": {"posterior": "fit", "levels": ["shen-hdr-bridge"]}}, "beside levels"),
+    ({"bearing": {"posterior": "fit", "levels": ["shen-hdr-bridge"]}}, "in addition to levels"),
     (
         {"bearing": {"compound": "natural-rubber", "size": SIZE | {"shim": 3.0}}},
         "size.shim = 3.0 has no unit",

@@ -52,7 +52,7 @@ PIER_HEIGHT = 10e3  # of pier P1 above its footing [mm]
 
 
 def test_numbers_are_those_of_an_earthquake_analysis() -> None:
-    """Every column that `bridge` has too, to the last bit, and its energy books."""
+    """Every column that `bridge` has too, to the last bit, and its energy balance."""
     study = small_study({"duration": "3 s"}, bearing=["shen-lhdr-bridge", "shen-bilinear-bridge"])
     found = run_shard(study, plan(study))
     found = found[found["scale"] == 1.0].reset_index(drop=True)

@@ -135,7 +135,7 @@ def test_books_close_with_masses_and_cover() -> None:
 @pytest.mark.parametrize(
     ("faulty", "told"),
     [
-        ({"upper_face": {"eta": 2.0, "heat_capacity": "9 kJ/(m^2 K)"}}, "goes with film"),
+        ({"upper_face": {"eta": 2.0, "heat_capacity": "9 kJ/(m^2 K)"}}, "combined with film"),
         ({"side": {"cover": "10 mm"}}, "side.film"),
         ({"side": {"film": "12 W/(m^2 K)", "cover": "-1 mm"}}, "side.cover"),
         ({"upper_face": {"film": "9 W/(m^2 K)", "heat_capacity": "0 kJ/(m^2 K)"}}, "upper_face"),

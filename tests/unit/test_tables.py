@@ -157,7 +157,7 @@ def test_blocks_of_one_file(tmp_path: Path) -> None:
     assert on.time[4] == 60.0
     anew = load_test(lies(tmp_path, blocks(0.0), "anew.csv"))
     assert anew.time[4] == 4.0
-    assert any("no rest assumed" in text for text in anew.assumptions)
+    assert any("no pause assumed" in text for text in anew.assumptions)
     parts = '{ file = "anew.csv", part = 1 }, { file = "anew.csv", part = 2, rest_before = "1 h" }'
     rested = load_test(
         lies(tmp_path, blocks(0.0), "anew.csv", f'blocks = [{parts}]\nambient = "0 degC"')
@@ -227,7 +227,7 @@ def test_a_degree_sign_of_windows_is_found(tmp_path: Path) -> None:
     [
         ('separator = "|"', "separator = '|': must be one of"),
         ('decimal = ";"', "decimal = ';': must be one of"),
-        ('encoding = "no-such"', 'no text in the encoding "no-such"'),
+        ('encoding = "no-such"', 'not text in the encoding "no-such"'),
         ('[units]\nT9 = "degC"', "units: unknown 'T9'"),
         ("blocks = [{ file = 't.csv', part = 0 }]", "part"),
     ],
@@ -312,7 +312,7 @@ RECORDINGS: list[tuple[str, bytes | str, list[str]]] = [
     ("empty", "", ["is empty"]),
     ("header only", HEADER, ["0 rows", "at least 2"]),
     ("one row", HEADER + "0,0\n", ["1 rows", "at least 2"]),
-    ("missing column", "time_s,force_kN\n0,0\n1,1\n", ["like a displacement", "force_kN"]),
+    ("missing column", "time_s,force_kN\n0,0\n1,1\n", ["as displacement", "force_kN"]),
     ("unknown unit", "time_s,displacement_foo\n0,0\n1,1\n", ['"displacement_foo"', '"foo"', "mm"]),
     ("unit of another kind", "time_s,displacement [kg]\n0,0\n1,1\n", ['"kg"', "to mm"]),
     ("NaN", HEADER + "0,0\n1,nan\n2,1\n", [f'line 3, {COLUMN}: "nan"', "finite"]),
@@ -332,7 +332,7 @@ RECORDINGS: list[tuple[str, bytes | str, list[str]]] = [
     ("null bytes", HEADER.encode() + b"0,0\n1,\0\n", ["null bytes"]),
     ("no text", bytes(range(1, 256)), ["neither UTF-8 nor cp932"]),
     ("UTF-16 without its mark", (HEADER + "0,0\n1,1\n").encode("utf-16-le"), ["null bytes"]),
-    ("UTF-16 cut off", (HEADER + "0,0\n").encode("utf-16")[:-1], ["no text", "utf-16"]),
+    ("UTF-16 cut off", (HEADER + "0,0\n").encode("utf-16")[:-1], ["not text", "utf-16"]),
     ("time stands still", HEADER + "0,0\n1,1\n1,2\n", ["does not increase from 1 to 1 s"]),
     ("time runs back", HEADER + "0,0\n2,1\n1,2\n", ["from 2 to 1 s", "rows 2 and 3"]),
     ("starts elsewhere", HEADER + "0,5\n1,6\n", ["starts at 5 mm", "at 0 mm", "ramp"]),

@@ -122,7 +122,7 @@ def test_a_test_says_what_it_leaves(tmp_path: Path) -> None:
     assert "ambient -60 degC, below the -20 degC tested (1 of 2 runs" in said
     assert result.summary()["tested_range"] == result.tested_range.to_dict("records")
     shown = [text.get_text() for text in result.plot.loops().axes[0].texts]
-    assert shown == ["shaded: not tested"]
+    assert shown == ["shaded: outside calibration range"]
     assert "(not tested)" in result.plot.loops().axes[0].get_title(loc="left")
     folder = result.save(tmp_path / "out", figures=False)
     pd.testing.assert_frame_equal(pd.read_csv(folder / "tested_range.csv"), result.tested_range)
@@ -148,7 +148,8 @@ def test_a_range_that_is_not_given_is_said_once() -> None:
     result = tb.run("lrb-example", history(), [23.0, 0.0])
     told = [text for text in result.warnings if "range not given" in text]
     assert told == [
-        "lrb-example: range not given (tested_range in its file), so nothing is said of it"
+        "lrb-example: calibration range not given (tested_range in its file), so validity "
+        "cannot be checked"
     ]
     assert result.tested_range.empty
 
@@ -174,7 +175,8 @@ def test_a_study_says_what_it_leaves(tmp_path: Path) -> None:
     ] == pytest.approx(worst)
     assert study.summary()["runs"][4]["beyond_tested"].startswith("strain")
     shaded = [
-        "shaded: not tested" in [t.get_text() for t in ax.texts] for ax in study.plot.loops().axes
+        "shaded: outside calibration range" in [t.get_text() for t in ax.texts]
+        for ax in study.plot.loops().axes
     ]
     assert shaded == [False, True, True]
     folder = study.save(tmp_path / "out", figures=False)
@@ -224,11 +226,13 @@ def test_a_validation_says_what_a_bearing_was_not_tested_at(tmp_path: Path) -> N
     assert list(found.table["beyond_tested"]) == ["strain strain_rate ambient", ""]
     said = " ".join(found.warnings)
     assert "strain 300 %, above the 250 % tested" in said
-    assert "lrb-example: range not given" in said
+    assert "lrb-example: calibration range not given" in said
     assert found.summary()["tested_range"] == found.tested_range.to_dict("records")
     folder = found.save(tmp_path / "out", figures=False)
     assert (folder / "tested_range.csv").exists()
-    assert [t.get_text() for t in found.plot.loops().axes[0].texts] == ["shaded: not tested"]
+    assert [t.get_text() for t in found.plot.loops().axes[0].texts] == [
+        "shaded: outside calibration range"
+    ]
     with contextlib.redirect_stdout(io.StringIO()) as screen:
         found.show()
     assert "above the 250 % tested" in screen.getvalue()
@@ -242,7 +246,7 @@ def test_factors_and_bounds_say_what_they_leave(tmp_path: Path) -> None:
     assert told[23.0] == "strain_rate"
     assert any("ambient -40 degC, below the -20 degC tested" in w for w in report.warnings)
     shaded = [text.get_text() for text in report.plot.factors().axes[0].texts]
-    assert "shaded: not tested" in shaded
+    assert "shaded: outside calibration range" in shaded
     bounds = run_bounds([bearing], ["jra-ii-i-1"], [23.0, -30.0])
     assert set(bounds.table["beyond_tested"]) == {"strain_rate ambient"}
     assert any("ambient -30 degC, below the -20 degC tested" in w for w in bounds.warnings)

@@ -88,14 +88,14 @@ def test_own_unit_is_exact() -> None:
         ("5 mm^9^9^9", "mm", ["unknown unit"]),  # evaluated, it would take forever
         ("5 mm**9**9**9", "mm", ["unknown unit"]),
         ("5 " + "(" * 2000 + "mm", "mm", ["is not a number", "..."]),
-        ("5,0 mm", "mm", ["decimals take a point"]),
+        ("5,0 mm", "mm", ["use a decimal point"]),
         ("nan mm", "mm", ["not a finite number"]),
         ("-inf mm", "mm", ["not a finite number"]),
         ("1e400 mm", "mm", ["not a finite number"]),
         ("5 degC", "K", ["temperature", "difference", "K"]),
         ("5 degF", "K", ["temperature", "difference", "K"]),
-        ("3 rad/s", "Hz", ["angles", "Hz"]),
-        ("3 rpm", "Hz", ["angles", "Hz"]),
+        ("3 rad/s", "Hz", ["angular", "Hz"]),
+        ("3 rpm", "Hz", ["angular", "Hz"]),
     ],
 )
 def test_refusals(text: str, unit: str, words: list[str]) -> None:

@@ -1,4 +1,4 @@
-"""What a bearing is: geometry, materials, identified parameters, and the library of them."""
+"""Bearings as data: geometry, materials, calibrated parameters, and the library."""
 
 from thermobearing.border.deprecated import find_moved
 

@@ -1,4 +1,4 @@
-"""Air around the bearing: one temperature, or a series in time."""
+"""Ambient temperature: constant, or a series in time."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -75,7 +75,7 @@ class Ambient:
 
 
 def check_temperature(value: float, where: str) -> float:
-    """The value, if it is a plausible temperature in degC."""
+    """Return the value; InputError unless it is a plausible temperature in degC."""
     if not is_number(value):
         raise InputError(f"expected a temperature in degC, got {value!r}", where)
     if not COLDEST <= value <= HOTTEST:

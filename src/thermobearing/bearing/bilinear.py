@@ -1,4 +1,4 @@
-"""A bearing as design has it: bilinear, blind to temperature and rate."""
+"""Bilinear bearings as used in design, independent of temperature and rate."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -17,18 +17,18 @@ Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e7)]  # 0.1 to
 
 
 class BilinearBearing(Sourced):
-    """Backbone of one bearing (Fig. 6.3), blind to temperature and rate.
+    """Backbone of one bearing (Fig. 6.3), independent of temperature and rate.
 
     Attributes
     ----------
-    name, kind, description, citation : what it is and where its numbers come from; `kind` is
+    name, kind, description, citation : identification and sources; `kind` is
         "bilinear".
-    total_rubber_thickness : makes strains of displacements [mm], in [0.01, 1e5].
+    total_rubber_thickness : converts displacements to strains [mm], in [0.01, 1e5].
     strength : Q_d, force at zero displacement [kN], in [1e-6, 1e7].
     initial_stiffness, post_yield_stiffness : K_1 > K_2 [kN/mm], in
         [1e-6, 1e7].
-    tested_range : what it was designed or tested for; None where that is not given.
-    exposure : factors for long cold and age (`Exposure`); None where there are none.
+    tested_range : range of the design or the tests; None if not given.
+    exposure : factors for long cold and ageing (`Exposure`); None: no factors.
     """
 
     name: Name
@@ -53,12 +53,12 @@ BILINEAR = Library("bilinear bearing", "bilinear")
 
 
 def list_bilinear() -> list[str]:
-    """Names of the built-in bilinear bearings."""
+    """Return the names of the built-in bilinear bearings."""
     return BILINEAR.names()
 
 
 def load_bilinear(name_or_path: str | Path) -> BilinearBearing:
-    """A bilinear bearing of the library, or from a TOML file.
+    """Return a bilinear bearing of the library, or from a TOML file.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def load_bilinear(name_or_path: str | Path) -> BilinearBearing:
 
 
 def load_device(name_or_path: str | Path) -> Bearing | BilinearBearing:
-    """A bearing, or a bilinear one, by name or file.
+    """Return a layered or bilinear bearing by name or file.
 
     `name_or_path`: of the library, or a TOML file.
 
@@ -95,4 +95,4 @@ def load_device(name_or_path: str | Path) -> Bearing | BilinearBearing:
     if text in list_bearings() or "/" in text or text.endswith(".toml"):
         return load_bearing(text)
     known = [*list_bearings(), *list_bilinear()]
-    raise InputError(f'no bearing is called "{text}"{nearest(text, known)}')
+    raise InputError(f'no bearing is named "{text}"{nearest(text, known)}')

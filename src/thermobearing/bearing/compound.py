@@ -1,7 +1,6 @@
-"""A rubber compound, and the lead that goes with it, apart from any bearing: stresses and strains.
+"""Rubber compounds, with lead if tested, in terms of stress and strain.
 
-What a test of one bearing says of every other of the same rubber. How a bearing is made of it is
-in scaling.py.
+A compound transfers parameters between bearings of different size; see scaling.py.
 """
 
 from pathlib import Path
@@ -50,11 +49,11 @@ class CompoundRubber(Strict):
 
 
 class CompoundLead(Strict):
-    """Lead of any core: what it yields at, and how stiff it is before.
+    """Lead of a core of any size: yield stress and elastic stiffness.
 
     `shear_modulus` is K_l H/A_l, with the total rubber thickness H, over which the core shears. Or
-    `stiffness_ratio`: the bearing is so many times stiffer before its lead yields than after,
-    K_1/K_2, as design has it.
+    `stiffness_ratio`: stiffness of the bearing before yielding of the lead over that after,
+    K_1/K_2, as used in design.
     """
 
     yield_stress: Annotated[float, in_unit("MPa"), Field(ge=0.1, le=1000)]  # sigma_Y
@@ -80,20 +79,18 @@ class CompoundRate(Strict):
 
 
 class Compound(Sourced):
-    """One rubber compound, with the lead that was tested in it if there is any.
+    """One rubber compound, with lead parameters if its tests included lead.
 
     Attributes
     ----------
     kind : "compound".
-    name, description, citation : what it is and where its numbers come from.
+    name, description, citation : identification and sources.
     family : "HDR", high damping rubber (bearings of it are HDR, with lead LHDR), or "NR", natural
         rubber (bearings of it have lead, LRB).
-    rubber, lead, rate : see those classes; `lead` is None where no lead is known, `rate` without
+    rubber, lead, rate : see those classes; `lead` is None if not known, `rate` without
         rate dependence.
-    materials : thermal properties, side film and steel too: those that the numbers were
-        identified with.
-    temperature_law, tested_range, scragging : as of a bearing; they have no size, so that a bearing
-        of any size takes them over.
+    materials : thermal properties, including side film and steel, used in the calibration.
+    temperature_law, tested_range, scragging : as in a bearing; they are independent of size.
 
     Examples
     --------
@@ -122,7 +119,7 @@ class Compound(Sourced):
         if ratio and self.rubber.post_yield_ratio < 1.0:
             raise ValueError(
                 "lead.stiffness_ratio needs rubber that is linear (post_yield_ratio = 1): other "
-                "rubber has a stiffness before yield of its own; give lead.shear_modulus"
+                "rubber has its own stiffness before yield; give lead.shear_modulus"
             )
         return self
 
@@ -131,20 +128,20 @@ COMPOUNDS = Library("compound", "compounds")
 
 
 def list_compounds() -> list[str]:
-    """Names of the built-in compounds."""
+    """Return the names of the built-in compounds."""
     return COMPOUNDS.names()
 
 
 def _compound_from_table(table: Any, where: str) -> Compound:
-    """A compound from a parsed TOML table; `where` names the file in error messages."""
+    """Return a compound from a parsed TOML table; `where` names the file in error messages."""
     values, sources = split_sources(table)
     if isinstance(values, dict) and "geometry" in values:
-        raise InputError("is a bearing, not a compound (compound_of makes one of it)", where)
+        raise InputError("is a bearing, not a compound (use compound_of)", where)
     return validated(Compound, values, where).with_sources(sources)
 
 
 def load_compound(name_or_path: str | Path) -> Compound:
-    """A compound of the library by name, or one of your own from a TOML file.
+    """Return a compound of the library by name, or from your own TOML file.
 
     Parameters
     ----------
@@ -164,7 +161,7 @@ def load_compound(name_or_path: str | Path) -> Compound:
 
 
 def as_compound(given: Any) -> "Compound | Bearing":
-    """What a new bearing is made of: a compound, or a bearing of it, in whatever form.
+    """Return the compound, or bearing of it, from which a new bearing is derived.
 
     `given`: a Compound or Bearing, a name of `list_compounds()`, or the TOML file of either.
     """

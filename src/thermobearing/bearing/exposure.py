@@ -1,7 +1,7 @@
-"""What days of cold and years of age make of a bearing, before it is moved: two factors.
+"""Factors for long exposure to cold and for ageing.
 
-The model knows the temperature of the moment. Crystallisation, which goes on for days, and ageing
-are outside it (docs/exposure.md); who knows them from tests or a code gives them here.
+The model covers the current temperature. Crystallization, which takes days, and ageing
+are outside it (docs/exposure.md); factors from tests or a code are given here.
 """
 
 from collections.abc import Iterable, Mapping
@@ -21,7 +21,7 @@ TWICE = "give it in the bearing's file or among the options, not both"
 
 
 class Exposure(Strict):
-    """Factors on a bearing's numbers at its reference temperature; 1 is as in the tests.
+    """Factors on a bearing's parameters at its reference temperature; 1 is as in the tests.
 
     The force at any displacement is then `stiffness` times its elastic and `strength` times its
     hysteretic part, if the temperatures are the same.
@@ -30,15 +30,15 @@ class Exposure(Strict):
     ----------
     stiffness : factor on the elastic stiffness K_e = alpha_0 K_r of the rubber, K_2 of a bilinear
         bearing; in [0.1, 20].
-    strength : factor on what yields: K_h = (1 - alpha_0) K_r, and with it the rubber's K_h d_y,
+    strength : factor on the hysteretic part: K_h = (1 - alpha_0) K_r, with the rubber's K_h d_y,
         sigma_Y and K_l of lead, Q_d and K_1 - K_2 of a bilinear bearing; in [0.1, 20]. Yield
         displacements and the rate branch stay.
-    source : where the factors come from, in words; needed where one is not 1.
+    source : the source of the factors, in words; required unless both are 1.
 
     Examples
     --------
-    >>> Exposure(stiffness=1.3, strength=1.4, source="14 days of our compound").described()
-    'exposure: stiffness x 1.3, strength x 1.4 (14 days of our compound)'
+    >>> Exposure(stiffness=1.3, strength=1.4, source="our tests after 14 days").describe()
+    'exposure: stiffness x 1.3, strength x 1.4 (our tests after 14 days)'
     """
 
     stiffness: Factor = 1.0
@@ -54,11 +54,11 @@ class Exposure(Strict):
 
     @property
     def nothing(self) -> bool:
-        """Whether it changes nothing."""
+        """Whether both factors are 1."""
         return self.stiffness == 1.0 and self.strength == 1.0
 
-    def described(self) -> str:
-        """One line for screens and summaries."""
+    def describe(self) -> str:
+        """Return one line for console and summary."""
         return (
             f"exposure: stiffness x {self.stiffness:g}, strength x {self.strength:g} "
             f"({self.source})"
@@ -68,7 +68,7 @@ class Exposure(Strict):
 def effective_exposure(
     bearing: "Bearing | BilinearBearing", option: Exposure | None
 ) -> Exposure | None:
-    """The factors that count for a bearing: its own or the option's; None where they are 1."""
+    """Return the factors that apply to a bearing, its own or the option's; None if they are 1."""
     if bearing.exposure is not None and option is not None:
         raise InputError(f"exposure of {bearing.name}: {TWICE}")
     chosen = bearing.exposure or option
@@ -78,28 +78,28 @@ def effective_exposure(
 def exposures(
     bearings: Iterable["Bearing | BilinearBearing"], option: Exposure | None
 ) -> dict[str, Exposure]:
-    """The factors that count, by name of the bearing; empty where all are 1."""
+    """Return the factors that apply, by name of the bearing; empty if all are 1."""
     found = {bearing.name: effective_exposure(bearing, option) for bearing in bearings}
     return {name: factors for name, factors in found.items() if factors is not None}
 
 
 def describe_all(factors: Mapping[str, Exposure]) -> list[str]:
-    """A sentence a bearing, for those who read results."""
-    return [f"{name}: {item.described()}" for name, item in factors.items()]
+    """Return one sentence for each bearing, for results."""
+    return [f"{name}: {item.describe()}" for name, item in factors.items()]
 
 
 def exposure_attribute(factors: Mapping[str, Exposure]) -> dict[str, Any]:
-    """The same as an attribute of a dataset; none where all factors are 1."""
+    """Return the factors as an attribute of a dataset; none if all are 1."""
     if not factors:
         return {}
     return {"exposure": {name: item.model_dump() for name, item in factors.items()}}
 
 
 def exposed(bearing: "Bearing", option: Exposure | None = None) -> "Bearing":
-    """The bearing with the factors in its numbers, and no table of them any more.
+    """Return the bearing with the factors applied to its parameters.
 
     `bearing`: layered; its own factors count, if it has some; `option`: factors given elsewhere.
-    Return the same one where the factors are 1.
+    Return the same object if the factors are 1.
     """
     factors = effective_exposure(bearing, option)
     if factors is None:
@@ -123,7 +123,7 @@ def exposed(bearing: "Bearing", option: Exposure | None = None) -> "Bearing":
 def exposed_bilinear(
     bearing: "BilinearBearing", option: Exposure | None = None
 ) -> "BilinearBearing":
-    """The same of a bilinear bearing: K_2 and Q_d, its yield displacement stays.
+    """Return a bilinear bearing with factors on K_2 and Q_d; its yield displacement stays.
 
     `bearing`: bilinear; its own factors count, if it has some; `option`: factors given elsewhere.
     """

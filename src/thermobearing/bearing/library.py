@@ -1,4 +1,4 @@
-"""Bearings by name or by file: the TOML library shipped with the package, and the user's own."""
+"""Bearings by name or file: the TOML library of the package, and user files."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,7 +16,7 @@ BEARINGS = Library("bearing", "bearings")
 
 
 def list_bearings() -> list[str]:
-    """Names of the built-in bearings.
+    """Return the names of the built-in bearings.
 
     Examples
     --------
@@ -27,25 +27,25 @@ def list_bearings() -> list[str]:
 
 
 def bearing_from_table(table: Any, where: str) -> Bearing:
-    """A bearing from a parsed TOML table; `where` names the file in error messages."""
+    """Return a bearing from a parsed TOML table; `where` names the file in error messages."""
     values, sources = split_sources(table)
     if isinstance(values, dict) and values.get("kind") == "compound":
         raise InputError(
-            "is a compound, not a bearing: thermobearing new NAME --compound FILE makes one of it",
+            "is a compound, not a bearing: create one with thermobearing new NAME --compound FILE",
             where,
         )
     bearing = validated(Bearing, values, where).with_sources(sources)
     if bearing.poor_fit:
         raise InputError(
-            f"poor_fit: {bearing.poor_fit}: these numbers did not meet their tests, and are not "
-            "used. Fit again (identify; --accept-poor leaves this mark out), or take the key out",
+            f"poor_fit: {bearing.poor_fit}: the calibration of these parameters failed, so they "
+            "are not used. Calibrate again (identify; --accept-poor accepts it), or remove the key",
             where,
         )
     return bearing
 
 
 def load_bearing(name_or_path: str | Path) -> Bearing:
-    """A bearing of the library by name, or one of your own from a TOML file.
+    """Return a bearing of the library by name, or from your own TOML file.
 
     Parameters
     ----------
@@ -64,10 +64,10 @@ def load_bearing(name_or_path: str | Path) -> Bearing:
 
 
 def as_bearing(given: Any, key: str = "bearing") -> Bearing:
-    """A bearing from whatever stands for one: itself, a library name, a TOML file, or a table.
+    """Return a bearing from a Bearing, a library name, a TOML file, or a table.
 
-    `given`: a Bearing, what `load_bearing` takes, or a table as in a file; `key`: what the argument
-    is called, for the message.
+    `given`: a Bearing, an argument of `load_bearing`, or a table as in a file; `key`: name of the
+    argument, for messages.
     """
     if isinstance(given, Bearing):
         return given
@@ -82,27 +82,27 @@ def as_bearing(given: Any, key: str = "bearing") -> Bearing:
         raise InputError(error.lines(key)) from None
 
 
-WHOLE = "shape"  # a plan that says its shape is another plan, not a part of the old one
+SHAPE = "shape"  # a plan with its shape replaces the old one
 
 
 def changed_bearing(bearing: Bearing | str | Path, **changes: Any) -> Bearing:
-    """The same bearing with other numbers, checked as a file would be.
+    """Return a bearing with changed parameters, validated like a file.
 
     Parameters
     ----------
     bearing : a Bearing, a library name, or a TOML file.
     changes : new values by the keys of a bearing's file (docs/files.md). A table holds only what
-        changes in it, `hysteresis={"layer_stiffness": 40.0}`; a plan with its `shape` is taken
-        whole, and None takes an optional table out. Numbers in the units of the file's keys (mm,
+        changes in it, `hysteresis={"layer_stiffness": 40.0}`; a plan with its `shape` replaces the
+        old one, and None removes an optional table. Numbers in the units of the file's keys (mm,
         kN/mm, MPa, degC, ...), or text with a unit.
 
     Returns
     -------
-    Bearing : what was changed has a source that says so; the tested range stays, unless given.
+    Bearing : changed values are marked in their sources; the tested range is kept unless changed.
 
     Raises
     ------
-    InputError : an unknown key (with the nearest name), or numbers that no bearing has.
+    InputError : an unknown key (with the nearest name), or numbers out of range.
 
     Examples
     --------
@@ -116,10 +116,10 @@ def changed_bearing(bearing: Bearing | str | Path, **changes: Any) -> Bearing:
     """
     before = as_bearing(bearing)
     data = before.model_dump()
-    noted = _put_in(data, changes, "")
+    new_sources = _put_in(data, changes, "")
     made = validated(Bearing, data, "changed_bearing()", from_file=False)
-    kept = {key: text for key, text in before.sources.items() if not _within(key, noted)}
-    return made.with_sources(kept | {key: text for key, text in noted.items() if text})
+    kept = {key: text for key, text in before.sources.items() if not _within(key, new_sources)}
+    return made.with_sources(kept | {key: text for key, text in new_sources.items() if text})
 
 
 @renamed(force="overwrite")
@@ -128,9 +128,9 @@ def save_bearing(bearing: Bearing, path: str | Path, *, overwrite: bool = False)
 
     Parameters
     ----------
-    bearing : what to write; `load_bearing` and every command read it again.
+    bearing : the bearing; `load_bearing` and every command read the file.
     path : of the file, ending in ".toml".
-    overwrite : replace a file that is there.
+    overwrite : replace an existing file.
 
     Returns
     -------
@@ -138,7 +138,7 @@ def save_bearing(bearing: Bearing, path: str | Path, *, overwrite: bool = False)
 
     Raises
     ------
-    OutputError : it exists and `force` is False, or it cannot be written.
+    OutputError : the file exists and `overwrite` is False, or it cannot be written.
 
     Examples
     --------
@@ -154,21 +154,21 @@ def save_bearing(bearing: Bearing, path: str | Path, *, overwrite: bool = False)
 
 
 def _put_in(table: dict[str, Any], changes: Mapping[str, Any], above: str) -> dict[str, str]:
-    """Changes put into a table, and by dotted key of each changed thing its new source."""
-    noted: dict[str, str] = {}
+    """Update a table in place; return the new source of each changed entry by dotted key."""
+    sources: dict[str, str] = {}
     for name, value in changes.items():
         key = f"{above}{name}"
         new = value.model_dump() if isinstance(value, Strict) else value
         old = table.get(name)
-        if isinstance(new, Mapping) and isinstance(old, dict) and WHOLE not in new:
-            noted |= _put_in(old, new, f"{key}.")
+        if isinstance(new, Mapping) and isinstance(old, dict) and SHAPE not in new:
+            sources |= _put_in(old, new, f"{key}.")
             continue
         table[name] = dict(new) if isinstance(new, Mapping) else new
         plain = above and isinstance(old, int | float) and not isinstance(old, bool)
-        noted[key] = f"changed, was {old:g}" if plain and new != old else ""
-    return noted
+        sources[key] = f"changed, was {old:g}" if plain and new != old else ""
+    return sources
 
 
 def _within(key: str, changed: Mapping[str, str]) -> bool:
-    """Whether a key is one that was changed, or in a table that was."""
+    """Return whether a key, or a table that contains it, was changed."""
     return any(key == one or key.startswith(f"{one}.") for one in changed)

@@ -1,6 +1,6 @@
-"""A rubber bearing as data: plan, layers, materials and identified parameters.
+"""Rubber bearings as data: plan, layers, materials and calibrated parameters.
 
-Everything is frozen; derived numbers are properties. Units are those of the field
+Records are immutable; derived numbers are properties. Units are those of the field
 annotations (kN, mm, s, degC; thermal properties as tables print them).
 """
 
@@ -28,9 +28,9 @@ class TemperatureLaw(Strict):
     ----------
     coldest, warmest : temperatures of the rubber in the tests that the law was identified on
         [degC]; those of the table if not given.
-    temperatures : of the table [degC], growing.
+    temperatures : of the table [degC], increasing.
     elastic, hysteretic : factors on the two stiffness terms there; between them a monotone cubic in
-        the logarithm, beyond them as steep as at the end. A table that is the whole law goes with
+        the logarithm, beyond them a constant slope. A table that is the complete law needs
         m_T = n_T = 0.
 
     Examples
@@ -58,16 +58,16 @@ class TemperatureLaw(Strict):
         return found
 
     def model_post_init(self, context: Any) -> None:
-        """What can be compared only when units are plain numbers."""
+        """Compare values after conversion of units."""
         values = self.temperatures or []
         if any(after <= before for before, after in pairwise(values)):
-            raise ValueError("temperatures must grow from one to the next")
+            raise ValueError("temperatures must increase")
         if self.coldest is not None and self.warmest is not None and self.coldest >= self.warmest:
             raise ValueError("coldest must be below warmest")
 
     @property
     def range(self) -> tuple[float, float] | None:
-        """Coldest and warmest temperature that the law is known at [degC]."""
+        """Coldest and warmest temperature of the law [degC]."""
         if self.coldest is not None and self.warmest is not None:
             return self.coldest, self.warmest
         if self.temperatures is not None:
@@ -83,16 +83,16 @@ Count = Annotated[float, Field(ge=0, le=1e6)]
 
 
 class Validity(Strict):
-    """Lowest and highest value of each quantity in the tests behind a bearing's parameters.
+    """Calibration range: lowest and highest value of each quantity in the tests of a bearing.
 
-    What is left out is not known; the temperatures of the rubber stand in `temperature_law`.
+    Missing entries are unknown; rubber temperatures are in `temperature_law`.
 
     Attributes
     ----------
     strain : largest shear strain of a test, as a share: 2.5 is 250 %, in [0, 10].
     strain_rate : largest speed of a test over the total rubber thickness [1/s], in [0, 1e4].
-    ambient : temperature of the air [degC], in [-150, 400].
-    cycles : of at least half the largest strain, in a row without a rest, in [0, 1e6].
+    ambient : ambient temperature [degC], in [-150, 400].
+    cycles : consecutive ones of at least half the largest strain, in [0, 1e6].
     lead_temperature : of the lead cores [degC], in [-150, 400].
 
     Examples
@@ -114,32 +114,32 @@ class Validity(Strict):
         return [f"give one of {', '.join(cls.model_fields)} at least, as [lowest, highest]"]
 
     def model_post_init(self, context: Any) -> None:
-        """What can be compared only when units are plain numbers."""
+        """Compare values after conversion of units."""
         for name, (low, high) in self.ranges().items():
             if low > high:
                 raise ValueError(f"{name}: {low:g} is above {high:g}; write [lowest, highest]")
 
     def ranges(self) -> dict[str, tuple[float, float]]:
-        """Lowest and highest value of each quantity that is known."""
+        """Lowest and highest value of each known quantity."""
         known = {name: getattr(self, name) for name in type(self).model_fields}
         return {name: (ends[0], ends[1]) for name, ends in known.items() if ends is not None}
 
 
 class Tested(Protocol):
-    """Whatever bearing may say what it was tested at."""
+    """A bearing with an optional calibration range."""
 
     @property
     def tested_range(self) -> Validity | None:
-        """None where it is not given."""
+        """The calibration range; None if not given."""
 
 
 def calibration_ranges(bearing: Tested) -> dict[str, tuple[float, float]] | None:
-    """Of a bearing, lowest and highest value by quantity; None where its file gives none."""
+    """Return the calibration range of a bearing by quantity; None if its file has none."""
     return None if bearing.tested_range is None else bearing.tested_range.ranges()
 
 
-# Every range is that of real bearings with a factor of ten or more on either side: what lies
-# outside is a slip in a unit or an exponent, and the model would make nonsense of it.
+# Ranges are those of real bearings with a factor of ten or more on either side: values outside
+# are errors in a unit or an exponent.
 PlanSize = Annotated[float, in_unit("mm"), Field(ge=1, le=1e5)]  # bearings are 50 mm to 2 m
 Thickness = Annotated[float, in_unit("mm"), Field(ge=0.05, le=1e3)]  # 0.5 to 100 mm
 Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-4, le=1e6)]  # 0.5 to 4000 kN/mm
@@ -239,7 +239,7 @@ class Geometry(Strict):
     @classmethod
     def _none_or_a_plate(cls, thickness: float) -> float:
         if 0.0 < thickness < THINNEST_SEALING:
-            raise ValueError(f"{thickness:g} mm is none or at least {THINNEST_SEALING:g} mm")
+            raise ValueError(f"{thickness:g} mm must be 0 or at least {THINNEST_SEALING:g} mm")
         return thickness
 
     @property
@@ -259,7 +259,7 @@ class Geometry(Strict):
 
 
 class Material(Strict):
-    """Thermal properties of one material, constant with temperature (assumption 3 of 4.2.2)."""
+    """Thermal properties of one material, independent of temperature (assumption 3 of 4.2.2)."""
 
     conductivity: Annotated[float, in_unit("W/(m K)"), Field(ge=1e-3, le=1e3)]  # 0.1 to 60
     specific_heat: Annotated[float, in_unit("J/(kg K)"), Field(ge=10, le=5e4)]  # 130 to 4200
@@ -272,7 +272,7 @@ class Material(Strict):
 
 
 class Materials(Strict):
-    """What the stack is made of, and how its side exchanges heat with the air."""
+    """Materials of the stack, and the film coefficient of its side."""
 
     rubber: Material
     steel: Material
@@ -286,7 +286,7 @@ SmallLoops = Literal["published", "closed"]
 class RubberHysteresis(Strict):
     """Identified parameters of ONE rubber layer (Eq. 4.34-4.37; symbols of Table 4.2).
 
-    `small_loops` is the law that they were identified with (core/hysteresis.py); by default the
+    `small_loops` is the law used in the calibration (core/hysteresis.py); by default the
     published one.
     """
 
@@ -302,7 +302,7 @@ class RubberHysteresis(Strict):
 
 
 class Scragging(Strict):
-    """Virgin stiffness of the rubber and how it wears off (core/scragging.py); optional.
+    """Virgin stiffness of the rubber and its decay (core/scragging.py); optional.
 
     `amplitude` and `strain`: excess of the hysteretic part before any strain, and the shear
     strain in which it falls by 1/e (scragging). `mullins_amplitude`, `mullins_decay`,
@@ -310,7 +310,7 @@ class Scragging(Strict):
     which that share falls by 1/e, and the relative growth of the largest displacement that
     brings it back. After the damage variables of Grant, Fenves & Whittaker (2004),
     "Bidirectional modelling of high-damping rubber bearings", Journal of Earthquake
-    Engineering 8; the form is ours. Recovery in rests is ignored.
+    Engineering 8; the form is that of this package. Recovery in rests is ignored.
     """
 
     amplitude: Annotated[float, Field(ge=0, le=20)] = 0.0  # b
@@ -327,12 +327,12 @@ class LeadCores(Strict):
     """Lead cores in parallel; numbers of ONE core (Eq. 5.1-5.7, Table 5.2).
 
     `softening` is E2 of sigma_Y exp(-E2 (T_l - T_0)), zero for constant strength. `confined`
-    cores (in springs) pass heat to the end plates only. `clock` says whose diffusivity makes
-    t+ dimensionless: that of steel (Kalpakidis & Constantinou) or of lead (as Eq. 5.6 prints); if
-    it is left out, lead with the published scheme and steel otherwise. `surface_ratio` and `clock`
-    are for `lead_ends = "half-space"`. `end_spreading` is for confined cores on finite plates (the
-    default): the resistance of the end plate to one core, relative to a core that stands on
-    nothing but it.
+    cores (in springs) conduct heat to the end plates only. `clock` selects the diffusivity that
+    makes t+ dimensionless: that of steel (Kalpakidis & Constantinou) or of lead (as published,
+    Eq. 5.6); by default lead with the published scheme and steel otherwise. `surface_ratio` and
+    `clock` are for `lead_ends = "half-space"`. `end_spreading` is for confined cores on finite
+    plates (the default): the thermal resistance of the end plate for one core, relative to that of
+    the plate alone.
     """
 
     cores: Annotated[int, Field(ge=1, le=1000)]  # n_l
@@ -363,7 +363,7 @@ class LeadCores(Strict):
 
 
 class RateDependence(Strict):
-    """A dashpot and a spring in series, beside the rubber (Eq. 5.38-5.39)."""
+    """A dashpot and a spring in series, in parallel with the rubber (Eq. 5.38-5.39)."""
 
     stiffness: Stiffness  # K_v
     damping: Annotated[float, in_unit("kN s/mm"), Field(ge=1e-6, le=1e6)]  # c_v
@@ -372,9 +372,9 @@ class RateDependence(Strict):
 class Cells(Strict):
     """Heat cells through the thickness of one part each.
 
-    Shen (2023) has two in a rubber layer and one in a shim; with so few the middle of a layer is
-    too cold (docs/theory.md). The defaults are for every other bearing; even numbers, so that a
-    half stack ends between two cells.
+    Shen (2023) uses two in a rubber layer and one in a shim, with which the middle of a layer is
+    too cold (docs/theory.md). The defaults are even numbers, so that a half stack ends between two
+    cells.
     """
 
     end_plate: Annotated[int, Field(ge=1, le=1000)] = 10
@@ -383,25 +383,24 @@ class Cells(Strict):
     sealing_plate: Annotated[int, Field(ge=1, le=1000)] = 10
 
     def enough(self) -> "Cells":
-        """The same with no part coarser than the defaults."""
+        """Return the cells with no part coarser than the defaults."""
         least = Cells()
         names = type(self).model_fields
         return Cells(**{name: max(getattr(self, name), getattr(least, name)) for name in names})
 
 
 class Bearing(Sourced):
-    """One bearing, complete.
+    """A layered rubber bearing.
 
     Attributes
     ----------
-    name, kind, description, citation : what it is and where its numbers come from.
+    name, kind, description, citation : identification and sources.
     geometry, materials, hysteresis, temperature_law, scragging, lead, rate, cells : see those
-        classes; `temperature_law` is None where nothing but m_T and n_T is stated,
-        `scragging` is None for rubber that has worked already, `lead` without lead cores,
-        `rate` without rate dependence.
-    poor_fit : why the numbers, fitted to tests, should not be used; such a file does not load.
-    tested_range : what it was tested at (`Validity`); None where that is not given.
-    exposure : factors for long cold and age (`Exposure`); None where there are none.
+        classes; `temperature_law` is None if only m_T and n_T are stated, `scragging` for
+        scragged rubber, `lead` without lead cores, `rate` without rate dependence.
+    poor_fit : why the calibrated parameters should not be used; such a file does not load.
+    tested_range : calibration range (`Validity`); None if not given.
+    exposure : factors for long cold and ageing (`Exposure`); None: no factors.
     """
 
     name: Name
@@ -435,7 +434,7 @@ class Bearing(Sourced):
 
     @model_validator(mode="after")
     def _is_rubber(self) -> "Bearing":
-        """Stiffness and size apart may each be usual, and together no rubber."""
+        """Check moduli: stiffness and size may each be plausible, but not their combination."""
         yielding = self.hysteresis.yield_displacement / self.geometry.rubber_thickness
         if not EARLIEST <= yielding <= LATEST:
             raise ValueError(

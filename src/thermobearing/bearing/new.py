@@ -1,4 +1,4 @@
-"""A new bearing from a compound and the numbers of a drawing."""
+"""New bearings from a compound and the dimensions of a drawing."""
 
 import re
 from pathlib import Path
@@ -13,14 +13,14 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.units import parse_quantity
 
-END_PLATE = 30.0  # mm, where a drawing says nothing; those of bearings are 20 to 50
+END_PLATE = 30.0  # [mm], default; usual are 20 to 50
 TIMES = re.compile(r"^\s*(?P<first>[^x×]*?)\s*[x×]\s*(?P<second>[^x×]*?)\s*$")
 NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
 GIVEN = {"lead.cores", "lead.diameter", "lead.confined", "lead.end_spreading"}
 
 
 class Drawing(Strict):
-    """What a drawing says of a bearing, checked before anything is made of it."""
+    """The dimensions of a drawing, validated."""
 
     plan: Plan
     rubber_layers: Annotated[int, Field(ge=1, le=200)]
@@ -50,22 +50,22 @@ def new_bearing(
     end_spreading: float = 1.0,
     description: str = "",
 ) -> Bearing:
-    """A bearing made from a compound and the sizes of a drawing (rules: bearing/scaling.py).
+    """Return a bearing from a compound and the dimensions of a drawing (rules: bearing/scaling.py).
 
     Parameters
     ----------
     name : of the new bearing.
     compound : a Compound, a name of `list_compounds()`, a TOML file of a compound or of a bearing
-        (such as the specimen of a fit), or a Bearing, whose compound counts.
+        (such as a calibrated specimen), or a Bearing, whose compound is used.
     layers : number and thickness of the rubber layers, "20x8mm"; the number in [1, 200].
-    shim : thickness of a plate between layers [mm], in [0.05, 1000]; text says its unit, "3 mm".
+    shim : thickness of a plate between layers [mm], in [0.05, 1000]; text needs a unit, "3 mm".
     plan : length in the direction of motion and width, "1000x1000mm"; or give `diameter`.
     diameter : diameter of a round bearing [mm], in [1, 1e5].
     end_plate : thickness of an end plate [mm], in [0.05, 1000]; 30 mm are assumed by default.
     sealing_plate : thickness of a plate inside each end plate [mm], in [0, 1000]; none by default.
     lead : diameter of a lead core [mm], in [1, 1e4]; no lead by default.
     cores : number of lead cores, in [1, 1000].
-    confined : cores in springs, which pass heat to the end plates only.
+    confined : cores in springs, which conduct heat to the end plates only.
     end_spreading : factor of heat into the end plates of confined cores, in [0.001, 1].
     description : what it is, in words.
 
@@ -76,7 +76,7 @@ def new_bearing(
     Raises
     ------
     InputError : an unknown compound (with the nearest name), sizes without unit or out of range,
-        lead that the compound says nothing of, natural rubber without lead.
+        lead without lead parameters in the compound, natural rubber without lead.
 
     Examples
     --------
@@ -86,7 +86,7 @@ def new_bearing(
     ('LRB', 160.0, 254)
     """
     if not str(name).strip() or set(str(name)) & set("/\\"):
-        raise InputError(f"name = {name!r}: must be a word that a file can have")
+        raise InputError(f"name = {name!r}: must be a valid file name without blanks")
     source = as_compound(compound)
     of = compound_of(source) if isinstance(source, Bearing) else source
     given = {
@@ -124,7 +124,7 @@ def new_bearing(
         held,
         cells=Cells(),
         description=description or f"{layers} of {of.name}",
-        citation=f"made from compound {of.name}" + (f": {of.citation}" if of.citation else ""),
+        citation=f"derived from compound {of.name}" + (f": {of.citation}" if of.citation else ""),
     )
     return made.with_sources(_sources(made, of, assumed_plate=end_plate is None))
 
@@ -141,7 +141,7 @@ def _plan(plan: str | None, diameter: str | float | None) -> dict[str, Any]:
             f'plan = "{plan}": give length and width, "1000x1000mm"; a round bearing has a diameter'
         )
     first, second = match["first"], _with_unit("plan", str(plan), match["second"])
-    if NUMBER.match(first):  # the unit of the second goes for both
+    if NUMBER.match(first):  # the unit of the second applies to both
         first += second.lstrip("+-.0123456789 ")
     try:
         length, width = parse_quantity(first, "mm"), parse_quantity(second, "mm")
@@ -164,15 +164,17 @@ def _layers(layers: str) -> dict[str, Any]:
 
 
 def _with_unit(key: str, text: str, length: str) -> str:
-    """The length, if it says its unit."""
+    """Return the length; InputError without a unit."""
     if NUMBER.match(length):
-        raise InputError(f'{key} = "{text}" has no unit; write "{text.strip()}mm" if that is meant')
+        raise InputError(
+            f'{key} = "{text}" has no unit; write "{text.strip()}mm" if this is the intended unit'
+        )
     return length
 
 
 def _sources(made: Bearing, of: Compound, *, assumed_plate: bool) -> dict[str, str]:
     """Rule and source of each number of the new bearing, by dotted key."""
-    sources = of.sources
+    of_compound = of.sources
     found = {}
     for key in _number_keys(made):
         if key.startswith("cells."):
@@ -184,7 +186,7 @@ def _sources(made: Bearing, of: Compound, *, assumed_plate: bool) -> dict[str, s
             before, _, rule = RULES.get(key, same)
             if key == "lead.stiffness" and of.lead and of.lead.stiffness_ratio is not None:
                 rule, before = "K_1/K_2 of the bearing", "lead.stiffness_ratio"
-            parts = [rule, f"compound {of.name}", sources.get(before, "")]
+            parts = [rule, f"compound {of.name}", of_compound.get(before, "")]
             found[key] = "; ".join(part for part in parts if part)
     if assumed_plate:
         found["geometry.end_plate_thickness"] = "assumed; not given"

@@ -1,7 +1,7 @@
-"""Whether a bearing's numbers are those of usual ones: slips of units and signs that pass checks.
+"""Plausibility of a bearing's parameters: detects errors of units and signs that pass the limits.
 
-The limits of the fields refuse what the model cannot bear; what lies between them and usual
-values (data/plausible/bearing.toml) may be meant: a warning names the source of the usual range.
+The limits of the fields reject values that the model cannot use. Values between them and the usual
+range (data/plausible/bearing.toml) cause a warning that cites the source of the range.
 """
 
 from collections.abc import Mapping
@@ -25,9 +25,9 @@ class Usual(Strict):
     ----------
     key : of a bearing's file, or the name of a derived number.
     lowest, largest : as text, with their unit.
-    kinds : of bearings that it holds for; all if there are none.
-    source, note : where the range is from.
-    slip : what is often behind a value outside.
+    kinds : kinds of bearings that it applies to; all if empty.
+    source, note : origin of the range.
+    slip : the usual cause of a value outside.
     """
 
     key: str
@@ -51,14 +51,14 @@ class Usual(Strict):
 
 
 class Usuals(Strict):
-    """What the file says."""
+    """Content of the data file."""
 
     usual: list[Usual]
 
 
 @cache
 def usual_values(name: str = "bearing.toml") -> list[Usual]:
-    """The usual ranges that are shipped with the package.
+    """Return the usual ranges of the package.
 
     `name`: of the file in data/plausible: "bearing.toml" or "structure.toml".
     """
@@ -67,9 +67,9 @@ def usual_values(name: str = "bearing.toml") -> list[Usual]:
 
 
 def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
-    """A sentence for each number of a bearing that usual ones do not have.
+    """Return a sentence for each parameter of a bearing outside its usual range.
 
-    Return key, value, usual range and its source, what is often behind it.
+    It states key, value, usual range with its source, and the usual cause.
     """
     layered = isinstance(bearing, Bearing)
     derived = _derived(bearing) if isinstance(bearing, Bearing) else _of_bilinear(bearing)
@@ -88,9 +88,9 @@ def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
 
 
 def sentence(what: str, value: float, usual: Usual) -> str:
-    """What is said of a value outside its usual range.
+    """Return the warning for a value outside its usual range.
 
-    `what`: the number, for people; `value`: in the unit of the range.
+    `what`: label of the parameter; `value`: in the unit of the range.
 
     >>> sentence("layer", 200.0, usual_values()[0])[:46]
     'layer = 200 mm: usual are 1.5 to 40 mm (assume'
@@ -99,7 +99,7 @@ def sentence(what: str, value: float, usual: Usual) -> str:
     unit = f" {usual.unit}" if usual.unit else ""
     return (
         f"{what} = {value:.4g}{unit}: usual are {low:g} to {high:g}{unit} "
-        f"({usual.source}: {usual.note}). Often behind it: {usual.slip}"
+        f"({usual.source}: {usual.note}). Usual cause: {usual.slip}"
     )
 
 
@@ -111,7 +111,7 @@ def _value(item: Any, key: str) -> float | None:
 
 
 def _does_nothing(bearing: Bearing | BilinearBearing, key: str, value: float) -> bool:
-    """Whether a number is a placeholder: a law that is all in a table, or linear rubber."""
+    """Return whether a value is a placeholder: the law is in a table, or the rubber is linear."""
     if not isinstance(bearing, Bearing):
         return False
     law = bearing.temperature_law
@@ -122,7 +122,7 @@ def _does_nothing(bearing: Bearing | BilinearBearing, key: str, value: float) ->
 
 
 def _derived(bearing: Bearing) -> Mapping[str, float]:
-    """Numbers that follow from several keys."""
+    """Return parameters derived from several keys."""
     g, h = bearing.geometry, bearing.hysteresis
     modulus = h.layer_stiffness * g.rubber_thickness / bearing.area * NEWTON_PER_KILONEWTON
     found = {
@@ -141,7 +141,7 @@ def _derived(bearing: Bearing) -> Mapping[str, float]:
 
 
 def _of_bilinear(bearing: BilinearBearing) -> Mapping[str, float]:
-    """Numbers of a backbone."""
+    """Return derived parameters of a backbone."""
     first, second = bearing.initial_stiffness, bearing.post_yield_stiffness
     return {
         "total_rubber_thickness": bearing.total_rubber_thickness,

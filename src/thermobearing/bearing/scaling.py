@@ -1,4 +1,4 @@
-"""From a bearing to its compound and back: every rule of size, written once (docs/theory.md).
+"""Scaling rules between a bearing and its compound (docs/theory.md).
 
     K_r = G_r A/t_r          d_y = gamma_y t_r      b, s, alpha_0, m_T, n_T: no size
     K_l = G_l A_l/H          Q_l = sigma_Y A_l      of one core
@@ -46,7 +46,7 @@ KINDS = {("HDR", False): "HDR", ("HDR", True): "LHDR", ("NR", True): "LRB"}
 
 
 class Cores(Strict):
-    """Lead cores as a drawing has them; the rest of `LeadCores` follows from the compound."""
+    """Lead cores of a drawing; the other parameters of `LeadCores` follow from the compound."""
 
     cores: Annotated[int, Field(ge=1, le=1000)]
     diameter: Annotated[float, in_unit("mm"), Field(ge=0.1, le=1e4)]
@@ -60,9 +60,9 @@ class Cores(Strict):
 
 
 def compound_of(bearing: Bearing, name: str = "") -> Compound:
-    """The compound that a bearing is made of, its size divided out.
+    """Return the compound of a bearing.
 
-    `bearing`: any layered one, such as the specimen of a fit; `name`: of the compound; that of the
+    `bearing`: any layered one, such as a calibrated specimen; `name`: of the compound; that of the
     bearing with "-compound" if not given.
     """
     g, h = bearing.geometry, bearing.hysteresis
@@ -75,8 +75,8 @@ def compound_of(bearing: Bearing, name: str = "") -> Compound:
     lead, rate = bearing.lead, bearing.rate
     if lead is not None:
         modulus = NEWTON_PER_KILONEWTON * lead.stiffness * height / lead.core_area
-        same = {key: getattr(lead, key) for key in OF_LEAD}
-        given: CompoundLead | None = CompoundLead(shear_modulus=modulus, **same)
+        values = {key: getattr(lead, key) for key in OF_LEAD}
+        given: CompoundLead | None = CompoundLead(shear_modulus=modulus, **values)
     else:
         given = None
     branch = None
@@ -114,11 +114,11 @@ def _number_sources(bearing: Bearing) -> dict[str, str]:
 
 
 def find_kind(compound: Compound, *, with_lead: bool) -> str:
-    """HDR, LHDR or LRB."""
+    """Return the kind: HDR, LHDR or LRB."""
     if with_lead and compound.lead is None:
         raise InputError(
-            f"compound {compound.name} says nothing of lead: give it the tables lead and "
-            "materials.lead, or take a compound that has them (thermobearing list)"
+            f"compound {compound.name} has no lead parameters: give it the tables lead and "
+            "materials.lead, or use a compound that has them (thermobearing list)"
         )
     kind = KINDS.get((compound.family, with_lead))
     if kind is None:
@@ -160,7 +160,7 @@ def _lead(compound: Compound, cores: Cores, height: float, post_yield: float) ->
     """Cores of the compound's lead; `post_yield` is K_2 of linear rubber [kN/mm]."""
     given = compound.lead
     if given is None:
-        raise InputError(f"compound {compound.name} says nothing of lead")
+        raise InputError(f"compound {compound.name} has no lead parameters")
     if given.shear_modulus is not None:
         stiffness = given.shear_modulus * cores.core_area / height / NEWTON_PER_KILONEWTON
     else:
@@ -178,7 +178,7 @@ def _lead(compound: Compound, cores: Cores, height: float, post_yield: float) ->
 def bearing_of(
     compound: Compound, name: str, geometry: Geometry, cores: Cores | None = None, **more: Any
 ) -> Bearing:
-    """A bearing of that compound and size.
+    """Return a bearing of a compound and size.
 
     `compound`: its rubber, and its lead if there are cores; `name`: of the bearing; `geometry`:
     plan, layers and plates; `cores`: lead cores; none by default; `more`: other keys of `Bearing`,
@@ -196,9 +196,9 @@ def bearing_of(
 
 
 def resized(bearing: Bearing, geometry: Geometry, core_diameter: float | None = None) -> Bearing:
-    """The same bearing at another size: its compound, number of cores and all else it says.
+    """Return the bearing at another size, with its compound, number of cores and other keys.
 
-    `bearing`: any layered one; `core_diameter`: of its lead cores [mm]; as before if not given.
+    `bearing`: any layered one; `core_diameter`: of its lead cores [mm]; unchanged if not given.
     """
     cores = lead_cores(bearing, core_diameter)
     parts = split_parts(compound_of(bearing), geometry, cores)

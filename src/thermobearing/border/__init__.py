@@ -1,4 +1,4 @@
-"""The border: text with units becomes plain numbers; clear faults."""
+"""Input of files and values: units, strict schemas, and error messages."""
 
 from thermobearing.border.deprecated import find_moved
 

@@ -1,4 +1,4 @@
-"""Cases of analyses as tables: what they name is loaded, then all is checked in one go."""
+"""Cases of analyses as tables: load names and files in them, then validate all keys at once."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -9,7 +9,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, validated
 
 M = TypeVar("M", bound=Strict)
-KEY = re.compile(r"[\w.\[\]]+")  # what a fault begins with
+KEY = re.compile(r"[\w.\[\]]+")  # the key at the start of an error message
 
 
 def load_things(
@@ -21,10 +21,10 @@ def load_things(
     known: Iterable[str] = (),
     before: str = "",
 ) -> list[str]:
-    """Replace a name or a file in a table, or each in a list, by what `load` makes of it.
+    """Replace a name or file in a table, or each one in a list, by the object that `load` returns.
 
-    Files are relative to `folder`, unless the name is a `known` one. What cannot be loaded stays as
-    it is; the faults returned begin with its key, after `before`.
+    Files are relative to `folder`, unless the name is a `known` one. An entry that cannot be loaded
+    stays unchanged; the messages returned begin with its key, after `before`.
     """
     if key not in table:
         return []
@@ -48,9 +48,9 @@ def load_all(
     loads: Mapping[str, Callable[[Any], Any]],
     folder: Path,
 ) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
-    """Return a table and what replaces some of its values, their names loaded, and the faults.
+    """Return a table with its overrides, the names in them loaded, and the error messages.
 
-    Files that the table names are relative to its folder, those of `overrides` to the current one.
+    File names in the table are relative to its folder, those in `overrides` to the current one.
     """
     table, given = dict(table), {k: v for k, v in overrides.items() if v is not None}
     faults: list[str] = []
@@ -63,13 +63,13 @@ def load_all(
 
 
 def unlike(faults: Sequence[str], known: Sequence[str]) -> list[str]:
-    """Return the faults of other keys than those that have a fault already."""
+    """Return the errors of keys that have no error in `faults` yet."""
     keys = {match[0] for match in map(KEY.match, known) if match}
     return [text for text in faults if (match := KEY.match(text)) is None or match[0] not in keys]
 
 
 def read_case(model: type[M], table: dict[str, Any], where: str, faults: Sequence[str] = ()) -> M:
-    """Check the table of a case whose names are loaded; raise with the `faults` found before."""
+    """Validate the table of a case after loading; also raise the `faults` that loading found."""
     try:
         case = validated(model, table, where)
     except InputError as error:
@@ -87,7 +87,7 @@ def made_case(
     where: str,
     overrides: Mapping[str, Any],
 ) -> M:
-    """Return the case that is given: a file, a table such as that of a file, or a case."""
+    """Return a case from a file, a table (as read from a file) or a case."""
     if isinstance(given, str | Path):
         return load(given, **overrides)
     if given is None or isinstance(given, dict):
@@ -95,7 +95,7 @@ def made_case(
     if not isinstance(given, model):
         raise InputError(f"needs a file, a table or a {model.__name__}", where)
     if overrides:
-        raise InputError("a finished case takes no further values", where)
+        raise InputError("a finished case accepts no further values", where)
     return given
 
 

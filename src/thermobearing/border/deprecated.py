@@ -15,12 +15,12 @@ from thermobearing.border.errors import InputError, nearest
 P = ParamSpec("P")
 T = TypeVar("T")
 TOP = "thermobearing"
-UNTIL = "0.3"  # the version that no longer accepts them
+UNTIL = "0.3"  # the version that removes them
 
 
 def _warn_renamed(old: str, new: str, stacklevel: int = 3) -> None:
     """Warn that a name of an earlier version is used, and give the present one."""
-    message = f"{old} is deprecated and goes with version {UNTIL}; use {new}"
+    message = f"{old} is deprecated and will be removed in version {UNTIL}; use {new}"
     warnings.warn(message, DeprecationWarning, stacklevel=stacklevel)
 
 
@@ -60,8 +60,8 @@ def renamed(
                 keywords[new] = value
             unknown = [name for name in keywords if known and name not in known]
             if unknown:
-                message = [f'unknown key "{name}"{nearest(name, known)}' for name in unknown]
-                raise InputError(message, where)
+                problems = [f'unknown key "{name}"{nearest(name, known)}' for name in unknown]
+                raise InputError(problems, where)
             return function(*args, **keywords)
 
         return call
@@ -70,7 +70,7 @@ def renamed(
 
 
 def _keywords(function: Callable[..., Any]) -> list[str]:
-    """Names of all arguments, with those of a TypedDict; none where any keyword is accepted."""
+    """Return the names of all arguments, also of a TypedDict; none if any keyword is accepted."""
     arguments = inspect.signature(function).parameters
     listed = [get_args(one.annotation) for one in arguments.values() if one.kind is one.VAR_KEYWORD]
     if not all(listed):

@@ -1,4 +1,4 @@
-"""Errors whose messages name the fault and what would be right."""
+"""Exceptions whose messages name the fault and the valid input."""
 
 import difflib
 from collections.abc import Iterable
@@ -9,15 +9,15 @@ from unicodedata import category
 
 HIDDEN = ("Cc", "Cf", "Cs")  # control characters, marks without a shape, lone surrogates
 LONGEST_NAME = 500  # characters of a path that a message shows
-MOST_BESIDE = 2000  # files of a folder that are looked through for one of nearly the same name
+MOST_BESIDE = 2000  # files of a folder that are searched for a similar name
 
 
 class ThermobearingError(Exception):
-    """Base of every error this package raises on purpose."""
+    """Base class of all errors that this package raises."""
 
 
 class InputError(ThermobearingError, ValueError):
-    """Something the user gave cannot be used; the message names what, where and what is allowed.
+    """Input that cannot be used; the message names the value, its place and what is allowed.
 
     `problems` holds one sentence per fault, so that all faults of a file are reported at once.
     """
@@ -47,14 +47,14 @@ class InputError(ThermobearingError, ValueError):
 
 
 class OutputError(ThermobearingError):
-    """A result could not be written; nothing half written is left behind."""
+    """A result that could not be written; no partial files remain."""
 
     def __init__(self, message: str) -> None:
         super().__init__(printable(message))
 
 
 def read_bytes(path: Path, most: int) -> bytes:
-    """Return the content of a file, at most so many bytes (a device may have no end)."""
+    """Return the content of a file, at most so many bytes (a device may be endless)."""
     shown, hint = shortened(str(path), LONGEST_NAME), ""
     try:
         if path.is_fifo() and not str(path).startswith(("/dev/", "/proc/")):
@@ -70,7 +70,7 @@ def read_bytes(path: Path, most: int) -> bytes:
         raise InputError(f"no such file{hint}", shown) from None
     except IsADirectoryError:
         raise InputError("is a directory, not a file", shown) from None
-    except OSError as error:  # a name too long, no rights, a failing disk
+    except OSError as error:  # a name too long, no permission, a failing disk
         raise InputError(f"cannot be read: {error.strerror or error}", shown) from None
     except ValueError as error:  # a null byte in the path
         raise InputError(f"cannot be read: {error}", repr(shown)) from None
@@ -109,7 +109,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 
 def printable(text: str) -> str:
-    r"""Return the text with escapes for what would not show, or would move the cursor.
+    r"""Return the text with escapes for invisible characters and those that move the cursor.
 
     Names and values come from files and from the system; what is no text at all is there as lone
     surrogates, which cannot be printed either.
@@ -125,5 +125,5 @@ def printable(text: str) -> str:
 
 
 def shortened(text: str, longest: int = 60) -> str:
-    """Return the text, cut where a message would lose its reader in it."""
+    """Return the text, shortened for use in a message."""
     return text if len(text) <= longest else f"{text[: longest - 3]}..."

@@ -1,4 +1,4 @@
-"""Data shipped with the package: where it lies, and what a name or a path stands for."""
+"""Data files of the package and their lookup by name or path."""
 
 import copy
 from collections.abc import Iterable, Mapping
@@ -27,14 +27,14 @@ def data_path(*parts: str) -> Path:
 
 
 def is_path(name_or_path: str | Path) -> bool:
-    """Whether something is meant as a file: a Path, text with a slash or ending in `.toml`."""
+    """Return whether a value denotes a file: a Path, or text with a slash or ending in `.toml`."""
     text = str(name_or_path)
     return isinstance(name_or_path, Path) or text.endswith(".toml") or "/" in text
 
 
 def unknown_name(what: str, name: str, known: Iterable[str]) -> InputError:
-    """The error for a name that nothing has, with the nearest one."""
-    return InputError(f'no {what} is called "{name}"{nearest(name, known)}')
+    """Return the error for an unknown name, with the nearest known one."""
+    return InputError(f'no {what} is named "{name}"{nearest(name, known)}')
 
 
 @cache
@@ -47,14 +47,14 @@ _shipped = cache(read_toml)  # a file of the package stays as it is while a prog
 
 @cache
 def _known(library: "Library", name: str, model: type[Strict]) -> dict[str, tuple[Any, str]]:
-    """Values and sources of a built-in file by key, as a checked thing of it writes them."""
+    """Return values and sources of a built-in file by key, in the form of a validated object."""
     values, sources = split_sources(library.table(name)[0])
     built_in = flat(to_table(validated(model, values, name)))
     return {key: (built_in.get(key), source) for key, source in sources.items()}
 
 
 def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
-    """A table with the keys of another over it; a number with its source is one value."""
+    """Return a table updated by another one; a number with its source is one value."""
     merged = dict(base)
     for key, value in own.items():
         below = merged.get(key)
@@ -64,7 +64,7 @@ def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
 
 
 class Sourced(Strict):
-    """A record that remembers where its numbers come from."""
+    """A record with the sources of its numbers."""
 
     _sources: dict[str, str] = PrivateAttr(default_factory=dict)
 
@@ -82,9 +82,9 @@ class Sourced(Strict):
 
 @dataclass(frozen=True)
 class Library:
-    """The built-in things of one kind, a TOML file each, and the user's own files."""
+    """Built-in objects of one kind, a TOML file each, and the user's own files."""
 
-    what: str  # what one of them is called in messages
+    what: str  # their kind in messages
     folder: str  # below the package's data
 
     def names(self) -> list[str]:
@@ -106,7 +106,7 @@ class Library:
     ) -> tuple[dict[str, Any], str]:
         """Return the table of a file with its sources, and its path for messages; see `path`.
 
-        A file with the key `based_on`, a name or a file beside it, has only what differs from that.
+        A file with the key `based_on` (a name, or a relative file) holds only the differences.
         """
         path = self.path(name_or_path)
         built_in = str(name_or_path) in self.names()
@@ -115,7 +115,7 @@ class Library:
         if base is None:
             return table, str(path)
         if not isinstance(base, str) or not base or "name" not in table:
-            rule = "must be a name or a file, in a table with a name of its own"
+            rule = "must be a name or a file, and the table needs its own name"
             raise InputError(f"based_on = {base!r}: {rule}", str(path))
         if len(above) >= DEEPEST:
             raise InputError(f"based_on = {base!r}: the files are based on each other", str(path))
@@ -128,13 +128,13 @@ class Library:
         return split_sources(table)[0], where
 
     def load(self, model: type[S], name_or_path: str | Path) -> S:
-        """Return a thing by name or file, with the sources of its numbers."""
+        """Return an object by name or file, with the sources of its numbers."""
         table, where = self.table(name_or_path)
         values, sources = split_sources(table)
         return validated(model, values, where).with_sources(sources)
 
     def sources(self, model: type[Strict], table: Mapping[str, Any]) -> dict[str, str]:
-        """Return the sources of those values of a table that are as in the built-in one."""
+        """Return the sources of the values of a table that equal those of the built-in one."""
         name = str(table.get("name", ""))
         if name not in self.names():
             return {}
@@ -145,9 +145,9 @@ class Library:
 def sources_to_keep(
     things: Iterable[tuple[Library, Sourced]], given: Mapping[str, Mapping[str, str]] | None = None
 ) -> dict[str, dict[str, str]] | None:
-    """Return the sources of numbers of things that their library does not hold; None without any.
+    """Return the sources of numbers of objects outside their library; None if there are none.
 
-    `given` are sources that a case brings along, by name of the thing.
+    `given` holds the sources stored with a case, by name of the object.
     """
     found: dict[str, dict[str, str]] = {}
     for library, thing in things:

@@ -1,4 +1,4 @@
-"""Strict data with units: how TOML tables become checked objects, and faults become sentences."""
+"""Strict schemas with units: TOML tables become validated objects, errors become sentences."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
@@ -76,20 +76,20 @@ class Strict(BaseModel):
     def __setattr__(self, name: str, value: Any) -> None:
         if name in type(self).model_fields:
             raise InputError(
-                f"{type(self).__name__}.{name}: records are frozen; make another (of a bearing: "
+                f"{type(self).__name__}.{name}: records are immutable; create a new one (bearing: "
                 "tb.changed_bearing)"
             )
         super().__setattr__(name, value)
 
     @classmethod
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        """Return what is wrong with the combination of the keys that were given."""
+        """Return the errors in the combination of the given keys."""
         return []
 
     @model_validator(mode="wrap")
     @classmethod
     def _check_all_at_once(cls, data: Any, handler: ModelWrapValidatorHandler[Any]) -> Any:
-        """Raise faults of single keys and of their combination in one error."""
+        """Raise errors of single keys and of their combination together."""
         if not isinstance(data, dict):
             return handler(data)
         given = {name: value for name, value in data.items() if value is not None}
@@ -109,18 +109,18 @@ class Strict(BaseModel):
 
 
 def _slip(model: type[BaseModel], name: str, value: float) -> str:
-    """Why a number is so large, or so close to a zero it may not be, that it must be a slip."""
+    """Return an error for a number of implausible size (usually a wrong unit or exponent)."""
     kind = _kind(model, name)
     unit = f" {kind.unit}" if kind.unit else ""
     if not kind.bounded and abs(value) > HUGEST:
-        return f"must be at most {HUGEST:g}{unit} in size; is it a slip?"
+        return f"must be at most {HUGEST:g}{unit} in size; check the unit and the exponent"
     if kind.positive and value < 1.0 / HUGEST:
-        return f"must be at least {1.0 / HUGEST:g}{unit} in size; is it a slip?"
+        return f"must be at least {1.0 / HUGEST:g}{unit} in size; check the unit and the exponent"
     return ""
 
 
 class _Converted:
-    """A value of another type than the field's, which pydantic would convert without a word."""
+    """A value of another type than the field's, which pydantic would convert silently."""
 
     def __init__(self, value: Any) -> None:
         self.value = value
@@ -130,7 +130,7 @@ class _Converted:
 
 
 def _marked(model: type[BaseModel], name: str, value: Any) -> Any:
-    """The value, marked where text or true stands for a plain number, or 1 for true."""
+    """Return the value, marked if text or a boolean is given for a plain number, or 1 for true."""
     if name not in model.model_fields or not isinstance(value, bool | str | int | float):
         return value
     plain, truth = _kind(model, name)[1:3]
@@ -144,7 +144,7 @@ def _fault(kind: str, text: str, location: tuple[int | str, ...], value: Any) ->
 
 
 def _again(item: ErrorDetails) -> InitErrorDetails:
-    """A fault of an error, to be raised again together with others."""
+    """One item of a validation error, raised again together with others."""
     if item["type"] in ("own", "conflict"):
         return _fault(item["type"], item["msg"], item["loc"], item["input"])
     again = InitErrorDetails(type=item["type"], loc=item["loc"], input=item["input"])
@@ -154,7 +154,7 @@ def _again(item: ErrorDetails) -> InitErrorDetails:
 
 
 class _Kind(NamedTuple):
-    """What is looked up for every number of every record."""
+    """Properties of a numeric field, cached."""
 
     unit: str | None
     plain: bool  # a number without a unit
@@ -263,14 +263,14 @@ def _tags(model: type[BaseModel]) -> list[str]:
 
 
 def _sentences(model: type[BaseModel], error: ValidationError) -> list[str]:
-    """The faults of an error; of very many the first ones, and how many there are."""
+    """Return the messages of an error: at most MOST_FAULTS, then the number of the others."""
     found = error.errors(include_url=False)
     shown = [_sentence(model, item) for item in found[:MOST_FAULTS]]
     return shown + ([f"{len(found) - len(shown)} more"] if len(found) > len(shown) else [])
 
 
 def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
-    """One fault: key, value, what is allowed with its unit, nearest name."""
+    """Return one message: key, value, allowed range with unit, nearest name."""
     key, owner, name = _resolve(model, item["loc"])
     kind, value, context = item["type"], item["input"], item.get("ctx", {})
     if kind == "extra_forbidden":
@@ -295,7 +295,7 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
         strange = sorted(set(value) - SOURCED)
         message = f'an entry with a source needs a "value"; got {", ".join(sorted(value))}'
         if strange and "value" in value:
-            message = f'unknown key "{strange[0]}" beside "value"{nearest(strange[0], SOURCED)}'
+            message = f'unknown key "{strange[0]}" next to "value"{nearest(strange[0], SOURCED)}'
     elif kind == "literal_error":
         known = context["expected"].split("'")[1::2]
         message = f"must be {context['expected']}"
@@ -311,7 +311,7 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
 def _allowed(model: type[BaseModel], name: str) -> str:
     """The numbers a field takes, such as "a number greater than 0 and at most 5 mm"."""
     parts = list(_parts(model.model_fields[name]))
-    what = "a whole number" if int in parts and float not in parts else "a number"
+    what = "an integer" if int in parts and float not in parts else "a number"
     words = {Gt: "greater than", Ge: "at least", Lt: "less than", Le: "at most"}
     limits = [
         f"{words[type(part)]} {getattr(part, type(part).__name__.lower()):g}"
@@ -337,7 +337,7 @@ def said_with_unit(value: Any, unit: str | None) -> Any:
 
 
 def updated(table: Any, changes: Mapping[str, Any]) -> Any:
-    """Return the table with changes; what is no table stays as it is, for the checks to find."""
+    """Return the table with changes; other values stay unchanged and fail validation later."""
     return {**table, **changes} if isinstance(table, dict) else table
 
 

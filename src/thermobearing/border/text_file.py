@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all; the user's never over one by accident."""
+"""Atomic writing of files; existing files are only replaced on request."""
 
 import errno
 import os
@@ -12,7 +12,7 @@ from thermobearing.border.errors import OutputError
 
 
 def write_through(file: Path, raw: bytes) -> None:
-    """Write a file and see it on the disk: some disks say late that they are full."""
+    """Write a file and flush it to disk: some disks report late that they are full."""
     with file.open("wb") as stream:
         if stream.write(raw) != len(raw):
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -22,9 +22,9 @@ def write_through(file: Path, raw: bytes) -> None:
 
 @contextmanager
 def replacing(target: Path) -> Iterator[Path]:
-    """Yield a hidden file next to another, whose place it takes at the end, there or not.
+    """Yield a hidden temporary file that replaces the target (which need not exist) at the end.
 
-    A killed program may leave it there; its name begins with a point.
+    A killed program may leave it behind; its name begins with a point.
     """
     part = target.with_name(f".{target.name}-{secrets.token_hex(4)}")
     try:
@@ -35,16 +35,16 @@ def replacing(target: Path) -> Iterator[Path]:
 
 
 def write_whole(target: Path, content: bytes) -> None:
-    """Put a file in place when all of it is on the disk.
+    """Move a file into place after it has been flushed to disk.
 
-    A power cut leaves the earlier one or the new one.
+    After a power cut the earlier or the new file exists.
     """
     with replacing(target) as part:
         write_through(part, content)
 
 
 def file_names(names: Iterable[str]) -> list[str]:
-    """Return a name for each thing that any system takes for a file and no other of them has.
+    """Return unique names that are valid file names on any system.
 
     >>> file_names(["HDR 1/6", "HDR 1:6", "\u514d\u9707"])
     ['HDR-1-6', 'HDR-1-6-2', '\u514d\u9707']
@@ -58,7 +58,7 @@ def file_names(names: Iterable[str]) -> list[str]:
 
 
 def write_file(target: Path, content: str | bytes, *, overwrite: bool) -> None:
-    """Write a whole file or none; OutputError if it exists (unless `overwrite`) or cannot be."""
+    """Write a file atomically; OutputError if it exists (without `overwrite`) or on failure."""
     try:
         if target.is_dir():
             raise OutputError(f"{target}: is a directory; name a file (-o FILE for a command)")

@@ -1,4 +1,4 @@
-"""How many threads BLAS may use in a process of this program."""
+"""Number of threads that BLAS uses in a process."""
 
 import os
 
@@ -13,10 +13,10 @@ VARIABLES = (
 
 
 def one_blas_thread() -> None:
-    """Let BLAS use one thread, unless the environment says otherwise; before numpy is imported.
+    """Limit BLAS to one thread unless the environment sets a number; call before numpy is imported.
 
-    Its products are small here: with more threads they are no faster, and the threads wait for
-    each other in loops that take the processors from everything else.
+    The matrix products are small: more threads make them no faster, and waiting threads occupy
+    the processors.
     """
     for variable in VARIABLES:
         os.environ.setdefault(variable, "1")

@@ -1,4 +1,4 @@
-"""TOML files: read with clear faults, entries with their sources, models written back."""
+"""TOML files: reading with clear errors, entries with sources, writing of models."""
 
 import re
 import tomllib
@@ -12,7 +12,7 @@ from thermobearing.border.errors import InputError, read_bytes, shortened
 from thermobearing.border.schema import SOURCED, Strict, find_unit
 from thermobearing.border.units import with_unit
 
-BITS = 63  # of a whole number in TOML, beside its sign
+BITS = 63  # of an integer in TOML, without its sign
 DEEPEST = 50  # tables in tables; a case comes to six
 LARGEST_FILE = 10_000_000  # bytes of TOML
 MOST_KEYS = 100_000  # keys and headers of tables in a file
@@ -37,7 +37,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def _check_keys(text: str, where: str) -> None:
-    """Refuse what takes a parser minutes: very many keys, and keys of very many parts."""
+    """Reject text that takes a parser minutes: too many keys, or keys of too many parts."""
     if text.count("=") + text.count("\n[") > MOST_KEYS:
         raise InputError(f"has more than {MOST_KEYS} keys", where)
     for number, line in enumerate(text.splitlines(), 1):
@@ -50,17 +50,17 @@ def _check_keys(text: str, where: str) -> None:
 
 
 def _check_sizes(table: dict[str, Any], where: str) -> None:
-    """Refuse what TOML does not promise to carry, and what no file of ours comes near.
+    """Reject integers of more than 64 bits and excessive nesting.
 
-    Whole numbers of more than 64 bits have no float and may have no text; dotted keys nest
-    without a limit, while what reads them calls itself.
+    Larger integers have no float and may have no text; dotted keys nest without a limit, while
+    the functions that read them are recursive.
     """
     level: list[tuple[str, Any]] = list(table.items())
     for _ in range(DEEPEST):
         inner: list[tuple[str, Any]] = []
         for key, value in level:
             if isinstance(value, int) and value.bit_length() > BITS:
-                raise InputError(f"{shortened(key)}: a whole number of more than 64 bits", where)
+                raise InputError(f"{shortened(key)}: an integer of more than 64 bits", where)
             if isinstance(value, dict):
                 inner += [(f"{key}.{name}", item) for name, item in value.items()]
             elif isinstance(value, list):

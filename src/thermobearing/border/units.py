@@ -1,4 +1,4 @@
-"""Units, parsed once at the border: "5 mm", "30.738 kN/mm", "-20 degC" -> plain numbers.
+"""Conversion of text with units ("5 mm", "30.738 kN/mm", "-20 degC") to plain numbers.
 
 Inside the package every number is in kN, mm, s, degC and J = kN mm. pint does the
 conversions; it is imported only when a quantity is actually parsed.
@@ -28,12 +28,12 @@ _NUMBER_AND_UNIT = re.compile(
 _UNIT = re.compile(r"^(?:[^\W\d]|[°℃%²³⁻¹·*/() ]|\^?-?\d(?!\s*(?:\d|\^|\*\*)))+$")
 _POWER = re.compile(r"(?<=[A-Za-z])(?=[234](?!\d))")  # m2 means m^2
 LONGEST = 200  # characters of a number with its unit
-# Without other limits: a size beyond this is a slip in a unit or an exponent, and so is a
+# Without other limits: a size beyond this is an error in a unit or an exponent, and so is a
 # number that must be positive and is less than its inverse.
 HUGEST = 1e12
 CUBIC_MM_PER_CUBIC_M = 1e9
 NEWTON_PER_KILONEWTON = 1e3
-# What a person may write for a unit that pint spells otherwise.
+# Spellings of units that differ from those of pint.
 _SPELLINGS = {"°C": "degC", "C": "degC", "℃": "degC", "%": "percent"}
 
 
@@ -58,7 +58,7 @@ def conversion(unit: str, target: str) -> tuple[float, float]:
 
 @cache
 def _usual() -> dict[str, dict[str, float]]:
-    """What to multiply the usual units by, by wanted unit and unit."""
+    """Return factors of common units, by wanted unit and given unit."""
     table = resources.files("thermobearing") / "data" / "units" / "usual.toml"
     found: dict[str, dict[str, float]] = tomllib.loads(table.read_text(encoding="utf-8"))["factors"]
     return found
@@ -70,7 +70,9 @@ def _converted(unit: str, target: str) -> tuple[float, float]:
 
     registry = _registry()
     spelled = _POWER.sub("^", _SPELLINGS.get(unit, unit))
-    unknown = InputError(f'unknown unit "{shortened(unit)}"; expected {target} or a unit like it')
+    unknown = InputError(
+        f'unknown unit "{shortened(unit)}"; expected {target} or a compatible unit'
+    )
     if not _UNIT.match(spelled):
         raise unknown
     try:
@@ -86,7 +88,9 @@ def _converted(unit: str, target: str) -> tuple[float, float]:
     except (RecursionError, SyntaxError, TypeError, ValueError, tokenize.TokenError):
         raise unknown from None
     if angular and target == "Hz":
-        raise InputError(f'unit "{unit}" counts angles; give cycles per second, in {target}')
+        raise InputError(
+            f'unit "{unit}" is an angular frequency; give cycles per second, in {target}'
+        )
     if zero != 0.0 and target != "degC":
         raise InputError(f'"{unit}" is a temperature; a difference is given in {target}')
     scale = 1.0 if spelled == target else one - zero
@@ -103,9 +107,11 @@ def parse_quantity(text: str, unit: str) -> float:
     if match is None:
         raise InputError(f'"{shortened(text)}" is not a number with a unit, such as "1.5 {unit}"')
     if not match["unit"]:
-        raise InputError(f'"{text}" has no unit; write "{text.strip()} {unit}" if that is meant')
+        raise InputError(
+            f'"{text}" has no unit; write "{text.strip()} {unit}" if this is the intended unit'
+        )
     if match["unit"].startswith(","):
-        raise InputError(f'"{shortened(text)}": decimals take a point, as in "1.5 {unit}"')
+        raise InputError(f'"{shortened(text)}": use a decimal point, as in "1.5 {unit}"')
     scale, offset = conversion(match["unit"], unit)
     value = float(match["number"]) * scale + offset
     if not math.isfinite(value):
@@ -117,7 +123,7 @@ def with_unit(value: float, unit: str) -> str:
     """Return the text that `parse_quantity` reads back to the same bits."""
     try:
         return f"{float(value) + 0.0!r} {unit}"  # no -0.0, which is read as 0.0
-    except OverflowError:  # a whole number beyond doubles
+    except OverflowError:  # an integer beyond doubles
         return f"{'-' if value < 0 else ''}inf {unit}"
 
 
@@ -125,26 +131,26 @@ LARGEST = int(np.finfo(np.float64).max)
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value is one plain number that a double can hold; true and false are none."""
+    """Return whether a value is a plain number within the range of a double; booleans are not."""
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         return False
     return isinstance(value, float | np.floating) or abs(int(value)) <= LARGEST
 
 
 def one_or_several(given: Any) -> list[Any]:
-    """Return the items of a list, or the one thing that was given alone."""
+    """Return the items of a list, or a list of a single value."""
     if isinstance(given, Iterable) and not isinstance(given, str | bytes | Mapping):
         return list(given)
     return [given]
 
 
 def refuse_hidden(values: Any, what: str) -> None:
-    """Refuse what numpy would silently take apart: masked values, and imaginary parts."""
+    """Reject masked values and complex numbers, which numpy would convert silently."""
     listed = values if isinstance(values, list | tuple) else ()
     if np.ma.is_masked(values) or any(value is np.ma.masked for value in listed):
-        raise InputError(f"{what}: values are masked; fill them, or cut the record there")
+        raise InputError(f"{what}: values are masked; fill them, or cut the record before them")
     if np.iscomplexobj(values) or any(isinstance(value, complex) for value in listed):
-        raise InputError(f"{what}: the numbers are complex; give their real part if it is meant")
+        raise InputError(f"{what}: the numbers are complex; give the real part if that is intended")
 
 
 def number_list(values: Any, what: str) -> Floats:

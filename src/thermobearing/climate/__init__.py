@@ -1,4 +1,4 @@
-"""Weather by the hour: real files, synthetic series of a climate, an hour for an earthquake."""
+"""Hourly weather: files, synthetic series of a climate, and hours of earthquakes."""
 
 from thermobearing.border.deprecated import find_moved
 

@@ -1,13 +1,13 @@
-"""A climate as data, and hourly weather made up from it: seasons, days, weather, cold spells.
+"""Climates as data, and a stochastic generator of hourly weather: seasons, days, cold spells.
 
     T(t) = M(t) + R(t)/2 c(h) + S(t) w(t) + S_s w_s(t) - spells(t) + their mean
 
 M is linear between the middles of months and has the monthly means; c(h) is two half cosines
 between the coldest and the warmest hour of the day; w and w_s are autoregressive of the first order
 (an hour of white noise keeps exp(-1 h/memory)), of variance one: the weather of days, and whether a
-season is a mild one. Spells come as a Poisson process in their months; each deepens and fades as
-sin^2 over its length; depth and length have gamma distributions. What all spells take from the
-mean on average is given back, so that the monthly means stay as given.
+season is mild. Cold spells are a Poisson process in their months; each deepens and fades as
+sin^2 over its length; depth and length have gamma distributions. The mean effect of all spells is
+added back, so that the monthly means stay as given.
 """
 
 from pathlib import Path
@@ -26,8 +26,8 @@ from thermobearing.core.records import Floats, Ints
 DAYS = np.array([31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31])
 FIRST_DAY = np.concatenate([[0], np.cumsum(DAYS)[:-1]])
 MONTH_OF = np.repeat(np.arange(12), DAY * DAYS)  # of each hour of the year, from 0
-YEAR = 365 * DAY  # of the tables below: 29 February is as the day before [h]
-BEGINS = np.datetime64("2001-07-01T00", "h")  # so that winters are whole
+YEAR = 365 * DAY  # of the tables below: 29 February equals the day before [h]
+BEGINS = np.datetime64("2001-07-01T00", "h")  # so that winters are complete
 LEAD_IN = 90 * DAY  # before the first hour, for spells that began earlier
 SHAPE = 4.0  # of the gamma distributions of depth and length: half the mean as deviation
 LENGTHS = 400  # of spells, that their mean is taken over
@@ -40,7 +40,7 @@ Month = Annotated[int, Field(ge=1, le=12)]
 
 
 class ColdSpells(Strict):
-    """Days of cold on top of the usual weather: mean number, depth [K] and length [h]."""
+    """Cold spells added to the usual weather: mean number, depth [K] and length [h]."""
 
     months: Annotated[tuple[Month, ...], Field(min_length=1, max_length=12)]
     per_year: Annotated[float, Field(ge=0, le=50)]
@@ -56,7 +56,7 @@ class ColdSpells(Strict):
 
 
 class Climate(Strict):
-    """What hourly weather is made up from; lists run from January to December.
+    """Parameters of the weather generator; lists run from January to December.
 
     `daily_range` is the mean difference of the warmest and the coldest hour of a day; the
     deviations are standard deviations, and their memory the time in which the correlation falls to
@@ -91,7 +91,7 @@ def list_climates() -> list[str]:
 
 
 def load_climate(name_or_path: str | Path) -> Climate:
-    """Return a climate of the library by name, or one of your own from a TOML file."""
+    """Return a climate of the library by name, or from your own TOML file."""
     table, where = CLIMATES.read(name_or_path)
     return validated(Climate, table, where)
 
@@ -101,7 +101,7 @@ def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int =
 
     Parameters
     ----------
-    climate : a name, a path, or what `load_climate` returns.
+    climate : a name, a path, or a climate from `load_climate`.
     years : from 1 July to 30 June, 1 to 1000.
     seed : of the random numbers, 0 or more.
 
@@ -118,7 +118,7 @@ def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int =
     known = climate if isinstance(climate, Climate) else load_climate(climate)
     hours = _hours(years)
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise InputError(f"seed = {seed!r}: must be a whole number of 0 or more", known.name)
+        raise InputError(f"seed = {seed!r}: must be an integer of 0 or more", known.name)
     random = np.random.default_rng(seed)
     dates = BEGINS - np.timedelta64(LEAD_IN, "h") + np.arange(LEAD_IN + hours)
     place = _hour_of_year(dates)
@@ -136,13 +136,13 @@ def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int =
 
 def _hours(years: int) -> int:
     if isinstance(years, bool) or not isinstance(years, int) or not 1 <= years <= 1000:
-        raise InputError(f"years = {years!r}: must be a whole number of 1 to 1000")
+        raise InputError(f"years = {years!r}: must be an integer from 1 to 1000")
     later = BEGINS.astype("datetime64[M]") + 12 * years
     return int((later.astype("datetime64[h]") - BEGINS) // np.timedelta64(1, "h"))
 
 
 def _hour_of_year(dates: Dates) -> Ints:
-    """Return the place of each date in a common year, 0 to 8759; 29 February is as the 28th."""
+    """Return the index of each date in a common year, 0 to 8759; 29 February equals the 28th."""
     months = dates.astype("datetime64[M]")
     month = months.astype(np.int64) % 12
     into = ((dates - months.astype("datetime64[h]")) // np.timedelta64(1, "h")).astype(np.int64)
@@ -158,7 +158,7 @@ def _through_year(monthly: Any) -> Floats:
 
 
 def _seasonal(climate: Climate) -> Floats:
-    """Return what is expected at each hour of a common year [degC]; monthly means are exact."""
+    """Return the expected temperature at each hour of a year [degC]; monthly means are exact."""
     units = np.array([_through_year(row) for row in np.eye(12)])
     means = np.array([[row[m == MONTH_OF].mean() for row in units] for m in range(12)])
     curve = np.linalg.solve(means, np.asarray(climate.monthly_mean)) @ units
@@ -194,12 +194,12 @@ def _spell_rate(known: ColdSpells) -> Floats:
 
 
 def _shape(since: Floats, length: float | Floats) -> Floats:
-    """How far a spell has come to its depth, some hours after it began."""
+    """Return the share of its depth that a spell has reached some hours after it began."""
     return np.where(since < length, np.sin(np.pi * since / length) ** 2, 0.0)
 
 
 def _mean_of_spells(known: ColdSpells) -> Floats:
-    """Return what all spells take from each hour of the year on average [K]."""
+    """Return the mean reduction by all spells at each hour of the year [K]."""
     from scipy.stats import gamma
 
     shares = (np.arange(LENGTHS) + 0.5) / LENGTHS
@@ -211,7 +211,7 @@ def _mean_of_spells(known: ColdSpells) -> Floats:
 
 
 def _spells(known: ColdSpells, place: Ints, random: np.random.Generator) -> Floats:
-    """Return what spells take from each hour of a series with these places in the year."""
+    """Return the reduction by random spells at each hour of a series [K]."""
     rate = _spell_rate(known)[place]
     may = np.flatnonzero(rate > 0.0)
     taken = np.zeros(len(place))

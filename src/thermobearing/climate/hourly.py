@@ -1,4 +1,4 @@
-"""Temperature of the air hour by hour, and the hours that an earthquake may come at."""
+"""Hourly ambient temperature, and the hours at which an earthquake may occur."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -22,15 +22,15 @@ MOST_HOURS = 10_000_000  # a thousand years
 
 @dataclass(frozen=True)
 class Hourly:
-    """Air temperature at full hours in a row.
+    """Ambient temperature at consecutive full hours.
 
     Attributes
     ----------
     temperature : at hour 0, 1, 2, ... [degC], in [-100, 100]; linear between the hours.
     begins : date of hour 0, where the file has dates.
-    recurs : a typical year: before its first hour was its last.
-    name : what it is called in messages and figures.
-    assumptions : what its file did not state.
+    recurs : a typical year: its last hour precedes its first.
+    name : for messages and figures.
+    assumptions : properties that its file did not state.
 
     Raises
     ------
@@ -89,7 +89,7 @@ class Hourly:
         return np.asarray(self.dates.astype("datetime64[M]").astype(np.int64) % 12 + 1)
 
     def before(self, hour: int, history: float) -> Ambient:
-        """The air of the hours before an earthquake, which comes at the end of the series.
+        """Return the ambient temperature before an earthquake at the end of the series.
 
         Parameters
         ----------
@@ -108,12 +108,12 @@ class Hourly:
         return Ambient(HOUR * np.arange(back + 1.0), air)
 
     def hours_at(self, shares: Floats, history: float = 0.0) -> Ints:
-        """Hours that an earthquake comes at, all as probable, from shares of their number.
+        """Return equally probable hours of an earthquake, from uniform numbers.
 
         Parameters
         ----------
         shares : uniform numbers in [0, 1), of any design: random, Latin hypercube, Sobol.
-        history : hours that are to be known before each of them [h].
+        history : required length of the series before each hour [h].
 
         Examples
         --------
@@ -133,7 +133,7 @@ class Hourly:
         return np.asarray(np.minimum(found, len(self) - 1))
 
     def full_hours(self, history: float) -> int:
-        """A history in full hours, rounded up; InputError for what is none."""
+        """Return a history in full hours, rounded up; InputError if it is not positive."""
         if not is_number(history) or not 1.0 <= history <= MOST_HOURS:
             raise InputError(f"history = {history!r}: must be 1 to {MOST_HOURS} h", self.name)
         return int(np.ceil(history - 1e-9))

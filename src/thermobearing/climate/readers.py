@@ -21,7 +21,7 @@ from thermobearing.tables.text import LARGEST_FILE, read_text
 FIRST = "LOCATION,"  # of an EPW file
 DRY_BULB, MINUTE = 6, 4  # columns, from 0
 MISSING = 99.9  # [degC] or more
-LONGEST_GAP = 6  # hours that a straight line may stand for
+LONGEST_GAP = 6  # longest gap that is interpolated [h]
 COMMON_YEAR, LEAP_YEAR = 2001, 2004  # of dates without meaningful years
 
 
@@ -32,11 +32,11 @@ def read_weather(path: str | Path) -> Hourly:
     ----------
     path : `.epw`; or text or `.xlsx` with a column `time` (dates with times in one zone without
         summer time, or hours, days, seconds with their unit) and one `temperature_degC`. Readings
-        that are not at full hours from the first are put there on straight lines.
+        that are not at full hours from the first are interpolated linearly.
 
     Returns
     -------
-    Hourly : an EPW file of a whole year recurs, a table does not.
+    Hourly : an EPW file of a complete year recurs, a table does not.
 
     Raises
     ------
@@ -68,19 +68,19 @@ def read_weather(path: str | Path) -> Hourly:
     if gaps.max() > LONGEST_GAP * HOUR:
         k = int(np.argmax(gaps))
         raise InputError(
-            f"{gaps[k] / HOUR:g} h without a reading after reading {k + 1}; a straight line may "
-            f"stand for {LONGEST_GAP} h",
+            f"{gaps[k] / HOUR:g} h without a reading after reading {k + 1}; gaps are "
+            f"interpolated up to {LONGEST_GAP} h",
             str(path),
         )
     hours = np.arange(np.floor((time[-1] - time[0]) / HOUR + 1e-6) + 1.0)
     air = np.interp(time[0] + HOUR * hours, time, values)
     even = len(hours) == len(time) and bool(np.allclose(gaps, HOUR, rtol=1e-6))
-    notes = () if even else ("readings lie on straight lines between full hours from the first",)
+    notes = () if even else ("readings were interpolated linearly to full hours from the first",)
     return Hourly(air, found.begins, False, path.stem, notes)
 
 
 def read_air(path: str | Path) -> Ambient:
-    """Return air in time from any file that `read_weather` reads; of a table its own readings."""
+    """Return ambient temperature in time from any weather file; readings of a table are kept."""
     if not _is_epw(Path(path)):
         return Ambient.from_csv(path)
     weather = _read_epw(Path(path))
@@ -97,13 +97,13 @@ class _Line(NamedTuple):
 
 
 def _is_epw(path: Path) -> bool:
-    """Whether a file is one of building simulation, by its ending or its first word."""
+    """Return whether a file is an EPW file, by its ending or its first word."""
     begins = read_bytes(path, LARGEST_FILE).lstrip().upper()
     return path.suffix.lower() == ".epw" or begins.startswith(FIRST.encode())
 
 
 def _read_epw(path: Path) -> Hourly:
-    """The dry-bulb temperature of an EPW file; a whole year, as most of them are, recurs."""
+    """Return the dry-bulb temperature of an EPW file; a complete year (the usual case) recurs."""
     text = read_text(path)
     if not text.lstrip().upper().startswith(FIRST):
         raise InputError(f'is not an EPW file: its first line must begin with "{FIRST}"', str(path))
@@ -122,8 +122,8 @@ def _read_epw(path: Path) -> Hourly:
     begins = dates[0]
     year = begins.astype("datetime64[Y]")
     later = (year + 1).astype("datetime64[h]") + (begins - year.astype("datetime64[h]"))
-    whole = dates[-1] + np.timedelta64(1, "h") == later
-    return Hourly(values, begins, bool(whole), place or path.stem, (*notes, *filled))
+    full_year = dates[-1] + np.timedelta64(1, "h") == later
+    return Hourly(values, begins, bool(full_year), place or path.stem, (*notes, *filled))
 
 
 def _line(number: int, row: str) -> _Line | None:
@@ -144,7 +144,7 @@ def _line(number: int, row: str) -> _Line | None:
 
 
 def _dates(lines: list[_Line]) -> tuple[Dates, list[str]]:
-    """Dates of the lines as they are, or of a year of no meaning where months are of several."""
+    """Return the dates of the lines, or of a typical year if months are of several years."""
     hour = np.timedelta64(1, "h")
     leap = any((line.month, line.day) == (2, 29) for line in lines)
     nominal = LEAP_YEAR if leap else COMMON_YEAR
@@ -175,7 +175,7 @@ def _date(line: _Line, year: int) -> np.datetime64:
 
 
 def _filled_gaps(values: Floats, first: int = 0) -> tuple[Floats, list[str]]:
-    """Missing hours on straight lines between those that are there, and a sentence about them.
+    """Interpolate missing hours linearly, and return a sentence about them.
 
     99.9 degC and more, or not a number, is missing; `first` is the line of the first value.
     """
@@ -189,9 +189,9 @@ def _filled_gaps(values: Floats, first: int = 0) -> tuple[Floats, list[str]]:
     if lengths.max() > LONGEST_GAP:
         k = int(np.argmax(lengths > LONGEST_GAP))
         raise InputError(
-            f"line {first + edges[2 * k] + 1}: no temperature for {lengths[k]} h in a row; a "
-            f"straight line may stand for {LONGEST_GAP} h"
+            f"line {first + edges[2 * k] + 1}: no temperature for {lengths[k]} h in a row; "
+            f"gaps are interpolated up to {LONGEST_GAP} h"
         )
     known = np.flatnonzero(~missing)
     values = np.interp(np.arange(len(values)), known, values[known])
-    return values, [f"{missing.sum()} hours without a temperature lie on straight lines"]
+    return values, [f"{missing.sum()} hours without a temperature were interpolated linearly"]

@@ -71,7 +71,7 @@ def check_file(path: Path) -> Checked:
     """Kind of a TOML file, its main facts, and numbers that usual ones do not have.
 
     Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
-    beside a CSV), "earthquake case", "study", "sequence case", "design case", "case" of a cyclic
+    next to a CSV), "earthquake case", "study", "sequence case", "design case", "case" of a cyclic
     test, and those of the package's own data.
     """
     table, _ = split_sources(read_toml(path))

@@ -32,7 +32,11 @@ def _intake(
         ),
     ],
     beside: Annotated[
-        bool, option("--beside", help="Put each sidecar beside its file too; never over one.")
+        bool,
+        option(
+            "--beside",
+            help="Also write each sidecar next to its file; existing ones are never replaced.",
+        ),
     ],
     end: Printed,
 ) -> Answer:

@@ -136,18 +136,18 @@ class _Lazy(Command):
     """A command whose options are made when it is used."""
 
     @cached_property
-    def whole(self) -> Any:
+    def full(self) -> Any:
         """The command with its options."""
         app = typer.Typer(
             add_completion=False, rich_markup_mode="markdown", pretty_exceptions_enable=False
         )
-        whole = self.callback.make()  # type: ignore[union-attr]
-        app.command(self.name, cls=Command, epilog=self.epilog)(whole)
+        full = self.callback.make()  # type: ignore[union-attr]
+        app.command(self.name, cls=Command, epilog=self.epilog)(full)
         return typer.main.get_command(app)
 
     def make_context(self, info_name: Any, args: Any, parent: Any = None, **extra: Any) -> Any:
         """Parse the words of the whole command."""
-        return self.whole.make_context(info_name, args, parent, **extra)
+        return self.full.make_context(info_name, args, parent, **extra)
 
 
 def _whole(function: Callable[..., Answer], made: Sequence[Fields]) -> Callable[..., None]:

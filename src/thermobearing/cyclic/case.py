@@ -1,7 +1,7 @@
 """A displacement-controlled test as data: bearing, steps, options, initial state and rig.
 
 The same record is read from CASE.toml, built by `run(...)` in Python, and written as
-case.resolved.toml beside every result; running that file again gives the same bits.
+case.resolved.toml in every result; running that file again gives the same bits.
 """
 
 import tomllib
@@ -67,7 +67,7 @@ class InitialState:
     ----------
     temperature : uniform, or one per cell, upper face first [degC]; the ambient temperature by
         default.
-    lead : temperature of the lead [degC]; that of the cells beside it by default.
+    lead : temperature of the lead [degC]; that of the adjacent cells by default.
     result : an earlier result of the same bearing (of `run`, `hybrid` or `bridge`), or its
         directory: the bearing goes on where that one ended, with temperatures, forces and all
         memory. Or its state, from `end_state`.
@@ -148,7 +148,7 @@ def left_by(data: xr.Dataset, bearing: Bearing, ambient: list[float], where: str
     name, fault = _whose(data, bearing)
     try:
         state = final_state(data, ambient, name)
-        if fault and state.whole:
+        if fault and state.complete:
             raise InputError(fault)
     except InputError as error:
         raise InputError(error.lines("initial_result"), where) from None
@@ -348,7 +348,7 @@ class Case(Strict):
 
     bearing: Bearing
     test: CyclicTest
-    ambient: Annotated[Ambients, Field(min_length=1, max_length=1000)]  # each is a run of its own
+    ambient: Annotated[Ambients, Field(min_length=1, max_length=1000)]  # each is a separate run
     # CSV file with time and temperature of the air, instead of `ambient`
     ambient_series: Annotated[str, Field(min_length=1)] | None = None
     initial: Temperature | None = None  # uniform; None: the ambient temperature
@@ -400,7 +400,7 @@ class Case(Strict):
 
 
 def load_case(path: str | Path, **overrides: Any) -> Case:
-    r"""A case from TOML; `bearing` may be a name, a file beside the case, or a table.
+    r"""A case from TOML; `bearing` may be a name, a file next to the case, or a table.
 
     Parameters
     ----------

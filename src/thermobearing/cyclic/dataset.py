@@ -59,7 +59,7 @@ class StackLabels(NamedTuple):
 
 
 def stack_labels(model: BearingModel) -> StackLabels:
-    """Return the labels of the layers and cells; a single cell stands for the whole bearing."""
+    """Return the labels of the layers and cells; a single cell represents the full bearing."""
     stack, constants = model.stack, model.constants
     layers = len(constants.multiplicity)
     branches = constants.lead.cores > 0.0 or constants.viscous.stiffness > 0.0
@@ -206,10 +206,10 @@ def _collect_warnings(case: Case, segments: list[Segment], climates: list[Ambien
             "the ambient series was given in Python: case.resolved.toml has its first value only; "
             "give it as a CSV file (ambient_series) to be able to run the case again"
         )
-    if case.initial_state is not None and not case.initial_state.whole:
+    if case.initial_state is not None and not case.initial_state.complete:
         found.append(
             "the earlier result hands over temperatures only (it was written before results held "
-            "the whole state): rubber and lead begin unloaded and virgin, at zero displacement"
+            "the complete state): rubber and lead begin unloaded and virgin, at zero displacement"
         )
     x = np.concatenate([[case.starts_at], *(segment.x for segment in segments)])
     increment = float(np.abs(np.diff(x)).max()) / case.bearing.geometry.rubber_layers
@@ -239,7 +239,7 @@ def _compared_rows(
 ) -> dict[str, list[Row]]:
     """Compare each run with the limits of the rig and with the tests behind the bearing.
 
-    The speed is that of the whole test.
+    The speed is that of the complete test.
     """
     x = np.concatenate([[case.starts_at], *(segment.x for segment in segments)])
     dt = np.concatenate([segment.dt for segment in segments])

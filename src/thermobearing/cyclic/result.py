@@ -85,7 +85,7 @@ class Result(DatasetResult):
 
     @property
     def headline(self) -> str:
-        """What it is and how it ended, in a line."""
+        """Return the type and outcome of the result in a line."""
         ambient = ", ".join(f"{t:g}" for t in self.dataset["ambient"].values)
         steps = int(self.dataset["steps"].sum())
         return (

@@ -1,4 +1,4 @@
-"""The whole story in one file: a bearing, a test, an ambient temperature -> a result.
+"""Run cyclic tests: a bearing, a test, an ambient temperature -> a result.
 
     bearing -> stack of cells -> constants -> one coupled step, many times -> labelled dataset
 
@@ -97,7 +97,7 @@ def run(
 
     Raises
     ------
-    InputError : anything that cannot be used, named with what is allowed.
+    InputError : invalid input; the message names the key and the allowed range.
 
     Examples
     --------
@@ -128,8 +128,10 @@ def _as_test(test: CyclicTest | History | None) -> CyclicTest | None:
     try:
         times, displacements = test
     except (TypeError, ValueError):
-        told = f"test = {shortened(repr(test))}: give a CyclicTest, or two arrays, times [s] and "
-        raise InputError(f"{told}displacements [mm]", "run()") from None
+        message = (
+            f"test = {shortened(repr(test))}: give a CyclicTest, or two arrays, times [s] and "
+        )
+        raise InputError(f"{message}displacements [mm]", "run()") from None
     checked_history(times, displacements, None, "run(): test")
     lists = {
         "time_s": np.asarray(times, dtype=float).tolist(),

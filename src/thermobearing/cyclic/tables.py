@@ -46,11 +46,11 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
     All cycles of a short test are listed in brief too. Of the layer temperatures, the brief table
     holds only that of the innermost layer.
     """
-    cycles, whole = result.cycles, "each cycle"
+    cycles, cycles_shown = result.cycles, "each cycle"
     if brief and len(cycles) > MOST_ROWS // 3:
         group = _loadings(cycles)
         cycles = cycles[(group != group.shift()) | (group != group.shift(-1))].head(MOST_ROWS)
-        whole = "the first and the last cycle of each amplitude"
+        cycles_shown = "the first and the last cycle of each amplitude"
     area = float(result.dataset.attrs["area_mm2"])
     peak = np.maximum(cycles["stress_max_MPa"], -cycles["stress_min_MPa"]) * (area / 1e3)
     layers = [name for name in cycles.columns if name.startswith("rubber")]
@@ -72,7 +72,9 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
             marked[name] = [beyond_mark(rows, run_name(t), limit, float(v)) for t, v in pairs]
     note = f"{MEANINGS} {MARKED}." if any(map(any, marked.values())) else MEANINGS
     frame = cycles.assign(peak_force_kN=peak)
-    return make_table(frame, columns, f"Measures of {whole}", keys=3, marked=marked, note=note)
+    return make_table(
+        frame, columns, f"Measures of {cycles_shown}", keys=3, marked=marked, note=note
+    )
 
 
 def _loadings(cycles: pd.DataFrame) -> "pd.Series[Any]":

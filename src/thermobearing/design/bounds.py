@@ -96,10 +96,10 @@ def bounds_study(
     simple = make_earthquake_case(
         {"command": "bridge"}, "bounds", bearings=bounds, ambient=[warm], **common
     )
-    whole = make_earthquake_case(
+    full = make_earthquake_case(
         {"command": "bridge"}, "bounds", bearings=[bearing], ambient=list(ambient), **common
     )
-    studies = run_earthquake(simple), run_earthquake(whole)
+    studies = run_earthquake(simple), run_earthquake(full)
     coupled = studies[1].table
     left = {
         motion: " ".join(dict.fromkeys(" ".join(texts).split()))
@@ -131,11 +131,11 @@ def bounds_study(
         )
     found = pd.DataFrame(rows)
     found.attrs["tested_range"] = studies[1].tested_range.to_dict("records")
-    found.attrs["structure"] = whole.structure.name
+    found.attrs["structure"] = full.structure.name
     found.attrs["ended"] = [study.outcome for study in studies if study.outcome != "completed"]
     found.attrs["sentences"] = [study.sentence for study in studies if study.outcome != "completed"]
     found.attrs["ranges"] = calibration_ranges(bearing)
-    resolved = to_table(whole)
+    resolved = to_table(full)
     found.attrs["inputs"] = {
         **{name: resolved[name] for name in ("structure", "motions", "ambient", "analysis")},
         **{"strain": strain, "bearing": to_table(bearing), "sources": bearing.sources},

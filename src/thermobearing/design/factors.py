@@ -55,7 +55,7 @@ def _chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
     if not numbers or not all(
         isinstance(n, int | np.integer) and 1 <= n <= MOST_CYCLES for n in numbers
     ):
-        raise InputError(f"cycles = {numbers}: give whole numbers from 1 to {MOST_CYCLES}")
+        raise InputError(f"cycles = {numbers}: give integers from 1 to {MOST_CYCLES}")
     return tuple(sorted({int(n) for n in numbers}))
 
 
@@ -374,7 +374,7 @@ class Published(Strict):
 
 @cache
 def published() -> Published:
-    """Return factors of other sources and codes, with the source and whether it was read."""
+    """Return factors of other sources and codes, with citation and whether it was verified."""
     path = data_path("factors", "published.toml")
     return validated(Published, read_toml(path), str(path))
 
@@ -401,9 +401,9 @@ def coldest_factors(table: pd.DataFrame, strain: float) -> list[str]:
             if item.quantity == quantity
             and item.temperatures[0] <= coldest <= item.temperatures[-1]
         ]
-        beside = f"; beside it {', '.join(others)}" if others else ""
+        compared = f"; in addition {', '.join(others)}" if others else ""
         said.append(
             f"{quantity} on the coldest day, {coldest:g} degC: {mine}; largest of all "
-            f"x {worst['factor']:.2f} at {worst['ambient_degC']:g} degC{beside}"
+            f"x {worst['factor']:.2f} at {worst['ambient_degC']:g} degC{compared}"
         )
     return said

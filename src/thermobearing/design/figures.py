@@ -83,7 +83,7 @@ class DesignFigures(drawing.Figures):
         return figure
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure, by name of its file."""
+        """Return the function that draws each figure, by name of its file."""
         return {"rounds": self.rounds, "equal": self.equal}
 
 
@@ -100,7 +100,7 @@ class BoundsFigures(drawing.Figures):
         return draw_bounds(self._result.studies[name], title)
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure, by name of its file."""
+        """Return the function that draws each figure, by name of its file."""
         return {f"bounds-{n}": partial(self.demands, n) for n in self._result.studies}
 
 
@@ -164,7 +164,7 @@ class FactorFigures(drawing.Figures):
         return draw_scale(self._result.bearings[0], self._result.sizes[1])
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure, by name of its file."""
+        """Return the function that draws each figure, by name of its file."""
         scale = {"scale": self.sizes} if self._result.sizes is not None else {}
         return {"factors": self.factors} | scale
 
@@ -216,8 +216,8 @@ def _draw_demand(
     for temperature, colour, place in zip(temperatures, colours, places, strict=True):
         values = rows[f"coupled_{temperature:g}_degC"].to_numpy()
         top = np.fmax(top, values)
-        beside = at + place / len(temperatures)
-        ax.plot(beside, values, "o", color=colour, markeredgecolor="white", zorder=3)
+        shifted = at + place / len(temperatures)
+        ax.plot(shifted, values, "o", color=colour, markeredgecolor="white", zorder=3)
     look: drawing.Look = {"ha": "center", "va": "bottom", "textcoords": "offset points"}
     shown = rows.assign(part=rows.get("part", ""))[["envelope_over_coupled", "verdict", "part"]]
     for x, y, (ratio, verdict, part) in zip(at, top, shown.to_numpy(), strict=True):

@@ -315,7 +315,7 @@ def _design_pieces(saved: SavedResult) -> Pieces:
         checks=_design_checks(summary),
         rate_rows=summary.get("tested_range", []),
         assumptions=[
-            "The rounds run with a bilinear bearing, blind to temperature and rate; layered "
+            "The rounds run with a bilinear bearing, independent of temperature and rate; layered "
             "bearings are judged after them.",
             f"Of several motions counts {summary['peaks']['says']} ({summary['peaks']['source']}).",
             f"Sources of limits, {FOOTNOTE}.",

@@ -326,7 +326,7 @@ class BoundsReport(Result):
 
     @property
     def sentence(self) -> str:
-        """What the outcome means and what to try."""
+        """The meaning of the outcome and what to try."""
         return next(iter(self._attrs("sentences")), "")
 
     @property

@@ -1,6 +1,6 @@
 """The design loop of Fig. 6.4 for every group of bearing lines, bounds, temperature factors.
 
-    assume a displacement of each group -> size -> analyse the whole bridge -> compare -> again
+    assume a displacement of each group -> size -> analyse the bridge -> compare -> again
 
 One turn of the loop of `run_design` is `_one_turn`, and `_ended` says when to stop. `run_bounds`
 and `run_factors` gather what bounds.py and factors.py find into one result.
@@ -132,7 +132,7 @@ def sized(
 
 
 def _one_turn(case: DesignCase, number: int, assumed: Sequence[float]) -> Turn:
-    """Size every group for its displacement and analyse the whole bridge."""
+    """Size every group for its displacement and analyse the bridge."""
     groups = case.groups
     rounds, bearings = zip(
         *(sized(case, k, number, float(u)) for k, u in enumerate(assumed)), strict=True
@@ -181,7 +181,7 @@ def _ended(
             f"{one.difference:+.0%}: assumed {one.assumed:.0f}, found {one.found:.0f} mm."
             for one in far
         ]
-        tried = "Try thinner layers (the size jumps by whole layers), more rounds, or a larger "
+        tried = "Try thinner layers (the size changes by full layers), more rounds, or a larger "
         tried += "tolerance."
         return "not_converged", " ".join([*said, tried]), last
     return "", "", last
@@ -239,7 +239,7 @@ def run_design(
     """Size the bearings of a bridge: assume a displacement, size, analyse, compare, repeat.
 
     The found displacement of each group of lines replaces the assumed one (6.2.2) until all agree
-    within the tolerance, with the whole bridge analysed in every turn; see `Search`. Where no size
+    within the tolerance, with the bridge analysed in every round; see `Search`. Where no size
     of a group moves as far as it is sized for, the outcome is "two_sizes" with the safer of the
     two. Layered bearings are then judged on the bridge at every temperature of the case.
 

@@ -122,9 +122,9 @@ STRAIN_LIMIT, DUCTILITY_LIMIT = 2.5, 3.0  # Table 3.4, section 6.3.3
 
 
 class SizingRules(Strict):
-    """How a bearing is sized; the defaults give the source's bearing for its displacement.
+    """How a bearing is sized; the defaults give the bearing of Shen (2023) for its displacement.
 
-    As many layers as keep the design strain, then the smallest square plan (in whole steps)
+    As many layers as keep the design strain, then the smallest square plan (in full steps)
     with the second shape factor and under the stress. `strain_limit` and `ductility_limit` are
     what the largest strain and the pier's ductility are judged by, at every temperature.
     """

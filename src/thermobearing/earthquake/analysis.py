@@ -112,7 +112,7 @@ def bridge(
 
     Raises
     ------
-    InputError : anything that cannot be used, named with what is allowed.
+    InputError : invalid input; the message names the key and the allowed range.
 
     Examples
     --------
@@ -167,7 +167,7 @@ def hybrid(
 
     Raises
     ------
-    InputError : anything that cannot be used, named with what is allowed.
+    InputError : invalid input; the message names the key and the allowed range.
 
     Examples
     --------
@@ -196,8 +196,8 @@ def _table(
     weather = isinstance(ambient, str | Path)
     start = InitialState.of(initial)
     if start.temperature is not None or start.lead is not None:
-        told = "begins at the ambient temperature, or where an earlier result ends"
-        raise InputError(f"initial = {initial!r}: an earthquake {told}")
+        rule = "begins at the ambient temperature, or where an earlier result ends"
+        raise InputError(f"initial = {initial!r}: an earthquake {rule}")
     return {
         "bearings": bearing,
         "motions": motion,
@@ -262,7 +262,7 @@ def sweep(
     bearings = [as_bearing(item) for item in several]
     names = [item.name for item in bearings]
     if len(set(names)) < len(names):
-        raise InputError(f"bearing: each needs a name of its own; got {names}", "sweep()")
+        raise InputError(f"bearing: names must be unique; got {names}", "sweep()")
     parts = [run(item, test, ambient, **options).to_dataset() for item in bearings]
     return xr.concat(
         parts, pd.Index(names, name="bearing"), join="outer", data_vars="all", combine_attrs="drop"

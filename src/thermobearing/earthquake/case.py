@@ -192,8 +192,8 @@ def _ends(motions: list[tuple[dict[str, Any], GroundMotion]]) -> list[str]:
         [f"-x{table.get('factor', 1.0):g}" for table, _ in motions],
         [f"-{path.parent.name}" for path in paths],
     ]
-    told = [way for way in ways if len(set(way)) == len(way)]
-    return told[0] if told else [f"-{k}" for k in range(1, len(motions) + 1)]
+    unique = [way for way in ways if len(set(way)) == len(way)]
+    return unique[0] if unique else [f"-{k}" for k in range(1, len(motions) + 1)]
 
 
 Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]
@@ -246,7 +246,7 @@ def _lines_faults(lines: Sequence[OnLine], structure: Structure) -> list[str]:
     found += [f'lines: "{name}" is given more than once' for name in twice]
     if {item.line for item in lines if item.bearing is not None} >= set(names):
         found.append(
-            "lines: every line has a bearing of its own, and none is left for those of the case; "
+            "lines: every line has its own bearing, so bearings of the case are not used; "
             "leave one to bearings"
         )
     for item in lines:
@@ -402,7 +402,7 @@ class EarthquakeCase(Strict):
     ambient : temperatures of the air and of the bearings at the start [degC], in [-100, 100].
     weather : file with time and temperature, a table or EPW, that ends when the earthquake begins,
         instead of `ambient`. Faces and sides of the bearings then have other defaults.
-    duration : motions are cut to this [s], in [0.001, 1e6]; by default their whole length.
+    duration : motions are cut to this [s], in [0.001, 1e6]; by default their full length.
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
     initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
@@ -435,7 +435,7 @@ class EarthquakeCase(Strict):
 
     @property
     def modes(self) -> tuple[str, ...]:
-        """Modes of the laboratory, each a run of its own; one without a name if there is none."""
+        """Modes of the laboratory, each a separate run; one without a name if there is none."""
         return self.laboratory.mode if self.laboratory is not None else ("",)
 
     @property

@@ -42,7 +42,7 @@ NOTE_ROOM = 0.12  # of the height of a panel, for the values that are printed in
 FIRST, LAST = 0.05, 0.95  # of the Arias intensity
 MARGIN = 0.2  # of the strong part, on both sides: the answer of the structure comes later
 THIN, THICK = 0.6, 1.7  # lines of the outer and of the innermost layer
-WHOLE = ("bearing_force", "whole force", "#b5b5b5")
+TOTAL = ("bearing_force", "total force", "#b5b5b5")
 SHARES = (
     ("rubber_force", "rubber", "#0072B2"),
     ("lead_force", "lead cores", "#000000"),
@@ -448,7 +448,7 @@ class EarthquakeFigures(drawing.Figures):
     def shares(self) -> Figure:
         """Return shares of the force in the largest loop of the first motion, as Fig. 5.15.
 
-        Without a closed loop the whole history is drawn, and the panel says so.
+        Without a closed loop the full history is drawn, and the panel states it.
         """
         used: dict[str, str] = {}
 
@@ -464,18 +464,18 @@ class EarthquakeFigures(drawing.Figures):
                 ax.text(0.01, 0.985, why, transform=ax.transAxes, va="top", **look)
             bilinear = self._data.attrs.get(f"bilinear:{self._data['bearing'].values[run]}", 0)
             x = self._data["bearing_displacement"].values[run][inside].astype(float)
-            for name, label, colour in (WHOLE, *(BILINEAR if bilinear else SHARES)):
+            for name, label, colour in (TOTAL, *(BILINEAR if bilinear else SHARES)):
                 y = self._data[name].values[run][inside].astype(float)
                 if not y.any():  # the bearing has no such branch
                     continue
                 kept = drawing.thin_loops(x, y, max(np.ptp(x), 1e-12), max(np.ptp(y), 1e-12))
-                width = 2.4 if name == WHOLE[0] else 1.0
+                width = 2.4 if name == TOTAL[0] else 1.0
                 ax.plot(x[kept], y[kept], color=colour, linewidth=width, linestyle=self._line(run))
                 used[label] = colour
 
         what, labels = "shares of the force in the largest loop", (DISPLACEMENT, FORCE)
         figure = self._by_bearing(what, PANEL, labels, _draw, zero=True)
-        known = [label for _, label, _ in (WHOLE, *SHARES, *BILINEAR) if label in used]
+        known = [label for _, label, _ in (TOTAL, *SHARES, *BILINEAR) if label in used]
         self._legend(figure, [Line2D([], [], color=used[label], label=label) for label in known])
         return figure
 
@@ -605,8 +605,8 @@ class EarthquakeFigures(drawing.Figures):
         """
         data, table = self._data, self._table
         if "temperature" not in data:
-            told = 'the result holds no cells; run with keep = ["rubber", "cells"]'
-            raise InputError(f"profiles: {told}")
+            hint = 'the result holds no cells; run with keep = ["rubber", "cells"]'
+            raise InputError(f"profiles: {hint}")
         chosen = table[np.isfinite(data["depth"].values).any(axis=1)]
         shown = []  # the first motion, the first mode
         for label in ("motion", "mode"):
@@ -623,8 +623,8 @@ class EarthquakeFigures(drawing.Figures):
         ]
         columns = chosen["ambient_degC"].nunique()
         size = (max(5.5, 1.9 + 2.6 * columns), 0.9 + 4.0 * len(bearings))
-        whole = str(data.attrs["structure"]) + (f", {bearings[0]}" if len(bearings) == 1 else "")
-        title, names = f"{whole}: temperature through the height, {', '.join(shown)}", moments
+        subject = str(data.attrs["structure"]) + (f", {bearings[0]}" if len(bearings) == 1 else "")
+        title, names = f"{subject}: temperature through the height, {', '.join(shown)}", moments
         return draw_profile_panels(title, size, columns, drawn, [f"{one:g} s" for one in names])
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
@@ -689,8 +689,8 @@ def part_names(dataset: xr.Dataset) -> str:
     if "line" not in dataset.coords:
         return ""
     names = {part: str(dataset.attrs[part]) for part in ("line", "pier")}
-    told = [n if n.lower().startswith(part) else f"{part} {n}" for part, n in names.items()]
-    return ", ".join(told)
+    labels = [n if n.lower().startswith(part) else f"{part} {n}" for part, n in names.items()]
+    return ", ".join(labels)
 
 
 def select_part(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
@@ -728,7 +728,7 @@ def _strong_part(data: xr.Dataset, runs: Sequence[int], name: str = "") -> tuple
     """Return start and end [s] of what is shown of some runs of one motion.
 
     From 5 to 95 % of the Arias intensity and a fifth more on both sides, with the largest value
-    of the history `name`; the whole time without an acceleration of the ground.
+    of the history `name`; the full time without a ground acceleration.
     """
     starts, ends, lasts = [], [], []
     for run in runs:

@@ -45,7 +45,7 @@ MODES = {"rt": "in real time", "pd": "pseudo-dynamic"}
 DAMPING = {
     "modal": "a ratio for each mode of the structure without its bearings",
     "rayleigh": "Rayleigh, of the structure without its bearings",
-    "element": "a dashpot beside every spring and hinge",
+    "element": "a dashpot parallel to every spring and hinge",
     "source": "Rayleigh as in Shen (2023), of the structure on its bearings",
 }
 
@@ -73,8 +73,8 @@ def input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
         usual["method"] = "predictor-corrector"
     known: dict[str, str] = {}
     if in_weather(case):
-        told, known = outdoors()
-        usual |= told
+        outdoor, known = outdoors()
+        usual |= outdoor
     found["analysis"] = analysis_table(case["analysis"], EarthquakeAnalysis(**usual), known)
     return found
 
@@ -193,8 +193,8 @@ def _laboratory(case: Case) -> list[str]:
     scales = {float(line.get("scale", 1.0)) for line in case["structure"]["bearings"]}
     found = []
     if scales != {1.0}:
-        told = joined(f"1:{1.0 / scale:.3g}" for scale in sorted(scales))
-        found.append(f"The specimen stands for bearings of the structure at a scale of {told}.")
+        ratios = joined(f"1:{1.0 / scale:.3g}" for scale in sorted(scales))
+        found.append(f"The specimen represents bearings of the structure at a scale of {ratios}.")
     if "pd" in lab["mode"]:
         found.append(
             f"Pseudo-dynamic: the actuator moves at {quantity(lab['speed'])}, and the specimen "
@@ -290,7 +290,7 @@ def _governing(result: EarthquakeResult) -> str:
     force, pushed = _largest(result, "bearing_force_max_kN", "force_line")
     which = "a" if len(result.piers) else "the"
     pier, moved = _largest(result, "pier_displacement_max_mm", "displacement_pier")
-    told = [
+    phrases = [
         f"the largest shear strain is {percent(strain)} ({where})",
         f"the largest force of one bearing {number(force, '.4g')} kN"
         + (f" ({pushed})" if pushed != where else " (the same run)"),
@@ -300,11 +300,11 @@ def _governing(result: EarthquakeResult) -> str:
     hinge = "the hinge that turns most" if len(result.piers) else "its hinge"
     if ductility == ductility:
         if ductility > 1.0:
-            told.append(f"{hinge} yields, to a ductility of {ductility:.2f} ({bent})")
+            phrases.append(f"{hinge} yields, to a ductility of {ductility:.2f} ({bent})")
         else:
-            told.append(f"{hinge} does not yield (ductility {ductility:.2f} at most, {bent})")
+            phrases.append(f"{hinge} does not yield (ductility {ductility:.2f} at most, {bent})")
     many = f"Of {counted(result.runs, 'run')}, " if result.runs > 1 else ""
-    text = f"{many}{joined(told)}."
+    text = f"{many}{joined(phrases)}."
     return f"{text[:1].upper()}{text[1:]}"
 
 
@@ -401,8 +401,8 @@ def _ductilities(result: EarthquakeResult) -> list[Check]:
     for what, values in columns:
         if np.isfinite(values).any():
             place = int(np.nanargmax(values))
-            told = f"ductility of {what} ({plain(names[place])})"
-            found.append(Check(told, float(values[place]), 1.0, "", source, NOT_JUDGED))
+            label = f"ductility of {what} ({plain(names[place])})"
+            found.append(Check(label, float(values[place]), 1.0, "", source, NOT_JUDGED))
     return found
 
 
@@ -423,7 +423,7 @@ CAPTIONS = {  # in this order
     "shares": "Shares of rubber, lead and rate branch in the force of the largest loop.",
     "speed": "Loading speed of the specimen on its own clock.",
 }
-OF_ALL = ("peaks", "parts", "deck")  # figures of the whole structure
+OF_ALL = ("peaks", "parts", "deck")  # figures of the structure
 LARGEST = {  # figure: column of the table, words for those who do not see the figure
     "loops": ("bearing_strain_max", "largest shear strain {:.0%}"),
     "strain": ("bearing_strain_max", "largest shear strain {:.0%}"),

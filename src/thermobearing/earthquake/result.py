@@ -225,7 +225,7 @@ class EarthquakeResult(DatasetResult):
 
     @property
     def piers(self) -> pd.DataFrame:
-        """One row per run and pier: displacement, ductility of its own hinge, moment; likewise."""
+        """One row per run and pier: displacement, ductility of its hinge, moment; likewise."""
         return self._parts("pier_part", measures.PIERS)
 
     def _parts(self, dimension: str, columns: dict[str, str]) -> pd.DataFrame:
@@ -243,7 +243,7 @@ class EarthquakeResult(DatasetResult):
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader must know before using the numbers."""
+        """Warnings about the validity of the result."""
         said, energy = super().warnings, self.energy
         if "actuator_kN_mm" in energy:
             ratios = energy["actuator_kN_mm"] / energy["input_kN_mm"].clip(lower=LEAST_ENERGY)

@@ -152,12 +152,12 @@ def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
     ambient_degC; a row for each bearing and peak that is known. In a laboratory both modes count.
     """
     rows = []
-    whole = result.table
+    runs = result.table
     parts = {"": pd.DataFrame(), "line": result.lines, "pier": result.piers}
-    for bearing in dict.fromkeys(whole["bearing"]):
+    for bearing in dict.fromkeys(runs["bearing"]):
         for what, (part, own, plain) in GOVERNED.items():
             several = len(parts[part]) > 0
-            table, column = (parts[part], own) if several else (whole, plain)
+            table, column = (parts[part], own) if several else (runs, plain)
             mine = table[table["bearing"] == bearing]
             if column not in mine or not mine[column].notna().any():
                 continue
@@ -358,7 +358,7 @@ def comparison_table(results: "dict[str, EarthquakeResult]") -> pd.DataFrame:
 
     `results` are by the name of the model, the multi-layer one among them (`compare_models`). The
     columns hold the root mean square and largest temperature error of the outer layer, the inner
-    layer and the lead [K], over the whole run; the error of the largest rise of the inner layer
+    layer and the lead [K], over the run; the error of the largest rise of the inner layer
     [K] and whether the model underestimates it; the root mean square error of the force [% of
     the peak]; errors of peaks and of the largest loop [%]. A run that ended early, which its
     outcome says, is compared up to its end.

@@ -86,7 +86,7 @@ def make_identify_case(
         value = getattr(case, name)
         if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
             said = shortened(str(value)) if is_number(value) else "that"
-            raise InputError(f"{name} = {said}: must be a whole number from {least} to {most}")
+            raise InputError(f"{name} = {said}: must be an integer from {least} to {most}")
     chosen_groups(case.assumed)
     return case
 

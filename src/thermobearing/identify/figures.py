@@ -96,7 +96,7 @@ class IdentificationFigures(drawing.Figures):
         ]
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure, by name of its file."""
+        """Return the function that draws each figure, by name of its file."""
         shown = [self.loops, self.residuals, self.convergence, self.correlation, self.cycles]
         if any(panel.record.temperatures for panel in self._panels):
             shown.append(self.temperatures)
@@ -242,7 +242,7 @@ class IdentificationFigures(drawing.Figures):
         x, force = band.displacement, band.best
         most = float(np.abs(x).max())
         turns = turning_points(x, TURN * most)
-        for first, last in pairwise(turns):  # a leg for itself: the whole would fill the loops
+        for first, last in pairwise(turns):  # each leg separately
             leg = slice(first, last + 1)
             kept = first + drawing.thin_loops(x[leg], force[leg], 2.0 * most, 2.0 * band.peak)
             low, high = band.lower[kept], band.upper[kept]

@@ -180,7 +180,9 @@ def agreement_table(records: Sequence[Row]) -> Table:
             errors = [cycle[name] for cycle in record["cycles"]] or [float("nan")]
             row |= {f"{name}_least": min(errors), f"{name}_largest": max(errors)}
         rows.append(row)
-    note = "R² and NRMSE of the force over the whole test; errors of its cycles (model over test, "
+    note = (
+        "R² and NRMSE of the force over the complete test; errors of its cycles (model over test, "
+    )
     note += "less one) from the least to the largest."
     return make_table(pd.DataFrame(rows), caption="Agreement with the tests", keys=2, note=note)
 

@@ -219,7 +219,7 @@ class Identification(Result):
 
     @property
     def headline(self) -> str:
-        """What it is and how it ended, in a line."""
+        """Return the type and outcome of the result in a line."""
         free = ", ".join(
             f"{item.parameter.kind.symbol} = {item.value:.4g}"
             for item in self.uncertainty.estimates.values()
@@ -280,13 +280,13 @@ class Identification(Result):
 
     @property
     def sentence(self) -> str:
-        """What the outcome means and what to try; empty when it completed."""
+        """The meaning of the outcome and what to try; empty if completed."""
         sentence = SENTENCES.get(self.outcome, "")
         return f"{'; '.join(self.poor)}. {sentence}" if self.outcome == "poor_fit" else sentence
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader must know before using the numbers."""
+        """Warnings about the validity of the result."""
         said = [f.sentence for check in self.checks for f in check.findings if f.level != "note"]
         said = [warning for fit in self.fits for warning in fit._warnings] + said
         if not any(fit._virgin for fit in self.fits):  # which is the cause of the misfit

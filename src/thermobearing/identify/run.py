@@ -229,8 +229,8 @@ def _range_of_tests(
 ) -> Validity:
     """Return the range of each quantity in some tests, as the file of a bearing holds it.
 
-    Strains are those of the full cycles (of the whole test without any), over the total thickness
-    `rubber` [mm]; the temperature of the lead is the model's.
+    Strains are those of the full cycles (of the complete test if there are none), over the total
+    thickness `rubber` [mm]; the temperature of the lead is the model's.
     """
     strains, speeds = [], []
     for record in records:

@@ -1,4 +1,4 @@
-"""A laboratory's files looked at: what is in them, and the sidecar that describes it."""
+"""Inspection of laboratory files: their content, and a sidecar that describes it."""
 
 from thermobearing.border.deprecated import find_moved
 

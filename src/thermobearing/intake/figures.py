@@ -1,4 +1,4 @@
-"""Pictures of imported records: histories, loops and temperatures, with what was found marked."""
+"""Figures of inspected files: histories, loops and temperatures, with findings marked."""
 
 import math
 from collections.abc import Callable
@@ -27,13 +27,13 @@ class IntakeFigures(drawing.Figures):
     _result: Intakes
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each picture, by name of its file."""
+        """Return the function that draws each figure, by name of its file."""
         pairs = zip(self._result.names, self._result.files, strict=True)
         return {name: partial(draw_intake, item) for name, item in pairs}
 
 
 def draw_intake(found: Intake) -> Figure:
-    """Draw histories, loops and temperatures of one file, with what was found marked."""
+    """Draw histories, loops and temperatures of one file, with findings marked."""
     record, axis = found.record, time_axis(found)
     title = f"{printable(found.file.name)}: {found.rows} rows, {found.blocks} block(s)"
     figure, (way, force, loops, warm) = drawing.panels(2, 2, (drawing.WIDEST, 5.6), title)
@@ -49,7 +49,7 @@ def draw_intake(found: Intake) -> Figure:
 
 
 def time_axis(found: Intake) -> DrawnAxis:
-    """Return loadings to scale, rests shortened: those that were logged, and those that were not.
+    """Return a time axis with loadings to scale and rests shortened, logged or not.
 
     Ends of stretches are samples.
     """
@@ -78,7 +78,7 @@ def _places(axis: DrawnAxis, time: Floats) -> Floats:
 
 
 def _kept(axis: DrawnAxis, values: Floats) -> Ints:
-    """Samples to draw: as many of a stretch as it has room, so that rests do not take them all."""
+    """Return samples to draw, in proportion to the length of each stretch on the axis."""
     parts = []
     for s in axis.stretches:
         bins = math.ceil(BINS * s.width / axis.end)
@@ -93,7 +93,7 @@ def _name_axes(ax: Axes, axis: DrawnAxis, label: str, title: str) -> None:
 
 
 def _draw_history(ax: Axes, found: Intake, axis: DrawnAxis, name: str) -> None:
-    """One signal in time: rests shaded, spikes crossed, begins of blocks, the line of its drift."""
+    """Draw one signal: rests shaded, spikes crossed, starts of blocks, the line of its drift."""
     record, treatment, unit = found.record, found.treatment, UNITS[name]
     time, values = _places(axis, record.time), getattr(record, name)
     kept = _kept(axis, values)

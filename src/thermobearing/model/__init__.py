@@ -1,4 +1,4 @@
-"""A bearing becomes cells, layers and constants of the one coupled step."""
+"""Conversion of a bearing to cells, layers and constants of the coupled step."""
 
 from thermobearing.border.deprecated import find_moved
 

@@ -1,4 +1,4 @@
-"""From a bearing to the constants of the coupled step: where data meets physics."""
+"""Constants of the coupled step, computed from a bearing."""
 
 from collections.abc import Iterable
 from typing import Literal
@@ -32,14 +32,14 @@ from thermobearing.model.stack import (
     published_rates,
 )
 
-SLACK = 0.1  # beyond the range that nobody can measure [K]
-COLDER = -1e30  # where the first piece begins
+SLACK = 0.1  # beyond the range: below measurement accuracy [K]
+COLDER = -1e30  # lower bound of the first piece [degC]
 
 
 def _law_pieces(law: TemperatureLaw | None) -> Rows[LawPiece]:
     """Logarithms of the table's factors as cubics in T, piece by piece (Fritsch & Carlson 1980).
 
-    The first and last piece are straight lines that go on beyond the table with its slope there.
+    The first and last pieces are straight lines that extrapolate the table with its end slopes.
     """
     if law is None or law.temperatures is None:
         return rows(LawPiece, 0)  # the exponential law alone
@@ -67,9 +67,9 @@ def _law_pieces(law: TemperatureLaw | None) -> Rows[LawPiece]:
 def outside_law(
     name: str, law: TemperatureLaw | None, runs: Iterable[tuple[str, Floats, Floats]]
 ) -> list[str]:
-    """A sentence where rubber left the range in which its temperature law was identified.
+    """Return a warning if rubber left the range in which its temperature law was identified.
 
-    `name`: of the bearing; `law`: its temperature law; `runs`: of each what it is called, times [s]
+    `name`: of the bearing; `law`: its temperature law; `runs`: for each its label, times [s]
     and layer temperatures [degC], a row a time. A run with several bearings has one entry for each,
     under the same name, and counts once.
     """
@@ -92,8 +92,8 @@ def outside_law(
         return []
     runs_left = "1 run" if len(left) == 1 else f"{len(left)} runs"
     return [
-        f"{name}: the temperature law was identified at {low:g} to {high:g} degC, and is "
-        f"extrapolated in {runs_left}, where rubber layers are at {coldest:.1f} to {warmest:.1f} "
+        f"{name}: the temperature law was identified at {low:g} to {high:g} degC and is "
+        f"extrapolated in {runs_left}, where rubber layers reach {coldest:.1f} to {warmest:.1f} "
         f"degC, outside for at most {longest:.3g} s ({worst})"
     ]
 
@@ -121,7 +121,7 @@ def build_constants(
     small_loops: SmallLoops = "published",
     clock: Clock | None = None,
 ) -> Constants:
-    """The numbers one coupled step needs, from a bearing and its stack.
+    """Return the constants of the coupled step of a bearing and its stack.
 
     `lower` is None for a half stack: its last cell lies at the symmetry plane. `lead_ends`
     "finite-plate" needs lead and the conservative scheme. `clock` is that of `lead_clock`.
@@ -175,7 +175,7 @@ def build_constants(
 
 
 def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Constants:
-    """The same stack and heat cells with the rubber, lead and rate numbers of another bearing.
+    """Return constants of the same stack with rubber, lead and rate parameters of another bearing.
 
     For identification, where only those change from one evaluation to the next. The bearing
     must have the geometry and materials that `constants` and `stack` were built from.
@@ -184,7 +184,7 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
     integrator: Integrator = "euler" if rubber.integrator == EULER else "exact"
     bearing = exposed(bearing)
     lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
-    lead = lead._replace(clock_rate=constants.lead.clock_rate)  # whatever clock was chosen
+    lead = lead._replace(clock_rate=constants.lead.clock_rate)  # keep the chosen clock
     return constants._replace(
         rubber=_rubber(
             bearing, integrator, monotone=rubber.monotone, closed_loops=rubber.closed_loops
@@ -195,8 +195,8 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
 
 
 def lead_clock(lead: LeadCores, *, published: bool, asked: Clock | None = None) -> Clock:
-    """Whose diffusivity makes t+ dimensionless: as asked for, else as the bearing says, else that
-    of lead (Eq. 5.6 as printed) with the published scheme and of steel with the conservative one.
+    """Return whose diffusivity makes t+ dimensionless: as in the options, else the bearing, else
+    lead (Eq. 5.6 as published) with the published scheme and steel with the conservative one.
     """
     return asked or lead.clock or ("lead" if published else "steel")
 
@@ -204,7 +204,7 @@ def lead_clock(lead: LeadCores, *, published: bool, asked: Clock | None = None) 
 def _lead(
     bearing: Bearing, stack: Stack, *, published: bool, clock: Clock | None = None
 ) -> tuple[Lead, Floats, Floats]:
-    """Numbers of the lead cores, and their conductances to each cell: ends, sides (5.1-5.7)."""
+    """Return constants of the lead cores, and conductances to each cell: ends, sides (5.1-5.7)."""
     nothing = np.zeros(len(stack.part))
     given, material = bearing.lead, bearing.materials.lead
     if given is None or material is None:
@@ -237,7 +237,7 @@ def _lead(
 
 
 def _viscous(bearing: Bearing, *, heats: bool) -> Viscous:
-    """The rate-dependent branch; Shen (2023) leaves its work out of the heat."""
+    """Return the rate-dependent branch; Shen (2023) excludes its work from the heat."""
     if bearing.rate is None:
         return Viscous(0.0, 1.0, heats)
     return Viscous(bearing.rate.stiffness, bearing.rate.damping / bearing.rate.stiffness, heats)
@@ -246,7 +246,7 @@ def _viscous(bearing: Bearing, *, heats: bool) -> Viscous:
 def _rubber(
     bearing: Bearing, integrator: Integrator, *, monotone: bool, closed_loops: bool
 ) -> Rubber:
-    """Numbers of one rubber layer (Eq. 4.34-4.37)."""
+    """Return the constants of one rubber layer (Eq. 4.34-4.37)."""
     h, virgin = bearing.hysteresis, bearing.scragging
     return Rubber(
         layer_count=float(bearing.geometry.rubber_layers),

@@ -1,8 +1,8 @@
-"""Earlier models, each as a change of the constants of the one coupled step.
+"""Earlier models, each a modification of the constants of the coupled step.
 
-They are here for comparison (`thermobearing cyclic --compare`, or `model` in a case). None has
-a step of its own: a model that ignores conduction has rates of zero, one with a single
-temperature has a single cell, and so on. What the sources do not print is said beside it.
+They serve for comparison (`thermobearing cyclic --compare`, or `model` in a case). None has
+a separate step: a model that ignores conduction has zero rates, one with a single temperature
+has a single cell, and so on. Comments state assumptions where the publications give no value.
 """
 
 from collections.abc import Callable
@@ -39,14 +39,14 @@ Model = Literal[
     "bilinear",
 ]
 REFERENCE: Model = "multi-layer"  # that the others are compared with
-BLIND = ("temperature-blind", "bilinear")  # the rubber's stiffness has no temperature
-UNCHANGING = 1e12  # factor on heat capacities that keeps a temperature where it is
+BLIND = ("temperature-blind", "bilinear")  # rubber stiffness independent of temperature
+UNCHANGING = 1e12  # factor on heat capacities that keeps a temperature constant
 TIGHT = 1e6  # lead exchanges heat this fast with the single temperature [kN mm/(s K)]
 
 
 @dataclass(frozen=True)
 class BilinearParameters:
-    """Backbone of the whole bearing.
+    """Backbone of the bearing.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ def _lumped(constants: Constants, stack: Stack) -> Constants:
     return constants._replace(
         cells=cells,
         layer_cells=_one_cell(layers),
-        lead=constants.lead._replace(published=False),  # its slips are of layered cells
+        lead=constants.lead._replace(published=False),  # its misprints concern layered cells
         lead_cells=touching,
         source_rise=1.0 / capacity,
         side_implicit=True,
@@ -93,10 +93,10 @@ def _lumped(constants: Constants, stack: Stack) -> Constants:
 
 
 def _lumped_with_losses(constants: Constants, bearing: Bearing, stack: Stack) -> Constants:
-    """One temperature for the whole bearing, with losses: dT/dt = (dE/dt - dQ/dt) lambda.
+    """One temperature for the bearing, with losses: dT/dt = (dE/dt - dQ/dt) lambda.
 
-    Tan et al. (2023a), Eq. 2.12. Its layer law and its losses are not printed: the layer law
-    here is ours (Eq. 4.34 at the one temperature), heat leaves through half an outer rubber
+    Tan et al. (2023a), Eq. 2.12. Its layer law and losses are not published: the layer law
+    here is assumed (Eq. 4.34 at the single temperature); heat leaves through half an outer rubber
     layer and the plates beyond it to a face at ambient temperature, and through the sides.
     """
     one = _lumped(constants, stack)
@@ -123,12 +123,12 @@ def _unexchanging(cells: Cells) -> Cells:
 
 
 def _one_cell(layers: int) -> Rows[LayerCells]:
-    """Every layer has the temperature of the only cell."""
+    """All layers have the temperature of the single cell."""
     return filled(LayerCells, first=np.zeros(layers), last=1, upper_middle=0, lower_middle=0)
 
 
 def _temperature_blind(constants: Constants) -> Constants:
-    """Bouc-Wen with the stiffness of the reference temperature, whatever the weather.
+    """Bouc-Wen model with the stiffness of the reference temperature.
 
     Eq. 4.34 with m_T = n_T = 0, lead of constant strength. Temperatures are still computed.
     """
@@ -138,7 +138,7 @@ def _temperature_blind(constants: Constants) -> Constants:
 
 
 def _bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
-    """The bilinear model of design (Fig. 6.3), blind to temperature.
+    """The bilinear model of design (Fig. 6.3), temperature-independent.
 
     A linear spring K_2 and, in parallel, an elastic and perfectly plastic one of strength Q_d
     and stiffness K_1 - K_2, which are the branches of the lead here.
@@ -203,7 +203,7 @@ def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
 
 
 def _backbone_spring(parameters: BilinearParameters, fold: float) -> Lead:
-    """Elastic and perfectly plastic: strength Q_d, stiffness K_1 - K_2."""
+    """Return an elastic, perfectly plastic branch: strength Q_d, stiffness K_1 - K_2."""
     return Lead(
         cores=1.0,
         stiffness=parameters.initial - parameters.post_yield,
@@ -220,7 +220,7 @@ def _backbone_spring(parameters: BilinearParameters, fold: float) -> Lead:
 
 
 def isothermal(constants: Constants) -> Constants:
-    """Steel and rubber keep their temperature: the same with endless heat capacity."""
+    """Return the constants with infinite heat capacity of steel and rubber."""
     cells = _unexchanging(constants.cells)
     cells = cells._replace(capacity=cells.capacity * UNCHANGING)
     return constants._replace(cells=cells, source_rise=constants.source_rise / UNCHANGING)
@@ -232,7 +232,7 @@ def models_that_fit(bearing: Bearing) -> list[Model]:
 
 
 def needs_full_stack(model: Model) -> bool:
-    """Whether a model counts every layer once (one cell for all of them)."""
+    """Return whether a model has one cell for all layers."""
     return model in ("per-cycle", "single-temperature")
 
 
@@ -245,7 +245,7 @@ def apply_model(
 ) -> Constants:
     """Constants of an earlier model from those of the multi-layer one.
 
-    `backbone` makes the bilinear model of a bearing, which "bilinear" needs.
+    `backbone` computes the bilinear model of a bearing; needed for "bilinear".
     """
     if model == "adiabatic":
         return _adiabatic(constants)

@@ -1,8 +1,8 @@
-"""Trial, commit, revert: the step for anyone who searches for the displacement.
+"""Bearing element with trial, commit and revert, for iterative solvers.
 
 A structure's Newton iteration, or an outside finite element program, proposes
-displacements until it is satisfied; only then does the bearing move on. The wrapper keeps
-two states and calls the one coupled step; it adds no physics.
+displacements until it converges; only then is the state committed. The wrapper keeps two
+states and calls the coupled step; it adds no physics.
 """
 
 import copy
@@ -41,13 +41,13 @@ DEFAULT_AMBIENT = 23.0  # [degC]
 
 @dataclass(frozen=True)
 class Trial:
-    """Answer to one proposed displacement.
+    """Response to one trial displacement.
 
     Attributes
     ----------
     force : restoring force [kN], positive with positive displacement.
     tangent : its slope [kN/mm].
-    outcome : "completed", or what ended the step early.
+    outcome : "completed", or the reason why the step ended early.
     """
 
     force: float
@@ -61,12 +61,12 @@ class BearingElement:
     Parameters
     ----------
     bearing : a Bearing, a library name, or a TOML file.
-    ambient : temperature of the air [degC], in [-100, 100]: of the bearing too at the start,
-        unless `initial` says otherwise, and of the air in a trial that does not say its own.
+    ambient : ambient temperature [degC], in [-100, 100]: also that of the bearing at the start,
+        unless `initial` is given, and the default of each trial.
     initial : temperature at the start [degC], in [-100, 100]: uniform, or one per cell (upper
-        face first). Or where an earlier test left this bearing, from `tb.end_state`; its
-        energies begin anew.
-    initial_lead : lead temperature at the start [degC]; that of the cells beside it by default.
+        face first); or the state at the end of an earlier test, from `tb.end_state`, whose
+        energies restart at zero.
+    initial_lead : lead temperature at the start [degC]; that of the adjacent cells by default.
     model : `ModelOptions`, or the name of an earlier model (model/earlier.py) but "bilinear",
         whose constants `from_constants` takes; "multi-layer" by default.
     options : fields of `ModelOptions`, such as scheme or lead_ends.
@@ -114,7 +114,7 @@ class BearingElement:
         initial: float | Sequence[float] | NDArray[np.float64] | SpecimenState | None = None,
         initial_lead: float | None = None,
     ) -> Self:
-        """An element from constants of the coupled step: of a model changed by hand, say.
+        """Return an element from constants of the coupled step, such as those of a modified model.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class BearingElement:
     def _start_from(
         self, constants: Constants, ambient: float, initial: Any, initial_lead: float | None
     ) -> None:
-        """Memory for the states, all at the start."""
+        """Allocate the states at the start."""
         self._ambient = float(check_temperature(ambient, "ambient"))
         if initial_lead is not None:
             initial_lead = float(check_temperature(initial_lead, "initial_lead"))
@@ -178,13 +178,13 @@ class BearingElement:
         )
 
     def set_trial(self, x: float, dt: float, ambient: float | None = None) -> Trial:
-        """Displacement x [mm] after a step dt [s] from the committed state.
+        """Apply displacement x [mm] after a step dt [s] from the committed state.
 
         Parameters
         ----------
-        x : displacement of the upper face against the lower one [mm].
+        x : displacement of the upper face relative to the lower one [mm].
         dt : length of the step [s], > 0.
-        ambient : temperature of the air [degC]; that of the element by default.
+        ambient : ambient temperature [degC]; that of the element by default.
 
         Returns
         -------
@@ -192,7 +192,7 @@ class BearingElement:
 
         Raises
         ------
-        InputError : something else than a number, a step of no time, an air that is no air.
+        InputError : not a number, a step that is not positive, an ambient temperature out of range.
         """
         x, dt = _number("x", "mm", x), _number("dt", "s", dt)
         if not 0.0 < dt < HUGEST:
@@ -213,7 +213,7 @@ class BearingElement:
 
         Raises
         ------
-        InputError : it did not get through; the bearing is where it was, for another trial.
+        InputError : the trial did not complete; the committed state is unchanged.
         """
         if self._failed:
             raise InputError(
@@ -223,19 +223,19 @@ class BearingElement:
         copy_state(self._trial, self._committed)
 
     def revert_to_start(self) -> None:
-        """Back to where it began: a virgin bearing, or where an earlier test left it."""
+        """Reset to the initial state: a virgin bearing, or the end of an earlier test."""
         self._failed = ""
         copy_state(self._start, self._committed)
         copy_state(self._start, self._trial)
 
     def save(self) -> State:
-        """A copy of the committed state."""
+        """Return a copy of the committed state."""
         saved = new_state(self._constants, self._committed.temperature)
         copy_state(self._committed, saved)
         return saved
 
     def __copy__(self) -> Self:
-        """Return an element of its own: one that shared its states would move both."""
+        """Return an independent element with copies of the states."""
         twin: Self = copy.deepcopy(self)
         return twin
 
@@ -264,12 +264,12 @@ def element(
     model: ModelOptions | Model | None = None,
     **options: Unpack[ModelKeywords],
 ) -> BearingElement:
-    """Return a bearing with trial, commit and revert, for an integrator or program of your own.
+    """Return a bearing with trial, commit and revert, for your own integrator or program.
 
     Parameters
     ----------
     bearing : a Bearing, a library name, or a TOML file.
-    ambient : temperature of the air, and of the bearing at the start [degC], in [-100, 100].
+    ambient : ambient temperature, also of the bearing at the start [degC], in [-100, 100].
     initial, initial_lead, model, options : as of `BearingElement` [degC].
 
     Returns
@@ -294,7 +294,7 @@ def element(
 
 
 def _number(key: str, unit: str, value: Any) -> float:
-    """A number as a float; compiled code would take other types for another program."""
+    """Return a number as a float; other types would compile the kernels again."""
     if type(value) is float:
         return value
     if not is_number(value):

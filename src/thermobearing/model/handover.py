@@ -1,8 +1,7 @@
-"""A bearing where a test left it, as data: written into results and cases, and begun from.
+"""The state of a bearing at the end of a test: stored in results and cases, and used as a start.
 
-What the coupled step remembers (core/types.State) with names and units. Energies and the clock are
-counted anew by whoever begins; forces, displacements, temperatures and the memory of rubber and
-lead go on to the bit.
+It is core/types.State with names and units. Energies and the clock restart at zero; forces,
+displacements, temperatures and the history variables of rubber and lead continue bit for bit.
 """
 
 import math
@@ -17,7 +16,7 @@ from thermobearing.border.schema import Strict, in_unit
 from thermobearing.core.records import Floats
 from thermobearing.core.types import DEPTH, NEVER_MOVED, Constants, State, new_state
 
-# What a run may leave behind, beyond the limits of core/types.Limits and of the protocol.
+# Limits of a state, in addition to core/types.Limits and those of the protocol.
 MOST = 100_000  # layers, cells or terms
 Degrees = Annotated[float, in_unit("degC"), Field(ge=-273.15, le=2000)]
 Length = Annotated[float, in_unit("mm"), Field(ge=-1e6, le=1e6)]
@@ -55,7 +54,7 @@ PREFIX = "state_"  # of the variables in a dataset
 
 
 class SpecimenState(Strict):
-    """A bearing where an earlier test left it.
+    """The state of a bearing at the end of an earlier test.
 
     Attributes
     ----------
@@ -63,20 +62,20 @@ class SpecimenState(Strict):
     lead_temperature : of the lead [degC].
     layer_displacement, layer_hysteretic : d and Z of each modelled rubber layer [mm].
     layer_stored : recoverable energy of one layer [kN mm].
-    layer_farthest, layer_virgin : what virgin rubber remembers [mm], [1].
+    layer_farthest, layer_virgin : history variables of virgin rubber [mm], [1].
     core_force, maxwell_force : of one core, of the rate-dependent branch [kN].
     moving_for, resting_for : clock of the lead [s].
     lead_terms : excess temperatures of the terms of the lead's ends [K].
-    layer_turns : turning points that each layer remembers, 0 to 12, where small loops close.
+    layer_turns : number of turning points of each layer, 0 to 12, where small loops close.
     turn_displacement, turn_hysteretic : d and Z there [mm], the newest first and filled up with
         zeros, 12 of each layer.
     displacement, force : of the bearing [mm], [kN].
     rubber_force, lead_force, viscous_force : shares of the force [kN].
-    recoverable : energy the bearing would give back [kN mm].
+    recoverable : recoverable energy [kN mm].
     zero : displacement [mm] at which the instruments of the next test read zero; 0 by default.
 
-    Either all of them, turning points and `zero` apart, or, as results before 0.2 have them,
-    temperatures alone. Without turning points a run with closed small loops begins with none.
+    Give either all of them (turning points and `zero` are optional) or temperatures alone.
+    Without turning points a run with closed small loops begins with none.
     """
 
     temperature: Annotated[list[Degrees], Field(min_length=1, max_length=MOST)]
@@ -112,11 +111,11 @@ class SpecimenState(Strict):
             lacking += turns
         if not lacking:
             return []
-        return [f"a part of the state is missing: {', '.join(lacking)}"]
+        return [f"the state is incomplete; missing: {', '.join(lacking)}"]
 
     @property
-    def whole(self) -> bool:
-        """Whether it holds the memory too, not only temperatures."""
+    def complete(self) -> bool:
+        """Return whether history variables are present, not only temperatures."""
         return self.layer_displacement is not None
 
     @property
@@ -131,7 +130,7 @@ class SpecimenState(Strict):
 
 
 def state_memory(state: State) -> dict[str, Any]:
-    """What a state remembers beside its temperatures, by key of `SpecimenState`."""
+    """Return the history variables of a state without temperatures, by key of `SpecimenState`."""
     found: dict[str, Any] = {key: state.layers[name].copy() for key, name in LAYERS.items()}
     found |= {key: float(state.branches[name][0]) for key, name in BRANCHES.items()}
     found |= {name: float(state.books[name][0]) for name in BOOKS}
@@ -145,7 +144,7 @@ def state_memory(state: State) -> dict[str, Any]:
 def specimen_state(
     temperature: Floats, lead: float, memory: Mapping[str, Any] | None
 ) -> SpecimenState:
-    """The record of temperatures [degC] (lead: NaN without) and of what `state_memory` found."""
+    """Return a `SpecimenState` of temperatures [degC] (NaN without lead) and history variables."""
     found = {key: np.asarray(value).tolist() for key, value in (memory or {}).items()}
     found["temperature"] = np.asarray(temperature).tolist()
     if not math.isnan(lead):
@@ -154,9 +153,9 @@ def specimen_state(
 
 
 def begun_from(given: SpecimenState, constants: Constants, lead: float | None = None) -> State:
-    """The state of a bearing that goes on from where a test left it; its books begin anew.
+    """Return the state of a bearing that continues from a test; its energies restart at zero.
 
-    `constants`: of the same bearing, modelled as it was; `lead`: temperature of the lead [degC],
+    `constants`: of the same bearing and model; `lead`: temperature of the lead [degC],
     instead of the given one.
     """
     fault = misfit(given, constants)
@@ -164,7 +163,7 @@ def begun_from(given: SpecimenState, constants: Constants, lead: float | None = 
         raise InputError(f"initial_state: {fault}")
     lead = given.lead_temperature if lead is None else lead
     state = new_state(constants, np.array(given.temperature), lead)
-    if given.whole:
+    if given.complete:
         for key, name in LAYERS.items():
             state.layers[name] = getattr(given, key)
         for key, name in BRANCHES.items():
@@ -186,10 +185,10 @@ def begun_from(given: SpecimenState, constants: Constants, lead: float | None = 
 
 
 def misfit(given: SpecimenState, constants: Constants) -> str:
-    """Why a bearing cannot begin there; empty if it can."""
+    """Return why a bearing cannot start from this state; empty if it can."""
     layer_count = len(constants.multiplicity)
     counts = [("temperatures", "cells", len(given.temperature), len(constants.cells.capacity))]
-    if given.whole:
+    if given.complete:
         sizes = [len(getattr(given, key)) for key in LAYERS]
         layers = [("layers", "modelled layers", size, layer_count) for size in sizes]
         terms = len(given.lead_terms or [])
@@ -201,10 +200,10 @@ def misfit(given: SpecimenState, constants: Constants) -> str:
     for what, there, found, wanted in counts:
         if found != wanted:
             return (
-                f"has {found} {what}, but the model has {wanted} {there}; go on with the model, "
+                f"has {found} {what}, but the model has {wanted} {there}; continue with the model, "
                 "stack, scheme and lead_ends of the earlier test"
             )
-    if given.whole:
+    if given.complete:
         moved = np.array(given.layer_displacement)
         z = np.abs([*(given.layer_hysteretic or [0.0]), *(given.turn_hysteretic or [])])
         yields = constants.rubber.yield_displacement
@@ -217,7 +216,7 @@ def misfit(given: SpecimenState, constants: Constants) -> str:
 
 
 def memory_dimension(key: str) -> str | None:
-    """The dimension of a part of the memory in a dataset; None for a single number."""
+    """Return the dataset dimension of a history variable; None for a scalar."""
     if key in TURNS:
         return "turn"
     return "layer" if key in LAYERS or key == COUNT else "lead_term" if key == ENDS else None

@@ -1,8 +1,8 @@
-"""Ways of heat out of lead cores: end plates of finite thickness, shims as fins.
+"""Heat flow out of lead cores: end plates of finite thickness, shims as fins.
 
 A core exchanges heat with the cells of the stack through ports (core/lead_ends.py): its end
 into the plate under it; if it is not confined, its side into the shims, and its foot between
-sealing plates into them. What separates the mean of the core from a port are sums of
+sealing plates into them. The mean of the core and a port are separated by sums of
 exponentials, fitted to impedances (model/lead_impedance.py):
 
 * plate: a disc on a plate, its far face with its own film, insulated where the plan's share of
@@ -33,7 +33,7 @@ RADIAL = 400  # modes of a disc on a plate
 AXIAL = 200  # modes of a core
 ACROSS = 60  # modes across one shim and one layer
 BELOW = 4  # layers and shims that a hot spot of the plate above reaches
-FREQUENCIES = np.logspace(-5.0, 1.0, 65)  # 1/s: what tenths of a second to a day show
+FREQUENCIES = np.logspace(-5.0, 1.0, 65)  # 1/s: from tenths of a second to a day
 RELAXATIONS = np.logspace(-1.5, 4.5, 11)  # s, to choose from
 SMALL = 1e-3  # below it a series is exact to rounding
 
@@ -45,7 +45,7 @@ def _numbers(material: Material) -> tuple[float, float]:
 
 def _fitted(impedance: Floats) -> Floats:
     """[2, K] a and tau of the terms of an impedance: relative least squares with a >= 0."""
-    from scipy.optimize import nnls  # a third of a second, only for lead
+    from scipy.optimize import nnls  # imported here: takes a third of a second, only for lead
 
     terms = 1.0 / (1.0 + FREQUENCIES[:, None] * RELAXATIONS) / impedance[:, None]
     size = np.linalg.norm(terms, axis=0)
@@ -115,7 +115,7 @@ def _layers(steel: Material, rubber: Material, layer: float, shim: float, wave: 
 def _core_modes(lead: Material, half_height: float, radius: float, beside: Any = 0.0) -> Floats:
     """[AXIAL, s] modes cos(n pi z/h) of a core, heated by one at z = 0.
 
-    `beside` is what else takes heat from them, per height [kN/(s K)].
+    `extra` is the additional admittance per height [kN/(s K)].
     """
     k, heat = _numbers(lead)
     area = np.pi * radius**2
@@ -124,7 +124,7 @@ def _core_modes(lead: Material, half_height: float, radius: float, beside: Any =
 
 
 def _core_to_wall(lead: Material, height: float, radius: float) -> Floats:
-    """Mean of a core less its wall, when heat leaves evenly through the wall."""
+    """Return mean minus wall temperature of a core for uniform flow through the wall."""
     from scipy.special import ive
 
     k, heat = _numbers(lead)
@@ -135,7 +135,7 @@ def _core_to_wall(lead: Material, height: float, radius: float) -> Floats:
 
 
 def _to_edges(lead: Material, height: float, shim: float, layer: float, radius: float) -> Floats:
-    """Wall at the edges of the shims less all the wall, when heat leaves through them only."""
+    """Return shim-edge minus mean wall temperature, when heat leaves through the shims only."""
     from scipy.special import ive
 
     k, heat = _numbers(lead)
@@ -159,7 +159,7 @@ def _fin_heat(
 
 
 def _fin(steel: Material, thickness: float, per_area: Floats, radius: float, plan: float) -> Floats:
-    """Inner edge of an annular fin that is heated there, less its mean: Bessel's functions."""
+    """Return inner-edge minus mean temperature of an annular fin heated at that edge (Bessel)."""
     from scipy.special import ive, kve
 
     across = _numbers(steel)[0] * thickness
@@ -173,7 +173,7 @@ def _fin(steel: Material, thickness: float, per_area: Floats, radius: float, pla
 
 
 def _rubber_at_wall(rubber: Material, layer: float, radius: float) -> Floats:
-    """Admittance of a layer that touches the wall, beyond what the shims beside it give."""
+    """Return the admittance of a layer at the wall, without the share of the adjacent shims."""
     k, heat = _numbers(rubber)
     odd = np.pi * (2.0 * np.arange(RADIAL) + 1.0)
     rate = FREQUENCIES[:, None] * heat / k

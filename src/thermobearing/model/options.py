@@ -1,7 +1,7 @@
-"""How a bearing is modelled: the options that every analysis shares, and the model they make.
+"""Options for modelling a bearing, shared by all analyses, and the model built from them.
 
 The cyclic test, the earthquake, identification, the equivalent bilinear model and the element
-for outside solvers all build their model here, so that one bearing is one model everywhere.
+for external solvers all build their model here, so that the model is the same everywhere.
 """
 
 from collections.abc import Callable, Mapping
@@ -34,13 +34,13 @@ from thermobearing.model.earlier import Model as ModelName
 from thermobearing.model.stack import EndFace, Scheme, Stack, build_stack, through_side
 
 Stacked = Literal["auto", "half", "full"]
-WITH_LEAD_ENDS = ("multi-layer", "temperature-blind")  # the others have the formula of Eq. 5.5
-WITH_CLOCK = (*WITH_LEAD_ENDS, "lead-alone")  # in the others lead passes no heat, or at once
+WITH_LEAD_ENDS = ("multi-layer", "temperature-blind")  # the others use Eq. 5.5
+WITH_CLOCK = (*WITH_LEAD_ENDS, "lead-alone")  # in the others lead exchanges no heat, or instantly
 DEFAULT_ETA = 2.0  # Shen (2023) uses a "middle" value between 1 and 3 (Eq. 4.15)
 
 
 class Side(Strict):
-    """How the side of a bearing exchanges heat with the air.
+    """Heat exchange of the side of a bearing with the ambient air.
 
     Attributes
     ----------
@@ -65,25 +65,25 @@ class ModelOptions(Strict):
     model : "multi-layer" (default), or an earlier model to compare with.
     scheme : "conservative" (default) or "published" heat scheme.
     integrator : "exact" (default) or "euler" integration of Z.
-    hardening : "printed" (default, Eq. 4.34), or "monotone": the same where d and Z have one sign,
-        the whole loading branch, and unloading that never goes up.
-    small_loops : "published" (Eq. 4.35), after which a small reversal does not come back to the
-        force where it began, or "closed": it does; by default that of the bearing, "published"
-        unless its file has another.
+    hardening : "printed" (default, Eq. 4.34), or "monotone": the same where d and Z have the same
+        sign (the loading branch), with unloading on which the force never increases.
+    small_loops : "published" (Eq. 4.35; a small reversal does not return to the force at which it
+        began) or "closed" (it does); by default that of the bearing, "published" unless its file
+        sets another.
     heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
-        (LRB), which gives its elastic work back, and work for the others.
+        (LRB), whose elastic work is recovered, and work for the others.
     lead_ends : how lead passes heat to steel: "finite-plate" (default: plates of finite
         thickness, shims as fins) or "half-space" (Eq. 5.4-5.5, with surface_ratio and clock),
-        which the published scheme and the earlier models have.
-    clock : of lead on a half-space: whose diffusivity makes t+ of Eq. 5.6 dimensionless, "lead" as
-        printed or "steel" (Kalpakidis & Constantinou 2009); by default that of the bearing, or, if
-        it has none, lead with the published scheme and steel with the conservative one.
-    stack : "auto" (default) models the upper half when both faces are alike, else the whole
-        height; "half" or "full".
+        which the published scheme and the earlier models use.
+    clock : for lead on a half-space: the diffusivity that makes t+ of Eq. 5.6 dimensionless, "lead"
+        as published or "steel" (Kalpakidis & Constantinou 2009); by default that of the bearing;
+        if it has none, lead with the published scheme and steel with the conservative one.
+    stack : "auto" (default) models the upper half if both faces are alike, else the full height;
+        "half" or "full".
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     side : heat exchange of the side; None for the film of the bearing's materials without cover.
-        After weather, faces and side have other defaults, see `outdoors`.
-    exposure : factors for long cold and age (`Exposure`), for bearings that have none of their own.
+        With a weather file, faces and side have other defaults, see `outdoors`.
+    exposure : factors for long cold and ageing (`Exposure`), for bearings without them.
     """
 
     model: ModelName = "multi-layer"
@@ -109,14 +109,16 @@ class ModelOptions(Strict):
             raise ValueError(f'model "{self.model}" has one cell for all layers; use stack "auto"')
         behind = self.upper_face.heat_capacity or self.lower_face.heat_capacity
         if behind and (self.scheme == "published" or needs_full_stack(self.model)):
-            raise ValueError("heat_capacity behind a face goes with the conservative layers only")
+            raise ValueError(
+                "heat_capacity behind a face needs the conservative scheme of the multi-layer model"
+            )
         if self.lead_ends == "finite-plate" and self.scheme == "published":
-            raise ValueError('scheme "published" goes with lead_ends "half-space" only')
+            raise ValueError('scheme "published" needs lead_ends "half-space"')
         return self
 
     @property
     def half(self) -> bool:
-        """Whether only the upper half is modelled."""
+        """Return whether only the upper half is modelled."""
         if needs_full_stack(self.model):
             return False
         return self.stack == "half" or (self.stack == "auto" and self.upper_face == self.lower_face)
@@ -130,7 +132,7 @@ class ModelOptions(Strict):
         return build_stack(bearing, half=self.half, side_film=side, behind=(behind[0], behind[1]))
 
     def misfits(self, bearing: Bearing) -> list[str]:
-        """What a bearing lacks for these options, in sentences that begin with the key."""
+        """Return what a bearing lacks for these options, in sentences that begin with the key."""
         found = []
         if self.exposure is not None and bearing.exposure is not None:
             found.append(f"exposure: {TWICE}")
@@ -150,28 +152,28 @@ class ModelOptions(Strict):
         elif self.clock is not None and not self._has_clock(bearing):
             finite = self.model in WITH_LEAD_ENDS
             why = 'lead_ends "finite-plate"' if finite else f'model "{self.model}"'
-            way = 'take lead_ends = "half-space" or scheme = "published", or ' if finite else ""
-            found.append(f'clock = "{self.clock}": {why} has no clock; {way}leave it out')
+            way = 'use lead_ends = "half-space" or scheme = "published", or ' if finite else ""
+            found.append(f'clock = "{self.clock}": {why} has no clock; {way}omit it')
         return found
 
     def _small_loops(self, bearing: Bearing) -> SmallLoops | None:
-        """As asked for, else as of the bearing."""
+        """Return the option, or the default of the bearing."""
         return self.small_loops or bearing.hysteresis.small_loops
 
     def _lead_ends(self, bearing: Bearing) -> LeadEnds:
-        """As asked for, where there is a choice."""
+        """Return the option, where there is a choice."""
         finite = bearing.lead is not None and self.scheme == "conservative"
         if not finite or self.model not in WITH_LEAD_ENDS or self.lead_ends == "half-space":
             return "half-space"
         return "finite-plate"
 
     def _has_clock(self, bearing: Bearing) -> bool:
-        """Whether the diffusivity of t+ changes anything."""
+        """Return whether the diffusivity of t+ affects the result."""
         formula = self._lead_ends(bearing) == "half-space" and self.model in WITH_CLOCK
         return bearing.lead is not None and formula
 
     def settled(self, bearing: Bearing) -> Self:
-        """The same with what depends on the bearing filled in."""
+        """Return the options with defaults of the bearing filled in."""
         lead, clock = bearing.lead, self.clock
         if lead is None:
             clock = None
@@ -218,13 +220,13 @@ def outdoors() -> tuple[dict[str, Any], dict[str, str]]:
 
 @dataclass(frozen=True)
 class BearingModel:
-    """A bearing ready to be moved.
+    """The computational model of a bearing.
 
     Attributes
     ----------
     stack : its cells and layers.
-    constants : numbers of the coupled step.
-    options : as settled for this bearing.
+    constants : constants of the coupled step.
+    options : with the defaults of this bearing.
     """
 
     stack: Stack
@@ -233,7 +235,7 @@ class BearingModel:
 
 
 def _default_heat_source(bearing: Bearing) -> HeatSource:
-    """Dissipated work where the rubber is natural (LRB) and gives its elastic work back, else all.
+    """Return "dissipation" for natural rubber (LRB), whose elastic work is recovered, else "work".
 
     >>> from thermobearing.bearing.library import load_bearing
     >>> _default_heat_source(load_bearing("lrb-example"))
@@ -248,11 +250,10 @@ def build_model(
     *,
     backbone: Callable[[Bearing], BilinearParameters] | None = None,
 ) -> BearingModel:
-    """The model of a bearing: its stack, and the constants of the coupled step.
+    """Return the model of a bearing: its stack and the constants of the coupled step.
 
-    `options`: how; the defaults if not given; `backbone`: makes the bilinear model of a bearing
-    (`equivalent.bilinear_parameters`), for `model` "bilinear". It runs a test on another model of
-    the bearing, and tests are built upon this module; so it is handed in.
+    `backbone` computes the bilinear model of a bearing (`equivalent.bilinear_parameters`), for
+    `model` "bilinear". It is a parameter because it runs a test, which imports this module.
     """
     options = (options or ModelOptions()).settled(bearing)
     bearing = exposed(bearing, options.exposure)  # once, before any temperature

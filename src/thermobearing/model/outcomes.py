@@ -1,4 +1,4 @@
-"""Outcomes of an analysis, and the limits beyond which it ends."""
+"""Outcomes of an analysis, and the limits at which it ends."""
 
 from functools import cache
 from typing import Annotated, Final
@@ -30,44 +30,44 @@ NAMES: Final = {
     TEMPERATURE_RUNAWAY: "temperature_runaway",
 }
 SENTENCES: Final = {
-    "completed": "The analysis ran to its end.",
+    "completed": "The analysis was completed.",
     "layer_forces_not_converged": (
-        "No equal layer forces were found in a step. Try a smaller dt, or integrator exact."
+        "The layer forces did not converge in a step. Try a smaller dt, or integrator exact."
     ),
     "not_finite": (
         "A force or temperature became infinite or undefined. Try a smaller dt and check the "
         "units of the bearing file."
     ),
     "euler_unstable": (
-        "The explicit Euler integration of Z ran away. Try a smaller dt, or integrator exact."
+        "The explicit Euler integration of Z is unstable. Try a smaller dt, or integrator exact."
     ),
     "temperature_runaway": (
         "A rubber layer left -273 to 400 degC (it decomposes) or the lead reached 327 degC (it "
-        "melts): fewer cycles, a smaller amplitude or a slower motion. Check stiffness, plan and "
-        "heat capacity for their units; with very stiff rubber, heat_source dissipation has this "
-        "feedback while held."
+        "melts). Try fewer cycles, a smaller amplitude or a slower motion, and check the units of "
+        "stiffness, plan and heat capacity. With very stiff rubber, heat_source dissipation can "
+        "cause this during holds."
     ),
     NOT_PHYSICAL: (
         "A bearing was strained beyond 500 % (it tears), a plate left -273 to 1500 degC, or the "
-        "energy books do not close: no real bearing does that. Check stiffness, thicknesses, "
-        "conductivities and temperature coefficients for their units, and try a smaller dt."
+        "energy balance does not close. Check the units of stiffness, thicknesses, conductivities "
+        "and temperature coefficients, and try a smaller dt."
     ),
-    INTERRUPTED: "The run was interrupted; what had been computed until then was kept.",
+    INTERRUPTED: "The run was interrupted; the results up to that time were saved.",
 }
 EQUAL_FORCES: Final = "equal_layer_forces"
 SOFTENED_LAYERS: Final = "softened_layers"
 SHARING_SENTENCES: Final = {
     EQUAL_FORCES: "All rubber layers carried the same force in every step.",
     SOFTENED_LAYERS: (
-        "A layer's tangent stiffness was not safely positive in some steps (large strain in the "
-        "cold, just after reversal): there the hardening factor was taken partly at the mean "
-        "strain, and layer_force_mismatch_max_kN says how far the layer law was from the force."
+        "The tangent stiffness of a layer was not safely positive in some steps (large strain in "
+        "the cold, just after reversal): there the hardening factor was taken partly at the mean "
+        "strain; layer_force_mismatch_max_kN is the difference from the force of the layer law."
     ),
 }
 
 
 class TemperatureLimits(Strict):
-    """What the file says [degC]."""
+    """Temperature limits of the data file [degC]."""
 
     absolute_zero: Annotated[float, in_unit("degC")]
     rubber_decomposes: Annotated[float, in_unit("degC")]
@@ -77,21 +77,21 @@ class TemperatureLimits(Strict):
 
 @cache
 def _temperature_limits() -> TemperatureLimits:
-    """The limits, read once."""
+    """Return the limits; the file is read once."""
     path = data_path("materials", "limits.toml")
     return validated(TemperatureLimits, split_sources(read_toml(path))[0], str(path))
 
 
 def limits_of_a_step() -> Limits:
-    """Those that every step looks at."""
+    """Return the limits that every step checks."""
     found = _temperature_limits()
     return Limits(
         coldest=found.absolute_zero, rubber=found.rubber_decomposes, lead=found.lead_melts
     )
 
 
-MISSING = 1e-3  # part of the energy that books may miss; rounding comes to 1e-10
-LEAST = 1e-3  # energy that this is a part of, at least [kN mm]
+MISSING = 1e-3  # largest relative error of the energy balance; rounding is about 1e-10
+LEAST = 1e-3  # smallest reference energy [kN mm]
 ENERGIES = (
     "work_in",
     "heat_released",
@@ -103,11 +103,10 @@ ENERGIES = (
 
 
 def is_physical(constants: Constants, state: State, recoverable_before: float = 0.0) -> bool:
-    """Whether every cell has a possible temperature, and the energy books close.
+    """Return whether every cell has a possible temperature and the energy balance closes.
 
-    `recoverable_before` is what an earlier test left in the bearing when the books began
-    [kN mm]. The published scheme has gaps in its books by itself: there only the temperatures
-    count.
+    `recoverable_before` is the recoverable energy at the start [kN mm]. The published scheme has
+    no closed energy balance: there only temperatures are checked.
     """
     temperature, limits = state.temperature, _temperature_limits()
     possible = temperature.min() >= limits.absolute_zero

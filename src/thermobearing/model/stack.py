@@ -2,7 +2,7 @@
 
 Upper (outer) face first. When both faces are treated alike only the upper half is modelled,
 down to the symmetry plane; a middle layer or shim is then cut in two. When they differ (a
-girder above, a concrete pier below) the whole height is modelled.
+girder above, a concrete pier below) the full height is modelled.
 
 Two schemes give the rates at which cells exchange heat (specification, section 3):
 `conservative`, a finite-volume balance, and `published`, the printed Eq. 4.23-4.31.
@@ -30,7 +30,7 @@ FACE_HELD = 1e-9  # of the resistance to the middle of the outer cell: less lies
 
 
 class EndFace(Strict):
-    """How one end face passes heat: by `eta` or by a film coefficient.
+    """Heat exchange of one end face: `eta` or a film coefficient.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class EndFace(Strict):
         tied to the cell size: its conductance is (eta - 1) k / dx.
     film : film coefficient [W/(m^2 K)], in [0, 1e5]; independent of the cell size.
     heat_capacity : of the girder or pier top behind the face, per area of the face [kJ/(m^2 K)],
-        in (0, 1e6]; the film is then between it and the air. None for nothing behind the face.
+        in (0, 1e6]; the film is then between it and the ambient air. None: no such body.
 
     Examples
     --------
@@ -55,7 +55,7 @@ class EndFace(Strict):
         if ("eta" in given) == ("film" in given):
             return ["give either eta (1 adiabatic to 3 at ambient) or film"]
         if "eta" in given and "heat_capacity" in given:
-            return ["heat_capacity goes with film, not with eta"]
+            return ["heat_capacity can only be combined with film, not with eta"]
         return []
 
 
@@ -64,7 +64,7 @@ class Stack:
     """Cells through the height, and which of them belong to which rubber layer.
 
     Arrays run over cells from the upper face down. `fold` is 2 for a half stack (everything
-    counts twice in the whole bearing), 1 for a full one.
+    counts twice in the full bearing), 1 for a full one.
     """
 
     # Of each cell: "end_plate", "sealing_plate", "rubber", "shim", or "mass" (behind a face).
@@ -90,14 +90,14 @@ class Stack:
 
     @property
     def heat_capacity(self) -> Floats:
-        """Of each cell, counted for the whole bearing [kN mm/K]."""
+        """Heat capacity of each cell, for the full bearing [kN mm/K]."""
         return self.fold * self.volumetric_heat * self.area * self.thickness
 
     @property
     def beside_lead(self) -> Floats:
-        """Height of lead beside each cell, counted for the whole bearing [mm]."""
-        beside = ~np.isin(self.part, OUTSIDE_LEAD)
-        return np.asarray(self.fold * self.thickness * beside)
+        """Height of lead next to each cell, for the full bearing [mm]."""
+        touches = ~np.isin(self.part, OUTSIDE_LEAD)
+        return np.asarray(self.fold * self.thickness * touches)
 
     @property
     def touches_lead_end(self) -> NDArray[np.bool_]:
@@ -109,7 +109,7 @@ class Stack:
         return touches
 
     def middles(self) -> tuple[Ints, Ints]:
-        """The two cells beside each layer's mid-thickness (the same one, if it lies there)."""
+        """The two cells next to each layer's mid-thickness (the same one, if it lies there)."""
         count = self.last_cell - self.first_cell
         upper = self.first_cell + (count - 1) // 2
         lower = self.first_cell + count // 2

@@ -1,4 +1,4 @@
-"""Ground motions: reading, preparing, spectra, and motions made to fit a spectrum."""
+"""Ground motions: reading, processing, spectra, and spectrum-compatible motions."""
 
 from thermobearing.border.deprecated import find_moved
 

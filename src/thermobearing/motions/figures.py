@@ -15,7 +15,7 @@ from thermobearing.results import drawing
 BINS = 2000
 MOTION_COLOUR = "#0077BB"
 REFERENCE_LOOKS = (("#CC3311", "--"), ("#EE7733", "-."))
-BOTH_TYPES = (Reference("I", "I"), Reference("II", "I"))  # for a motion made for neither
+BOTH_TYPES = (Reference("I", "I"), Reference("II", "I"))  # for a motion without a target
 
 
 class MotionFigures(drawing.Figures):
@@ -25,7 +25,7 @@ class MotionFigures(drawing.Figures):
     _result: MotionResult
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure, by name of its file."""
+        """Return the function that draws each figure, by name of its file."""
         return {"motion": self.motion, "spectrum": self.spectrum}
 
     def motion(self) -> Figure:

@@ -1,4 +1,4 @@
-"""Ground motions by name or by file: those shipped with the package, and the user's own.
+"""Ground motions by name or file: those of the package, and user files.
 
 `python -m benchmarks.stored_motions [NAME...]` makes the stored motions again.
 """
@@ -40,8 +40,8 @@ def _stored(name: str) -> Floats:
 def list_motions() -> list[str]:
     """Return the names of the built-in motions: `jra-<type>-<ground>-<seed>`.
 
-    They are synthetic stand-ins that fit the standard spectra of Level 2, not the accelerograms
-    of the specifications, which are not free to ship.
+    They are synthetic motions that fit the standard spectra of Level 2, not the accelerograms of
+    the specifications, which may not be redistributed.
 
     Examples
     --------
@@ -72,7 +72,7 @@ def load_motion(name_or_path: str | Path, **options: Any) -> GroundMotion:
     if text in _about():
         given = sorted(key for key, value in options.items() if value not in (None, False))
         if given:
-            raise InputError(f'"{text}" is built in and takes no {", ".join(given)}')
+            raise InputError(f'"{text}" is built in and does not accept {", ".join(given)}')
         return GroundMotion(text, STORED_DT, _stored(text).copy(), **_about()[text])
     path = Path(text)
     looks_like_a_path = isinstance(name_or_path, Path) or path.suffix or "/" in text

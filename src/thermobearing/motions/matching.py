@@ -1,4 +1,4 @@
-"""Fourier amplitudes adjusted until a motion's response spectrum is the wanted one.
+"""Spectral matching: Fourier amplitudes adjusted to a target response spectrum.
 
 The phases are kept: every Fourier coefficient is multiplied by a positive number, a smooth
 function of frequency. What counts is the final history, tapered and with its velocity and
@@ -23,7 +23,7 @@ FIRST, LAST = 0.1, 3.0  # periods over which the misfit counts [s]
 SHORTEST, LONGEST = 0.09, 3.6  # periods that are adjusted: some more, so that the ends fit too
 GOAL = 0.015  # misfit at which the rounds end
 ENOUGH = 0.022  # misfit above which shaken multipliers are tried
-LARGEST_MISFIT = 0.03  # what is promised
+LARGEST_MISFIT = 0.03  # documented limit
 SHAKES, SHAKE = 3, 0.15  # how often, and by how much (of the logarithm)
 RATIO_ROUNDS, NEWTON_ROUNDS = 8, 40
 MOST_ROUNDS = 400  # of one search, over all draws and finenesses: a hundred are usual

@@ -1,4 +1,4 @@
-"""How strong a ground motion is and how long it lasts, in the usual numbers."""
+"""Intensity and duration measures of ground motions."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""Ground motions prepared for an analysis: base line, time step, size, length."""
+"""Processing of ground motions: baseline, time step, amplitude, length."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -9,7 +9,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import MOST_SAMPLES, GroundMotion, integrate_displacement
 
-POLYNOMIAL = 6  # degree of the drift that is taken out of the displacement
+POLYNOMIAL = 6  # degree of the drift removed from the displacement
 BUTTERWORTH = 4  # order of the high-pass filter
 LONGEST_CORNER = 10.0  # period of the filter's corner over the length of the motion, at most
 SAME_STEP = 1e-9  # relative difference of time steps that are the same
@@ -17,7 +17,7 @@ LARGEST_RATIO = 1000  # numerator and denominator of a ratio of time steps
 
 
 def with_quiet_end(acceleration: Floats, dt: float) -> Floats:
-    """Return the acceleration, changed as little as can be so that the ground ends at rest.
+    """Return the acceleration with a minimal correction so that the ground ends at rest.
 
     The last axis counts the samples. A smooth hump and its moment, each zero at both ends, are
     subtracted in the sizes that make velocity and displacement zero at the last sample.
@@ -43,7 +43,7 @@ def end_shapes(count: int, dt: float) -> tuple[Floats, Floats]:
 
 
 def _without_drift(acceleration: Floats, dt: float) -> Floats:
-    """Without the second derivative of a polynomial fitted to the displacement."""
+    """Return the acceleration minus the second derivative of a polynomial fit to displacement."""
     place = np.linspace(0.0, 1.0, len(acceleration))
     powers = np.arange(2, POLYNOMIAL + 1)  # at rest at the start
     shapes = place[:, np.newaxis] ** powers
@@ -62,8 +62,8 @@ def high_pass_gain(frequency: Floats, corner: float) -> Floats:
 def baseline_corrected(motion: GroundMotion, *, high_pass: float | None = None) -> GroundMotion:
     """Return a motion whose velocity and displacement end at zero and do not drift.
 
-    A polynomial of degree six, fitted to the displacement, is taken out (as the PEER Ground
-    Motion Database does), then what is left of velocity and displacement at the end.
+    A polynomial of degree six, fitted to the displacement, is removed (as the PEER Ground
+    Motion Database does), then the remaining velocity and displacement at the end.
 
     `high_pass` is the corner of a zero-phase Butterworth filter applied first [Hz], none by
     default; for records whose long periods are noise: 0.05 to 0.1 Hz. Its period is at most ten
@@ -71,7 +71,9 @@ def baseline_corrected(motion: GroundMotion, *, high_pass: float | None = None) 
     """
     values = np.asarray(motion.acceleration, dtype=np.float64)
     if len(values) < 16:
-        raise InputError(f"has {len(values)} samples; at least 16 make a base line", motion.name)
+        raise InputError(
+            f"has {len(values)} samples; a baseline correction needs at least 16", motion.name
+        )
     if high_pass is not None:
         lowest, nyquist = 1.0 / (LONGEST_CORNER * motion.duration), 0.5 / motion.dt
         if not lowest <= high_pass < nyquist:
@@ -90,9 +92,9 @@ def baseline_corrected(motion: GroundMotion, *, high_pass: float | None = None) 
 
 
 def _check_samples(count: float, what: str, motion: GroundMotion) -> None:
-    """InputError if a motion would become longer than any record is."""
+    """Raise InputError if a motion would have too many samples."""
     if count > MOST_SAMPLES:
-        raise InputError(f"{what} makes {count:.3g} samples, more than {MOST_SAMPLES}", motion.name)
+        raise InputError(f"{what} gives {count:.3g} samples, more than {MOST_SAMPLES}", motion.name)
 
 
 def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
@@ -100,8 +102,8 @@ def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
 
     A step that divides the old one draws the same straight lines between the old samples, so
     that nothing changes but the number of points. Any other step goes through a zero-phase
-    low-pass filter (polyphase FIR) that takes out what the new step cannot carry; its ratio to
-    the old one must be a fraction of whole numbers up to 1000.
+    low-pass filter (polyphase FIR) that removes frequencies above the new limit; its ratio to
+    the old one must be a fraction of integers up to 1000.
     """
     if not (np.isfinite(dt) and 0.0 < dt <= motion.duration):
         raise InputError(
@@ -118,17 +120,17 @@ def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
         old = np.arange(len(motion.acceleration), dtype=np.float64)
         values = np.interp(np.arange(count) / parts, old, motion.acceleration)
         return replace(motion, dt=motion.dt / parts, acceleration=values)
-    whole = Fraction(ratio).limit_denominator(LARGEST_RATIO)
-    if whole.numerator > LARGEST_RATIO or abs(whole - ratio) > SAME_STEP * ratio:
+    fraction = Fraction(ratio).limit_denominator(LARGEST_RATIO)
+    if fraction.numerator > LARGEST_RATIO or abs(fraction - ratio) > SAME_STEP * ratio:
         raise InputError(
-            f"dt: {dt:g} s is no simple fraction of {motion.dt:g} s; choose a step whose ratio to "
-            f"it is one of whole numbers up to {LARGEST_RATIO}",
+            f"dt: {dt:g} s is not a simple fraction of {motion.dt:g} s; choose a step whose ratio "
+            f"to it is a fraction of integers up to {LARGEST_RATIO}",
             motion.name,
         )
-    from scipy import signal  # takes half a second to read; processes need it not
+    from scipy import signal  # imported here: takes half a second
 
-    values = signal.resample_poly(motion.acceleration, whole.numerator, whole.denominator)
-    return replace(motion, dt=motion.dt / float(whole), acceleration=np.asarray(values))
+    values = signal.resample_poly(motion.acceleration, fraction.numerator, fraction.denominator)
+    return replace(motion, dt=motion.dt / float(fraction), acceleration=np.asarray(values))
 
 
 def scaled(
@@ -153,14 +155,14 @@ def trimmed(motion: GroundMotion, start: float = 0.0, end: float | None = None) 
     """Return the samples from `start` to `end` [s], both kept; the first is at time zero again."""
     end = motion.duration if end is None else end
     if not (np.isfinite(start) and np.isfinite(end) and 0.0 <= start < end):
-        raise InputError(f"trimmed: from {start:g} s to {end:g} s is no part of a motion")
+        raise InputError(f"trimmed: from {start:g} s to {end:g} s is not a valid interval")
     # A time that is a sample up to rounding is that sample.
     first = int(np.ceil(start / motion.dt - 1e-6))
     last = int(np.floor(end / motion.dt + 1e-6))
     values = motion.acceleration[first : last + 1]
     if len(values) < 2:
         raise InputError(
-            f"trimmed: from {start:g} s to {end:g} s fewer than two samples are left", motion.name
+            f"trimmed: from {start:g} s to {end:g} s fewer than two samples remain", motion.name
         )
     return replace(motion, acceleration=values.copy())
 
@@ -171,6 +173,6 @@ def padded(motion: GroundMotion, before: float = 0.0, after: float = 0.0) -> Gro
         if not (np.isfinite(value) and 0.0 <= value <= 1e5):
             raise InputError(f"padded: {name} = {value:g} s is outside 0 to 100000 s")
     counts = round(before / motion.dt), round(after / motion.dt)
-    whole = sum(counts) + len(motion.acceleration)
-    _check_samples(whole, f"padded: {before:g} s and {after:g} s", motion)
+    total = sum(counts) + len(motion.acceleration)
+    _check_samples(total, f"padded: {before:g} s and {after:g} s", motion)
     return replace(motion, acceleration=np.pad(motion.acceleration, counts))

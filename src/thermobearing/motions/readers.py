@@ -32,7 +32,7 @@ from thermobearing.tables.text import (
 )
 
 NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[EeDd][-+]?\d+)?")
-LONGEST_LINE = 500  # characters of a line of a header that are looked at
+LONGEST_LINE = 500  # characters of a header line that are examined
 WORKBOOKS = (".xlsx", ".xlsm")
 JMA_COMPONENTS = ("NS", "EW", "UD")
 KNET_COMPONENTS = {"1": "NS", "2": "EW", "3": "UD", "4": "NS", "5": "EW", "6": "UD"}
@@ -57,7 +57,7 @@ _DIRECTION = re.compile(r"\b(N-?S|E-?W|U-?D)\b", re.IGNORECASE)
 
 
 class _Raw(NamedTuple):
-    """What a reader found: numbers in a unit, and whether the unit belongs to the format.
+    """Raw content of a file: numbers, unit, and whether the unit is fixed by the format.
 
     `dt` [s] and `unit` are None where the file does not state them.
     """
@@ -87,7 +87,7 @@ def read_motion(
     name: str | None = None,
     trust_unit: bool = False,
 ) -> GroundMotion:
-    r"""Return a ground motion from a file, whose format is found by looking at it.
+    r"""Return a ground motion from a file, whose format is detected.
 
     Formats are PEER AT2 (all headers with NPTS and DT), K-NET and KiK-net ASCII, JMA CSV, and plain
     columns, also of a workbook: time and acceleration, or accelerations alone.
@@ -104,12 +104,12 @@ def read_motion(
         own = unit or raw.unit
         if own is None:
             raise InputError(
-                "the unit of the acceleration is nowhere in the file; give unit: g, gal, m/s2, "
+                "the file does not state the unit of the acceleration; give unit: g, gal, m/s2, "
                 "cm/s2 or mm/s2"
             )
         if raw.unit and acceleration_unit(raw.unit) != acceleration_unit(own):
             raise InputError(
-                f'unit "{unit}" was given, but the file says "{raw.unit}"; '
+                f'unit "{unit}" was given, but the file states "{raw.unit}"; '
                 "correct the file if it is wrong"
             )
         motion = checked_motion(
@@ -177,7 +177,7 @@ def _rows(rows: Iterable[Row], width: int, separator: str = ",") -> list[list[fl
 
 
 def _running_numbers(lines: Iterable[tuple[int, str]]) -> Floats:
-    """Numbers of lines with any count of them, columns touching each other allowed."""
+    """Return the numbers of lines of any length; columns may touch each other."""
     found: list[float] = []
     for line, text in lines:
         left = NUMBER.sub(" ", text).replace(",", " ").split()
@@ -197,7 +197,7 @@ def _entry(text: str) -> float | None:
 
 def _only_component(component: str | None, held: str = "one component") -> None:
     if component not in (None, "1"):
-        raise InputError(f'holds {held}; component "{component}" is not there')
+        raise InputError(f'holds {held}; it has no component "{component}"')
 
 
 def _read_at2(lines: list[str], component: str | None, place: int, points: int, dt: float) -> _Raw:
@@ -205,7 +205,7 @@ def _read_at2(lines: list[str], component: str | None, place: int, points: int, 
     _only_component(component)
     header = " ".join(lines[:place])
     if re.search(r"\b(VELOCITY|DISPLACEMENT)\b", header, re.IGNORECASE):
-        raise InputError("holds a velocity or a displacement, not an acceleration")
+        raise InputError("contains a velocity or a displacement, not an acceleration")
     values = _running_numbers(
         (line, text)
         for line, text in enumerate(lines[place + 1 :], place + 2)
@@ -213,7 +213,7 @@ def _read_at2(lines: list[str], component: str | None, place: int, points: int, 
     )
     if len(values) != points:
         more = "fewer: a gap, or the file is cut off" if len(values) < points else "more"
-        raise InputError(f"says NPTS = {points}, but holds {len(values)} numbers ({more})")
+        raise InputError(f"states NPTS = {points}, but holds {len(values)} numbers ({more})")
     unit = _AT2_UNIT.search(header)
     about = "; ".join(line.strip() for line in lines[:place][:2] if line.strip())
     return _Raw(values, dt, unit[1] if unit else None, description=about)
@@ -249,7 +249,7 @@ def _read_knet(lines: list[str], component: str | None) -> _Raw:
     points = len(counts) if length is None else round(length / dt)
     if len(counts) < points or not len(counts):
         raise InputError(
-            f"says {points} samples ({points * dt:g} s), but holds {len(counts)}: a gap, or the "
+            f"states {points} samples ({points * dt:g} s), but holds {len(counts)}: a gap, or the "
             "file is cut off"
         )
     values = (counts - counts.mean()) * scale[0] / scale[1]
@@ -257,7 +257,7 @@ def _read_knet(lines: list[str], component: str | None) -> _Raw:
     largest = float(np.abs(values).max())
     if stated is not None and abs(largest - stated) > 0.01 * stated + 0.01:
         raise InputError(
-            f"says Max. Acc. {stated:g} gal, but its numbers come to {largest:.4g} gal: is the "
+            f"states Max. Acc. {stated:g} gal, but its largest value is {largest:.4g} gal: is the "
             "scale factor right?"
         )
     station, origin = entries.get("stationcode", ""), entries.get("origintime", "")
@@ -296,7 +296,7 @@ def _read_jma(lines: list[str], component: str | None) -> _Raw:
 def _read_columns(lines: list[str], component: str | None) -> _Raw:
     """Columns of numbers below a free header."""
     sheet = sheet_of_text("\n".join(lines), quotes=False)
-    # Columns in which no row has anything are left out: two tabs between numbers are one gap.
+    # Empty columns are omitted: two tabs between numbers are one separator.
     held = sorted({c for _, cells in sheet.rows for c, cell in enumerate(cells) if cell.strip()})
     rows = [
         (line, [sheet.plain(cells[c]) for c in held if c < len(cells)])
@@ -325,7 +325,7 @@ def _read_columns(lines: list[str], component: str | None) -> _Raw:
 
 
 def _is_row(cells: list[str]) -> bool:
-    """Whether cells are numbers (or what should be numbers) and nothing else."""
+    """Return whether all cells are numbers, or should be."""
     fits = [NUMBER.fullmatch(cell) or not cell or is_not_finite(cell) for cell in cells]
     return all(fits) and any(cells)
 
@@ -350,7 +350,7 @@ def _titles(header: list[str], width: int) -> list[str] | None:
 
 
 def _is_unit(text: str) -> bool:
-    """Whether a cell of a header holds a unit of time or acceleration, and nothing else."""
+    """Return whether a header cell is a unit of time or acceleration."""
     bare = text.strip("[]() ")
     return bool(_UNIT.fullmatch(bare)) or bare == "g" or plain_unit(bare) in ("s", "ms")
 

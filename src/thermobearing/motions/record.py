@@ -1,4 +1,4 @@
-"""One horizontal ground acceleration, evenly sampled, and the checks of its step, unit and size."""
+"""Ground accelerations, evenly sampled, with checks of time step, unit and amplitude."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -33,7 +33,7 @@ ACCELERATION_UNITS = {
 # In instruments' own formats the unit belongs to the format and weak records are common.
 ASSERTED = (100.0, 2000.0)
 INSTRUMENT = (10.0, 5000.0)
-SMALLEST = 1e-9  # largest acceleration that is no motion at all, whoever trusts it [gal]
+SMALLEST = 1e-9  # smallest peak of a motion, also with trust_unit [gal]
 SHORTEST = 2  # samples
 LARGEST_DT, SMALLEST_DT = 0.1, 1e-5  # plausible time steps of an accelerogram [s]
 OFF_GRID = 0.1  # of a time step: how far a printed time may be from an even grid
@@ -48,12 +48,12 @@ class GroundMotion:
     name : for tables and file names.
     dt : time between samples [s], > 0; the first sample is at time zero.
     acceleration : [n] ground acceleration [mm/s2]; 10 mm/s2 = 1 gal.
-    description, citation : what it is and where it comes from.
+    description, citation : content and origin.
     component : direction, such as "NS", if that is known; distinguishes motions of one name.
 
     Raises
     ------
-    InputError : no row of finite numbers, or no plausible time step.
+    InputError : not a list of finite numbers, or an implausible time step.
 
     Examples
     --------
@@ -182,7 +182,7 @@ def checked_motion(
     description: str = "",
     component: str = "",
 ) -> GroundMotion:
-    """Return a motion whose length, time step, unit and size are plausible.
+    """Return a motion after checks of length, time step, unit and amplitude.
 
     `values` are in `unit`; `found` is the time step of the file or of the times, `given` that of
     the caller [s].
@@ -196,7 +196,7 @@ def checked_motion(
         raise InputError(f"dt = {given:g} s: must be > 0")
     dt = given if found is None else found
     if dt is None:
-        raise InputError("the time step is nowhere in the file; give dt [s]")
+        raise InputError("the file does not state the time step; give dt [s]")
     if found is not None and given is not None and abs(found / given - 1.0) > 1e-3:
         raise InputError(f"dt = {given:g} s was given, but the file has {found:g} s")
     if not SMALLEST_DT <= dt <= LARGEST_DT:
@@ -211,7 +211,7 @@ def checked_motion(
 
 
 def check_size(pga: float, unit: str, *, instrument: bool, trusted: bool) -> None:
-    """Refuse a largest acceleration [mm/s2], read in a unit, that a wrong unit explains better."""
+    """Reject an implausible peak acceleration [mm/s2], which suggests a wrong unit."""
     gal, size = pga / MM_S2_PER_GAL, acceleration_unit(unit)
     if gal < SMALLEST:
         about = "zero" if gal == 0.0 else f"less than {SMALLEST:g} gal"
@@ -230,7 +230,7 @@ def check_size(pga: float, unit: str, *, instrument: bool, trusted: bool) -> Non
     guess = f"; it would be {' or '.join(plausible)}" if plausible else ""
     raise InputError(
         f"largest acceleration {number:.4g} {plain} = {gal:.4g} gal is outside "
-        f"{low:g} to {high:g} gal: is the unit wrong{guess}? If the unit is right, say so with "
+        f"{low:g} to {high:g} gal: is the unit wrong{guess}? If the unit is right, confirm it with "
         "trust_unit"
     )
 
@@ -245,7 +245,7 @@ def motion_from_arrays(
     component: str = "",
     trust_unit: bool = False,
 ) -> GroundMotion:
-    """Return a ground motion from arrays, checked as one from a file is.
+    """Return a ground motion from arrays, with the checks of a file.
 
     Parameters
     ----------

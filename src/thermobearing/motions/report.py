@@ -20,9 +20,9 @@ from thermobearing.tables.text import read_text
 
 CAPTIONS = {
     "motion": "Acceleration, velocity and displacement of the ground.",
-    "spectrum": "Response spectrum of the motion beside the standard one.",
+    "spectrum": "Response spectrum of the motion compared with the standard one.",
 }
-PERIODS = (0.1, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0)  # quoted of a spectrum [s]
+PERIODS = (0.1, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0)  # listed periods of a spectrum [s]
 
 
 def build_pieces(saved: SavedResult) -> Pieces:
@@ -30,7 +30,9 @@ def build_pieces(saved: SavedResult) -> Pieces:
     summary = saved.summary
     name = str(summary["motion"])
     standard = summary.get("standard_spectrum")
-    beside = f" beside the standard spectrum of {standard_words(standard)}" if standard else ""
+    beside = (
+        f", compared with the standard spectrum of {standard_words(standard)}" if standard else ""
+    )
     about = tidy(str(summary.get("description") or name))
     about_it = {"motion": "Name", "description": "Description", "citation": "Source"}
     origin = [(word, str(summary[key])) for key, word in about_it.items() if summary.get(key)]
@@ -44,9 +46,9 @@ def build_pieces(saved: SavedResult) -> Pieces:
         tables={"measures": measures_table(summary), **_spectrum(saved)},
         figures=_figures(saved),
         checks=_checks(standard),
-        validity_unknown="Of a ground motion nothing was identified, so nothing can be left.",
+        validity_unknown="A ground motion has no calibration range.",
         assumptions=[
-            f"Response spectra are of linear oscillators with a damping of "
+            f"Response spectra are those of linear oscillators with a damping of "
             f"{100.0 * float(summary['damping']):g} %, solved exactly between samples.",
         ],
         warnings=[tidy(text) for text in saved.warnings],
@@ -60,7 +62,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
 
 
 def _answer(summary: Mapping[str, Any]) -> list[str]:
-    """Peaks, length of the strong part, fit to the standard spectrum."""
+    """Return sentences on peaks, duration and the fit to the standard spectrum."""
     found = [
         f"The peak acceleration is {summary['pga_gal']:.0f} gal, the peak velocity "
         f"{summary['pgv_cm_s']:.1f} cm/s and the peak displacement {summary['pgd_cm']:.1f} cm.",
@@ -70,11 +72,11 @@ def _answer(summary: Mapping[str, Any]) -> list[str]:
     standard = summary.get("standard_spectrum")
     if standard and standard["misfit_rms"] is not None:
         found.append(
-            f"Its spectrum is {100.0 * standard['misfit_rms']:.1f} % rms off that of "
+            f"Its spectrum is {100.0 * standard['misfit_rms']:.1f} % rms different from that of "
             f"{standard_words(standard)}, over 0.1 to 3 s."
         )
     else:
-        found.append("It was compared with no standard spectrum.")
+        found.append("It was not compared with a standard spectrum.")
     if summary["outcome"] != "completed":
         found.insert(0, f"The motion does not fit its spectrum ({summary['outcome']}).")
     return found
@@ -123,5 +125,5 @@ def _checks(standard: Mapping[str, Any] | None) -> list[Check]:
         return []
     misfit, limit = 100.0 * float(standard["misfit_rms"]), 100.0 * LARGEST_MISFIT
     what = "misfit to the standard spectrum, rms over 0.1 to 3 s"
-    source = "limit of motions that are made"
+    source = "limit of generated motions"
     return [Check(what, misfit, limit, "%", source, PASSED if misfit <= limit else EXCEEDED)]

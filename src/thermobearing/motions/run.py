@@ -1,4 +1,4 @@
-"""The steps of a ground motion: read or made -> corrected -> measured -> compared with a standard.
+"""Ground motions: read or generate -> correct -> measure -> compare with a standard spectrum.
 
 a record, or a name ............... load_motion -> `examine_motion` -> MotionResult
 a standard spectrum and phases .... MotionCase  -> `run_motion`     -> MotionResult
@@ -61,11 +61,11 @@ class Reference(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class MotionResult(Result):
-    """What is known about one ground motion.
+    """The result of one ground motion: measures and spectra.
 
     `damping` is that of `spectrum`, a ratio of critical damping; `misfit` the root mean square of
     spectrum / reference - 1 over 0.1 to 3 s, 5 % damping. The outcome is "completed", or "poor_fit"
-    for a motion that was made and does not fit.
+    for a generated motion that does not fit.
     """
 
     _figures = "MotionFigures"
@@ -85,7 +85,7 @@ class MotionResult(Result):
 
     @property
     def sentence(self) -> str:
-        """What the outcome means and what to try."""
+        """The meaning of the outcome and what to try."""
         if self.outcome != POOR_FIT or self.misfit is None:
             return ""
         return (
@@ -116,14 +116,14 @@ class MotionResult(Result):
         return pd.DataFrame(columns)
 
     def tables(self) -> dict[str, Table]:
-        """The measures; of `motions spectrum` the spectrum at ten periods."""
+        """Tables of the measures, or (`motions spectrum`) of the spectrum at ten periods."""
         if self.command != "motions spectrum":
             return {"measures": measures_table(self.summary())}
         frame = self._spectrum_frame(response_spectrum(self.motion, SHOWN, self.damping))
         return {"spectrum": spectrum_table(frame, self.damping)}
 
     def notes(self) -> list[str]:
-        """How well it fits its standard spectrum, and what it is."""
+        """The fit to its standard spectrum, and a description."""
         found = [self.motion.description] if self.motion.description else []
         if self.reference is not None and self.misfit is not None:
             found.append(
@@ -214,9 +214,9 @@ def examine_motion(
 
 @dataclass(frozen=True)
 class MotionCase:
-    """A motion to be made, as data: the standard spectrum that it shall fit, and its phases.
+    """Input of a generated motion: the standard spectrum to fit, and the phases.
 
-    These are random ones of a seed, unless those of a record are kept. The time step `dt` [s] is
+    Phases are random, from a seed, or those of a record. The time step `dt` [s] is
     that of the record, or 0.01 s, where it is None.
     """
 
@@ -229,7 +229,7 @@ class MotionCase:
 
     @property
     def name(self) -> str:
-        """For a directory: what shall be fitted, by what."""
+        """Name of the result directory."""
         if self.record is None:
             return f"jra-{self.kind}-{self.ground}-{self.seed}".lower()
         name = f"{self.record.name}-as-{self.kind}-{self.ground}".lower()
@@ -248,7 +248,7 @@ def make_motion_case(
     component: str | None = None,
     trust_unit: bool = False,
 ) -> MotionCase:
-    """Return a motion to be made, checked as far as that is quick; see `MotionCase`.
+    """Return the validated input of a generated motion; see `MotionCase`.
 
     `record` may be a motion, a name or a file; unit, component and trust_unit are those of
     `load_motion`.
@@ -261,7 +261,7 @@ def make_motion_case(
 
 
 def run_motion(case: MotionCase, *, progress: Progress | None = None) -> MotionResult:
-    """Make the motion of a case and measure how well it fits.
+    """Generate the motion of a case and measure its fit.
 
     `progress` is called after each round of the fit with (rounds done, at most).
     """
@@ -278,7 +278,7 @@ def run_motion(case: MotionCase, *, progress: Progress | None = None) -> MotionR
 
 
 def _reference(motion: GroundMotion, kind: str | None, ground: str | None) -> Reference | None:
-    """The spectrum to compare with: the stated one, or that which a built-in motion is made for."""
+    """Return the spectrum to compare with: the given one, or the target of a built-in motion."""
     if kind or ground:
         return Reference(*kind_and_ground(kind or "II", ground or "I"))
     named = re.fullmatch(r"jra-(i|ii)-(i|ii|iii)-\d+", motion.name)

@@ -1,6 +1,6 @@
-"""Motions matched to a target spectrum, from random phases or those of a record.
+"""Generated motions that match a target spectrum, with random phases or those of a record.
 
-They are stand-ins: they fit the spectrum, and are not the accelerograms of the specifications.
+They fit the spectrum, but are not the accelerograms of the specifications.
 Random phases are those of noise under an envelope, with a velocity pulse for Type II.
 """
 
@@ -29,7 +29,7 @@ ROOM = 4.0  # [s] of rest before and after a record, for the ringing of changed 
 SHORTEST_RECORD = 5.0  # [s]
 SMALLEST_DT, LARGEST_DT = 0.001, 0.02  # half a period of 0.1 s holds at least 2.5 steps
 # Where waves cancel in a narrow band, no amplitudes fill the hole: then the phases are drawn
-# again. The limit leaves room below the 3 % that are promised.
+# again. The limit leaves a margin below the documented 3 %.
 DRAWS, ACCEPTED = 8, 0.025
 LARGEST_SEED = 2**32 - 1
 # Above this the ground shakes less and less [Hz], as in records; the periods that are fitted
@@ -38,7 +38,7 @@ HIGHEST = 10.0
 
 
 class Shape(NamedTuple):
-    """How the strength of shaking goes in time: it rises, stays, and dies away [s]."""
+    """Envelope of the shaking: times of rise, plateau and decay [s]."""
 
     length: float
     start: float
@@ -51,7 +51,7 @@ class Shape(NamedTuple):
         return np.arange(round(self.length / dt) + 1, dtype=np.float64) * dt
 
     def envelope(self, time: Floats) -> Floats:
-        """Return the strength compared with that while strong."""
+        """Return the envelope, relative to its plateau."""
         rise = np.clip((time - self.start) / (self.strong - self.start), 0.0, 1.0) ** 2
         return np.asarray(rise * np.exp(-np.maximum(time - self.end, 0.0) / self.decay))
 
@@ -102,7 +102,7 @@ class Pulse(NamedTuple):
 
 
 class NearFault(NamedTuple):
-    """The phases of a motion that stands for one accelerogram; see `data/phases`.
+    """The phases of a motion that substitutes one accelerogram; see `data/phases`.
 
     Noise of a `shape` in time, with this root mean square while strong and below `HIGHEST`
     [mm/s2], and a pulse; `peak_time` is that of the largest acceleration of the accelerogram [s],
@@ -206,8 +206,8 @@ def make_motion(
 ) -> GroundMotion:
     """Return a ground motion that fits a standard spectrum, the same for the same seed.
 
-    Type I shakes for long; Type II is short with a velocity pulse. It is a stand-in that fits
-    the spectrum, not one of the accelerograms of the specifications. Seed 1 of Type II, ground
+    Type I has a long duration; Type II is short with a velocity pulse. The motion fits the
+    spectrum; it is not one of the accelerograms of the specifications. Seed 1 of Type II, ground
     II, has the envelope and the pulse of the record behind its accelerogram (`data/phases`) and,
     with the time step of 0.01 s, its largest acceleration at the same time, 8 s. Seeds 1 to 3 of
     Type II, ground I, have phases with which the design of the bridge of Shen (2023) closes.
@@ -220,7 +220,7 @@ def make_motion(
     dt : time step [s], in [0.001, 0.02].
     zone_factor : c_z, in [0.01, 2].
     spectrum : to be fitted instead of the standard one, from `load_spectrum`; type and ground then
-        say how it shakes.
+        determine the envelope.
     progress : called after each round of the fit with (rounds done, at most).
 
     Returns
@@ -239,7 +239,7 @@ def make_motion(
     """
     kind, ground = kind_and_ground(kind, ground)
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
-        raise InputError(f"seed: {seed!r} is not a whole number from 0 to {LARGEST_SEED}")
+        raise InputError(f"seed: {seed!r} is not an integer from 0 to {LARGEST_SEED}")
     _check_step(dt, "make_motion")
 
     target = spectrum or standard_target(kind, ground, zone_factor)
@@ -336,11 +336,11 @@ def check_record(record: GroundMotion) -> None:
             record.name,
         )
     if record.pga == 0.0:
-        raise InputError("is zero throughout: it has no phases to keep", record.name)
+        raise InputError("is zero throughout and has no phases", record.name)
     count = len(record.acceleration) + 2 * round(ROOM / record.dt)
     if count > LONGEST_FIT:
         raise InputError(
-            f"has {count} samples with the rest around it; at most {LONGEST_FIT} can be "
+            f"has {count} samples with padding; at most {LONGEST_FIT} can be "
             "fitted: cut it to its strong part, or take a longer dt",
             record.name,
         )

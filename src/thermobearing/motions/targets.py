@@ -1,4 +1,4 @@
-"""Target spectra: the standard ones of Level 2 earthquakes in Japan, and those of files."""
+"""Target spectra: standard spectra of Level 2 earthquakes in Japan, and user files."""
 
 import re
 from dataclasses import dataclass
@@ -75,7 +75,7 @@ class DesignSpectrum:
     """A spectrum of 5 % damping that motions are made to fit.
 
     `name` is "jra-ii-i", or that of a file, and `words` the same in words; `factor` multiplies the
-    curve (c_z of a standard one); `caveat` states what a motion that fits it is not.
+    curve (c_z of a standard one); `caveat` states a restriction of motions that fit it.
     """
 
     name: str

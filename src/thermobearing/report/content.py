@@ -126,7 +126,7 @@ def saved_identity(saved: SavedResult, otherwise: str) -> dict[str, str]:
 # Largest residual of the energy balance, of the largest energy in it: rounding comes to 1e-10, what
 # is more is a fault of the computation.
 BOOKS_CLOSE = 1e-6
-MARKED = "Marked: beyond what the bearing was tested at"
+MARKED = "Marked: outside the calibration range of the bearing"
 TESTED_RANGE = "tested range"  # how the source of those limits begins
 RIG = {"force": "force", "stroke": "stroke", "speed": "speed"}
 TESTS = {name: title for name, (_, title, _, _) in TESTED.items()}
@@ -398,7 +398,7 @@ def make_table(name: str, table: pd.DataFrame) -> Table:
 def _table_column(title: str, values: "pd.Series[Any]") -> Quantity:
     """Return a column of a table of a result directory, in the unit of the file.
 
-    Numbers have four digits that count, or as many as are whole; symbols keep small letters.
+    Numbers have four digits that count, or all integer digits; symbols keep small letters.
     """
     head, unit = words(title)
     begins = head.split(" ")[0]

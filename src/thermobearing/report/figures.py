@@ -109,7 +109,7 @@ def _in_fonts() -> Iterator[None]:
 
 
 def _pictured(figure: ReportFigure, missing: set[str]) -> ReportFigure:
-    """Return a figure with its picture, of its own drawing or of its plot."""
+    """Return a figure with its picture, from its drawing or its plot."""
     plot = figure.plot
     draw = figure.draw or (None if plot is None else lambda: _draw_plot(plot))
     if figure.image is not None or draw is None:

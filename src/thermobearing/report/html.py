@@ -107,7 +107,7 @@ def _breakable(text: str) -> Markup:
 def _image_address(image: bytes) -> str:
     """Return a PNG, JPEG or SVG as an address that holds it.
 
-    An image of its own, not a part of the page: a script in a picture from elsewhere does not run.
+    A separate image, not a part of the page: scripts in foreign pictures do not run.
     """
     for start, kind in ((b"\x89PNG", "png"), (b"\xff\xd8", "jpeg")):
         if image.startswith(start):

@@ -1,7 +1,7 @@
 """A document as PDF: PDF/A-2a for archives and PDF/UA-1 for screen readers in one file.
 
 The typst compiler (a wheel with fonts inside) sets `data/reports/report.typ`, which reads the
-document as data: what a user wrote is never a part of the source, so that no name can be a
+document as data: user text is never a part of the template, so that no name can be a
 command.
 """
 
@@ -200,7 +200,7 @@ def laid_out(document: Document, folder: Path | None) -> Data:
 
 
 def _foot(document: Document) -> str:
-    """Return program and input, short: what tells one print-out from another."""
+    """Return a short identification of program and input."""
     identity = {key.lower(): value for key, value in document.identity.items()}
     program = next((v for k, v in identity.items() if "version" in k or "program" in k), "")
     program = program if program.startswith("thermobearing") else f"thermobearing {program}"

@@ -78,16 +78,16 @@ def _blocks_of_line(line: str, pieces: Pieces, called: set[tuple[str, str]]) -> 
     placed = PLACEHOLDER.fullmatch(line)
     if placed is None:
         if "{{" in line:
-            raise InputError("a placeholder stands on a line of its own, such as {{ tables }}")
+            raise InputError("a placeholder must be alone on its line, such as {{ tables }}")
         return [Paragraph(line)]
     word, name, optional = placed.groups()
-    if name is None and word in WHOLE:
-        return WHOLE[word](pieces)
+    if name is None and word in SECTIONS:
+        return SECTIONS[word](pieces)
     kind = word if name else word.removesuffix("s")
     if kind not in ("table", "figure") or (name is None and word == kind):
         if name:
             raise InputError(f'no placeholder "{word} {name}": it is table NAME or figure NAME')
-        known = [*WHOLE, "tables", "figures", "table NAME", "figure NAME"]
+        known = [*SECTIONS, "tables", "figures", "table NAME", "figure NAME"]
         raise InputError(f'no placeholder "{word}"{_nearest(word, known)}')
     found: dict[str, Block] = (
         {key: TableBlock(key, table) for key, table in pieces.tables.items()}
@@ -135,7 +135,7 @@ def _listed(items: Sequence[str], kind: str = "") -> list[Block]:
     return [Bullets(items, kind)] if items else []
 
 
-WHOLE: Mapping[str, Callable[[Pieces], list[Block]]] = {
+SECTIONS: Mapping[str, Callable[[Pieces], list[Block]]] = {
     "question": lambda pieces: [Paragraph(pieces.question)],
     "answer": lambda pieces: _listed(pieces.answer, "answer"),
     "inputs": lambda pieces: [TableBlock(name, t) for name, t in pieces.inputs.items()],

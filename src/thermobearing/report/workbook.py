@@ -21,7 +21,7 @@ from thermobearing.report.pieces import Pieces, checks_table
 
 ROWS, COLUMNS, NAME, LETTERS = 1_048_576, 16_384, 31, 32_767  # what a sheet can hold
 MOST_HISTORY_ROWS = 20_000  # of all histories together: what opens quickly
-FORMATTED = 5_000  # rows of a sheet up to which every number has a format of its own
+FORMATTED = 5_000  # rows of a sheet up to which every number has its own format
 STAMP = (1980, 1, 1, 0, 0, 0)  # of every part of the file: the same bytes for the same result
 MARKED, HEAD = "F6DEDE", "E8ECF1"  # fills
 CREATED = re.compile(rb"<dcterms:(created|modified)[^>]*>[^<]*</dcterms:\1>")
@@ -50,7 +50,7 @@ def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
     tables = {"Checks": checks_table(pieces.checks, signs=False)} if pieces.checks else {}
     tables |= {**pieces.inputs, **pieces.tables}
     if pieces.books is not None:
-        tables["energy books"] = pieces.books
+        tables["energy balance"] = pieces.books
     for name, table in tables.items():
         for first in range(0, max(len(table.rows), 1), ROWS - 4):
             part = _part(table, first) if len(table.rows) > ROWS - 4 else table

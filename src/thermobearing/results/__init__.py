@@ -1,4 +1,4 @@
-"""What came out: labelled datasets, measures per cycle, figures and files. No physics here."""
+"""Results: labelled datasets, measures per cycle, figures and files."""
 
 from thermobearing.border.deprecated import find_moved
 

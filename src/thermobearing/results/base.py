@@ -1,8 +1,7 @@
 """The base of all results: outcome, tables, console, notebook, directory, report.
 
-A result is data. What is drawn, written and reported of it stands in the modules beside the one
-that defines its class (`figures`, `report`), which are imported when they are first asked for: a
-result imports no view.
+A result is data. Figures and reports are in the modules `figures` and `report` of the package that
+defines its class, which are imported when they are first used: a result imports no view.
 """
 
 from importlib import import_module
@@ -23,15 +22,15 @@ COMPLETED = "completed"
 
 
 class Result:
-    """What every result can do.
+    """Base class of all results.
 
-    A class that inherits from it gives `table` and `summary()`, usually `outcome`, `sentence`,
+    A subclass defines `table` and `summary()`, usually `outcome`, `sentence`,
     `warnings`, `tables()`, `notes()` and `_write(folder)`, and names its class of figures in
     `_figures`, to be found in the module `figures` of its package.
     """
 
     _figures: ClassVar[str] = ""
-    _report_of_files: ClassVar[bool] = False  # the report is made of the saved directory
+    _report_of_files: ClassVar[bool] = False  # the report is built from the saved directory
 
     outcome: Any = COMPLETED
     sentence: Any = ""
@@ -40,7 +39,7 @@ class Result:
 
     @property
     def headline(self) -> str:
-        """What it is and how it ended, in a line."""
+        """Return the type and outcome of the result in a line."""
         return f"{type(self).__name__}: {self.outcome}"
 
     def __repr__(self) -> str:
@@ -51,12 +50,12 @@ class Result:
 
     @property
     def rig(self) -> pd.DataFrame:
-        """How far each run uses each limit of the rig; empty without a rig."""
+        """Use of each limit of the rig by each run; empty without a rig."""
         return self._rows("rig")
 
     @property
     def tested_range(self) -> pd.DataFrame:
-        """How far each run goes in the range that its bearing was tested in; empty if unknown."""
+        """Use of the calibration range of its bearing by each run; empty if unknown."""
         return self._rows("tested_range")
 
     def _rows(self, name: str) -> pd.DataFrame:
@@ -64,15 +63,15 @@ class Result:
         return pd.DataFrame()
 
     def tables(self) -> dict[str, Table]:
-        """Tables for readers, by name: the console prints them, and reports hold them."""
+        """Return the tables by name, for console and report."""
         return {}
 
     def notes(self) -> list[str]:
-        """Sentences that the console prints below the tables, such as the energy balance."""
+        """Return sentences printed below the tables, such as the energy balance."""
         return []
 
     def show(self) -> None:
-        """Print what the command prints: title, warnings, tables, notes."""
+        """Print title, warnings, tables and notes, as the command does."""
         say(self.headline, "bold")
         print_warnings(self.warnings)
         for table in self.tables().values():
@@ -114,7 +113,7 @@ class Result:
         Raises
         ------
         OutputError
-            The directory exists and `overwrite` is False, or it cannot be written; nothing is
+            The directory exists and `overwrite` is False, or it cannot be written; no files
             left.
         """
 
@@ -130,7 +129,7 @@ class Result:
         return write_directory(Path(directory), _fill, overwrite=overwrite)
 
     def _write(self, folder: Path) -> None:
-        """Write the files of the analysis but summary.json, limits and figures."""
+        """Write the files of the analysis except summary.json, limits and figures."""
 
     def _draw(self, folder: Path) -> None:
         if self._figures:
@@ -147,7 +146,7 @@ class Result:
 
 
 class DatasetResult(Result):
-    """A result that is one labelled dataset, of runs along a dimension.
+    """A result stored as one labelled dataset with a dimension of runs.
 
     Attributes
     ----------
@@ -164,7 +163,7 @@ class DatasetResult(Result):
 
     @property
     def outcome(self) -> str:
-        """What ended the first run that did not complete, else completed."""
+        """The outcome of the first run that did not complete, else completed."""
         if self.dataset.attrs.get("interrupted"):
             return "interrupted"
         ended = [str(name) for name in self.dataset["outcome"].values]
@@ -172,12 +171,12 @@ class DatasetResult(Result):
 
     @property
     def sentence(self) -> str:
-        """What the outcome means, and what to try."""
+        """The meaning of the outcome, and what to try."""
         return str(from_attribute(self.dataset, "sentences").get(self.outcome, ""))
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader must know before using the numbers."""
+        """Warnings about the validity of the result."""
         return list(from_attribute(self.dataset, "warnings"))
 
     def largest_tested(self, run: str, limit: str) -> float:

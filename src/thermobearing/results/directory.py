@@ -4,9 +4,9 @@ Everything is written into a hidden sibling directory, locked while its process 
 the place of the final one at the end: a full disk, an interruption or a crash leaves either the
 complete result or the earlier one, and the next run removes what a killed process left.
 
-HDF5 trusts what it finds in a file: a few changed bytes can keep it busy for ever, inside a
-call that no signal interrupts. So the digest of the content is appended to the file, where
-netCDF readers do not look.
+HDF5 does not check the content of a file: a few changed bytes can keep it busy for ever, in a
+call that no signal interrupts. Therefore the digest of the content is appended to the file;
+netCDF readers ignore it.
 """
 
 import ctypes
@@ -23,9 +23,9 @@ from thermobearing.border.errors import InputError, OutputError
 
 try:
     import fcntl
-except ImportError:  # Windows: two runs with one target are then not told apart
+except ImportError:  # Windows: two runs with the same target are not distinguished
     fcntl = None  # type: ignore[assignment]
-# Writers of results have a folder for milliseconds, a study for as long as it runs.
+# Writers of results lock a folder for milliseconds, a study while it runs.
 PATIENCE, POLL = 2.0, 0.05  # [s]
 AT_FDCWD, RENAME_EXCHANGE = -100, 2  # of renameat2(2)
 
@@ -82,7 +82,7 @@ def new_sibling(final: Path) -> Iterator[Path]:
 
 
 def _clean(final: Path) -> None:
-    """Remove what killed runs left, and bring back a result that one was replacing."""
+    """Remove leftovers of killed runs, and restore a result that one of them was replacing."""
     writing, old = _marks(final)
     for path in list(final.parent.iterdir()):
         if path.name.startswith(old) and not final.exists():
@@ -96,9 +96,9 @@ def _clean(final: Path) -> None:
 
 
 def _put_in_place(partial: Path, final: Path, check: Callable[[], None]) -> None:
-    """Make a finished directory the final one; `check` raises if that must not be replaced.
+    """Move a finished directory into place; `check` raises if the target must not be replaced.
 
-    The earlier one is then under the hidden name; it comes back whatever stops this.
+    The earlier one then has the hidden name; it is restored if anything fails.
     """
     with locked(final.parent):
         check()
@@ -153,7 +153,7 @@ def seal(file: Path) -> None:
 
 
 def check_seal(file: Path) -> None:
-    """Refuse a file that does not end with the digest of what precedes it."""
+    """Reject a file whose digest is missing or wrong."""
     try:
         size = file.stat().st_size - len(MARK) - DIGEST
         with file.open("rb") as stream:
@@ -163,10 +163,10 @@ def check_seal(file: Path) -> None:
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror or error}", str(file)) from None
     if not end.startswith(MARK):
-        fault = "is not a result file of thermobearing, or its end is missing, or another program "
-        raise InputError(f"{fault}(or an earlier version) wrote it; run its case again", str(file))
+        fault = "is not a result file of thermobearing, is truncated, or was written by another "
+        raise InputError(f"{fault}program or version; run its case again", str(file))
     if not complete:
-        raise InputError("is damaged: it was changed after it was written", str(file))
+        raise InputError("is damaged: its content does not match its digest", str(file))
 
 
 OVERWRITE = "--overwrite (in Python overwrite=True)"
@@ -184,7 +184,7 @@ TEMPERATURES, VALIDATED_CYCLES = "temperatures.csv", "cycles.csv"
 FOLDS, THERMOCOUPLES = "folds.csv", "thermocouples.csv"
 REPORT_HTML, REPORT_PDF, WORKBOOK = "report.html", "report.pdf", "report.xlsx"
 TITLE, LOGO = "report.toml", "report-logo"
-# Everything that any command writes into a result directory; nothing else is ever deleted.
+# All files that commands write into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {
     *(SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, MODES, RIG, TESTED_RANGE),
     *(PARTS, LINES, PIERS, STRUCTURE_PARTS, PERIODS, IDENTIFIED, COMPOUND, FIT_TABLE, SAMPLES),
@@ -195,14 +195,14 @@ RESULT_NAMES = {
 
 
 def check_target(directory: Path, *, overwrite: bool) -> None:
-    """Refuse a target that a run may not write to, before anything is computed."""
+    """Reject a target that cannot be written, before anything is computed."""
     choose = "choose another directory"
     try:
         final = directory.resolve()
         if not final.exists():
             above = next(path for path in final.parents if path.exists())
             if not above.is_dir():
-                raise OutputError(f"{directory}: cannot be made, {above} is a file; {choose}")
+                raise OutputError(f"{directory}: cannot be created, {above} is a file; {choose}")
             if not os.access(above, os.W_OK | os.X_OK):
                 raise OutputError(f"{directory}: {above} is not writable; {choose}")
             return
@@ -212,12 +212,12 @@ def check_target(directory: Path, *, overwrite: bool) -> None:
     except (OSError, ValueError, RuntimeError) as error:  # too long, a null byte, a loop of links
         raise OutputError(f"{directory}: cannot be used: {error}; {choose}") from None
     if final in (Path.cwd(), *Path.cwd().parents):
-        raise OutputError(f"{directory}: is the directory you are in, or holds it; {choose}")
+        raise OutputError(f"{directory}: is the current directory or one of its parents; {choose}")
     if not names:
         return
     foreign = sorted(names - RESULT_NAMES)
     if SUMMARY not in names or foreign:
-        held = f" (it holds {', '.join(foreign[:3])})" if foreign else ""
+        held = f" (it contains {', '.join(foreign[:3])})" if foreign else ""
         raise OutputError(f"{directory}: exists and is not a result directory{held}; {choose}")
     if not overwrite:
         raise OutputError(f"{directory}: exists; give {OVERWRITE} to replace it, or {choose}")
@@ -229,7 +229,7 @@ def write_directory(
     """Let `fill` write into a new directory, and put it in place when it is complete.
 
     The target is checked again when the files are complete, since another run may have written
-    there meanwhile. If the disk is full or not writable, nothing is left.
+    there meanwhile. If the disk is full or not writable, no files remain.
     """
     check_target(directory, overwrite=overwrite)
     final = directory.resolve()
@@ -242,9 +242,9 @@ def write_directory(
                 if (partial / DATASET).exists():
                     seal(partial / DATASET)
                 _put_in_place(partial, final, lambda: check_target(directory, overwrite=overwrite))
-            finally:  # half written, or the result that was replaced
+            finally:  # incomplete, or the replaced result
                 shutil.rmtree(partial, ignore_errors=True)
-    except (OSError, RuntimeError) as error:  # netCDF tells a failing disk as either
+    except (OSError, RuntimeError) as error:  # netCDF raises either for a failing disk
         told = getattr(error, "strerror", None) or error
         raise OutputError(f"{directory}: cannot be written: {told}") from error
     finally:

@@ -1,4 +1,4 @@
-"""How figures look: panels, colours, legends, thinned histories. Only for figures.py.
+"""Style of figures: panels, colours, legends, thinned histories. Used by figures.py only.
 
 Everything is set on the artists themselves, so that a figure looks the same under any
 matplotlib settings and none of the user's settings are touched.
@@ -67,17 +67,17 @@ MOST_LOOP_POINTS = 60_000
 MARKERS = "os^Dv<>p"
 BOX: Look = {"facecolor": "white", "pad": 0.5, "linewidth": 0}  # behind a note in a panel
 LIMIT: Look = {"color": "#a33", "linewidth": 0.8, "linestyle": (0, (6, 2, 1, 2))}
-UNTESTED = "#f6dede"  # beyond what a bearing was tested at
+UNTESTED = "#f6dede"  # outside the calibration range
 DRAWING = threading.RLock()  # fonts of matplotlib are shared, and not for several threads
 FORMULAS = MathTextParser("agg")
 LOOP_STEP = 1 / 250  # distance of kept points of a loop, of the size of the panel
 
 
 class Picture(Figure):
-    """A figure that a notebook shows, drawn without any state of pyplot."""
+    """A figure for notebooks, drawn without pyplot."""
 
     def draw(self, renderer: Any) -> None:
-        """Draw all parts; a name with dollar signs that is no formula is drawn as it is."""
+        """Draw all parts; invalid formulas between dollar signs are drawn as plain text."""
         for text in self.findobj(Text):
             if isinstance(text, Text) and text.get_text().count("$") > 1:
                 try:
@@ -93,7 +93,7 @@ class Picture(Figure):
 
 
 def parent_figure(ax: Axes) -> Figure:
-    """Return the whole figure that a panel belongs to."""
+    """Return the figure that a panel belongs to."""
     figure = ax.get_figure(root=True)
     assert isinstance(figure, Figure)
     return figure
@@ -128,8 +128,7 @@ def panels(
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure of so many inches with its panels row by row, styled but empty.
 
-    One that is wider than a page becomes as wide as a page: figures are looked at in print, and
-    their letters are to have one size there.
+    A wider figure is reduced to the width of a page, so that letters have the same size in print.
     """
     narrower = min(1.0, WIDEST / size[0])
     size = narrower * size[0], narrower**FLATTER * size[1]
@@ -190,7 +189,7 @@ def head_grid(axes: list[Axes], heads: list[str], sides: list[str]) -> None:
 
 
 def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02)) -> None:
-    """Write a word in a panel on why there is less to be seen than in the others."""
+    """Write in a panel why its content is incomplete."""
     look: Look = {"fontsize": SMALL - 0.5, "color": GREY, "va": "bottom", "zorder": 5}
     look |= {"ha": "left" if at[0] < 0.5 else "right", "bbox": BOX | {"alpha": 0.7}}
     ax.text(*at, why, transform=ax.transAxes, **look).set_in_layout(False)
@@ -218,7 +217,7 @@ def save_figures(
 class Figures:
     """Base of the figures of a result.
 
-    A class that inherits from it gives `draw_all`: what draws each figure that the result holds
+    A subclass defines `draw_all`: what draws each figure that the result holds
     data for, by name of its file.
     """
 
@@ -228,16 +227,16 @@ class Figures:
         self._result = result
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure, by name of its file."""
+        """Return the function that draws each figure, by name of its file."""
         return {}
 
     def save_all(self, folder: str | Path) -> list[Path]:
-        """Write every figure that the result holds data for, and return the files."""
+        """Write every figure that the result has data for, and return the files."""
         return save_figures(self.draw_all(), Path(folder), vector=self.vector)
 
 
 def thin(values: Floats, bins: int) -> Ints:
-    """Points that draw like all of them: the first, the last, each bin's lowest and highest."""
+    """Return points that draw like all: the first, the last, and the extremes of each bin."""
     size = max(1, len(values) // max(bins, 1))
     if size <= 2:
         return np.arange(len(values))
@@ -259,7 +258,7 @@ def thin_loops(
     step = max(LOOP_STEP, way[-1] / most)
     kept = np.flatnonzero(np.diff(np.floor(way / step), prepend=-1.0))
     turns = 1 + np.flatnonzero(np.diff(x)[:-1] * np.diff(x)[1:] < 0.0)
-    if len(turns) < most:  # else it is noise that turns
+    if len(turns) < most:  # else noise causes the turns
         kept = np.union1d(kept, turns)
     return np.union1d(kept, [len(x) - 1]).astype(np.int64)
 
@@ -296,7 +295,7 @@ def common_limits(axes: list[Axes]) -> tuple[float, float]:
 def shade_untested(
     axes: list[Axes], tested: list[tuple[float, float]], along: Literal["x", "y"] = "x"
 ) -> None:
-    """Shade what lies beyond the tested range where a panel shows it."""
+    """Shade the area outside the calibration range."""
     look: Look = {"fontsize": SMALL - 0.5, "color": LIMIT["color"]}
     look |= {"ha": "right", "va": "top"} if along == "x" else {"ha": "left", "va": "bottom"}
     place = (0.99, 0.985) if along == "x" else (0.01, 0.015)
@@ -309,7 +308,7 @@ def shade_untested(
             if last > first:
                 span(first, last, color=UNTESTED, zorder=0.2, linewidth=0)
         ax.set(**{f"{along}lim": (low, high)})
-        ax.text(*place, "shaded: not tested", transform=ax.transAxes, **look)
+        ax.text(*place, "shaded: outside calibration range", transform=ax.transAxes, **look)
 
 
 def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> None:

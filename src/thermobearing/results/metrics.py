@@ -7,7 +7,7 @@ one that reaches farther (the later of equal ones), make the largest loop. It be
 zero displacement before the peak of the first excursion and ends at the first one after the
 peak of the second. An excursion that the history does not bring back to zero is not closed, and
 belongs to no loop; one within 2 % of the largest displacement is none. One that comes to
-rest beside zero, nearer than half the largest displacement, ends where it first comes there.
+rest near zero, within half the largest displacement, ends where it first comes there.
 """
 
 from collections.abc import Sequence
@@ -22,20 +22,20 @@ from thermobearing.border.units import HUGEST
 from thermobearing.core.records import Floats
 
 FIT_FROM, FIT_TO = 0.5, 0.9  # part of the loading branch that gives K_d, of the peak
-# The least that a residual of energy books is relative to. Sums of forces of up to 1e4 kN over
+# Smallest reference energy of a balance error. Sums of forces of up to 1e4 kN over
 # millimetres are rounded by less than 1e-8 kN mm; temperatures near 100 degC by 1.4e-14 K a
 # step, so that a million steps may lose what warms the bearing by 1e-8 K.
 LEAST_ENERGY = 1e-6  # [kN mm]
-LEAST_WARMING = 1e-4  # [K], of the whole bearing: 1 kN mm for one of 240 mm
+LEAST_WARMING = 1e-4  # [K], mean of the bearing: 1 kN mm for one of 240 mm
 LEAST_HEAT = 1.0  # [kN mm], the same where the heat capacity is not known
 DWELL, SHORTEST_DWELL = 0.02, 5  # points at zero that are a rest: part of all per cycle, and least
-STRAIGHT = 0.05  # of the amplitude: way before a rest that tells how the force goes on
+STRAIGHT = 0.05  # of the amplitude: path before a rest used to extrapolate the force
 FEWEST_POINTS = 8  # in a cycle that is measured; 5 (zeros and peaks) where its work is known
 
 
 @dataclass(frozen=True)
 class CycleMeasures:
-    """One loop in numbers."""
+    """Measures of one loop."""
 
     amplitude_mm: float  # half the range of displacement
     G_eq_MPa: float  # equivalent shear modulus, Eq. 3.1
@@ -58,7 +58,7 @@ def loop_energy(displacement: Floats, force: Floats) -> float:
 def relative_residual(
     missing: float, energies: Sequence[float], least: float = LEAST_ENERGY
 ) -> float:
-    """Return what is missing from an energy balance, relative to its largest energy [kN mm]."""
+    """Return the error of an energy balance, relative to its largest energy [kN mm]."""
     return missing / max(least, *(abs(energy) for energy in energies))
 
 
@@ -266,8 +266,8 @@ def _histories(displacement: Floats, force: Floats) -> tuple[Floats, Floats]:
 def _from_zero_to_zero(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats, Floats]:
     """A cycle cut off at its upward crossings of zero.
 
-    Its first and last interval are shared with its neighbours; counted whole in both, a cycle
-    of 200 points gains some 2 % of energy. One that ends in a rest goes straight on to zero: the
+    Its first and last intervals are shared with its neighbours; counted fully in both, a cycle
+    of 200 points gains some 2 % of energy. One that ends in a rest is extrapolated to zero: the
     force is lost as soon as the motion stops, often within one interval of the logger.
     """
     rows = slice(cycle.first, (cycle.moving if cycle.ends == "rest" else cycle.last) + 1)
@@ -285,7 +285,7 @@ def _from_zero_to_zero(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats,
 
 
 RESTING = 0.1  # of a history, at its end: it is at rest there if it moves less than NOISE
-LEFT = 0.5  # of the largest displacement: as far beside zero an excursion may come to rest
+LEFT = 0.5  # of the largest displacement: an excursion may come to rest at most this far from zero
 NOISE = 0.02  # of the largest displacement: excursions within it are none
 
 

@@ -18,7 +18,7 @@ MOST_PROFILES = 8
 CORE = (0, (4, 1.5))  # dashes of a lead core
 THIN = 0.02  # of the height: a part too thin for its name
 NAMES: drawing.Look = {"fontsize": drawing.SMALL - 0.5}  # of parts and faces
-STRIP = 0.52  # width of the panel of the lead, of that of the profiles beside it
+STRIP = 0.52  # width of the panel of the lead, relative to that of the profiles
 STRIP_INCHES = 1.2
 MOST_MARKERS = 24  # on a profile through many cells
 
@@ -51,11 +51,11 @@ def draw_profile_panels(
         {"color": colour, "marker": marker, "markersize": 3.2}
         for colour, marker in zip(colours, drawing.MARKERS, strict=False)
     ]
-    for ax in every[each * len(panels) :]:  # of runs that an interrupted study did not come to
+    for ax in every[each * len(panels) :]:  # runs missing in an interrupted study
         ax.remove()
     axes = every[::each][: len(panels)]
-    beside = [*every[1::2]] if cored else [None] * len(panels)
-    strips = [_draw_panel(*one, looks) for one in zip(axes, beside, panels, strict=False)]
+    strip_axes = [*every[1::2]] if cored else [None] * len(panels)
+    strips = [_draw_panel(*one, looks) for one in zip(axes, strip_axes, panels, strict=False)]
     _same_kelvin(list(zip(axes, panels, strict=True)))
     _same_kelvin([(s, panel) for s, panel in zip(strips, panels, strict=True) if s is not None])
     for place, (ax, strip, panel) in enumerate(zip(axes, strips, panels, strict=True)):
@@ -81,7 +81,7 @@ def draw_profile_panels(
 def _draw_panel(
     ax: Axes, strip: Axes | None, panel: ProfilePanel, looks: list[drawing.Look]
 ) -> Axes | None:
-    """Profiles of a run; its lead in the strip beside them, which is given back if it has one."""
+    """Draw profiles of a run; return the adjacent strip of its lead, if it has one."""
     if strip is not None and all(lead is None for _, _, lead in panel.lines):
         strip.remove()
         strip = None
@@ -120,7 +120,7 @@ def _draw_core(ax: Axes, stack: xr.Dataset, temperature: float, colour: str) -> 
 
 
 def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool, faces: bool = True) -> None:
-    """Bands of steel and rubber behind profiles, the faces, and beside them the parts' names."""
+    """Draw bands of steel and rubber behind profiles, the faces, and the names of parts."""
     part = [str(name) for name in data["part"].values]
     bottom = np.cumsum(data["cell_thickness"].values)
     half, place = bool(data.attrs["half_stack"]), ax.get_yaxis_transform()
@@ -186,7 +186,7 @@ def overlay(results: Mapping[str, Any], title: str = "hysteresis loops") -> Figu
         result.plot.loops(ax=ax, label=name, color=COLOURS[number % len(COLOURS)])
         mine = f"{ax.get_ylabel()} against {ax.get_xlabel()}"
         if labels and mine != labels:
-            raise InputError(f'"{name}" has loops of {mine}, not of {labels}', "overlay()")
+            raise InputError(f'"{name}" has loops of {mine}; the others have {labels}', "overlay()")
         labels = mine
     ax.legend(fontsize=drawing.SMALL, frameon=False)
     return figure

@@ -1,6 +1,6 @@
-"""Runs compared with the limits of a rig, or with the tests behind a bearing's parameters.
+"""Comparison of runs with the limits of a rig, or with the calibration range of a bearing.
 
-Names, units and numbers come in; rows of a table and sentences for all analyses come out.
+Input: names, units and numbers; output: table rows and sentences, for all analyses.
 """
 
 import re
@@ -18,10 +18,10 @@ Row = dict[Any, Any]
 # Of a tested range (its width, or its upper end where that is more), beyond either end: what the
 # nominal and the measured value of one test differ by.
 SLACK = 0.02
-WARM_LEAD = 40.0  # rise of lead from which the rubber beside it is named [K]
-REST = 600.0  # between two loadings, after which cycles are counted anew [s]
-NOT_GIVEN = "range not given"
-# What sentences on validity hold, and no other warning: those below, and of the temperature law.
+WARM_LEAD = 40.0  # rise of lead from which the adjacent rubber is mentioned [K]
+REST = 600.0  # between two loadings, after which cycles are counted from zero [s]
+NOT_GIVEN = "calibration range not given"
+# Phrases that only warnings on validity contain: those below and that of the temperature law.
 OF_VALIDITY = (NOT_GIVEN, " tested (", "the temperature law was identified")
 TESTED = {  # of a bearing: unit in rows; title, factor and unit in sentences
     "strain": ("1", "strain", 100.0, " %"),
@@ -82,7 +82,7 @@ def reached_by(
     the coldest and warmest ambient temperature and the temperatures of the lead [degC].
     """
     found: dict[str, float | Ends] = {"ambient": ambient}
-    if speed > 0.0:  # else it rests, and nothing is asked of the rubber
+    if speed > 0.0:  # else the rubber is not loaded
         found["strain"] = float(np.abs(displacement).max()) / rubber
         found["strain_rate"] = speed / rubber
         found["cycles"] = cycles_in_a_row(time, displacement)
@@ -134,12 +134,12 @@ def outside_tests(
     given: bool = True,
     skip: Collection[str] = (),
 ) -> list[str]:
-    """Return a sentence for each quantity in which runs leave the tests of a bearing.
+    """Return a sentence for each quantity in which runs leave the calibration range of a bearing.
 
     Without `ranges` one sentence says so, if `given`; quantities in `skip` are left out.
     """
     if ranges is None:
-        said = f"{name}: {NOT_GIVEN} (tested_range in its file), so nothing is said of it"
+        said = f"{name}: {NOT_GIVEN} (tested_range in its file), so validity cannot be checked"
         return [said] if given else []
     runs, found = len({row["run"] for row in rows}), []
     ends = (("above", "largest", 1.0), ("below", "lowest", -1.0))
@@ -158,9 +158,9 @@ def outside_tests(
 
 
 def rate_note(rows: Iterable[Mapping[Any, Any]]) -> str:
-    """Return in a sentence how far strain rates exceed those of the tests; empty if none does.
+    """Return a sentence on strain rates above those of the tests; empty if there are none.
 
-    Most earthquakes exceed them, so that this is a note on validity and no warning.
+    Most earthquakes exceed them, so this is a note and not a warning.
     """
     rates = [row for row in rows if row["limit"] == "strain_rate"]
     out = [row for row in rates if row["passed"] and row["asked"] > row["largest"]]
@@ -176,13 +176,13 @@ def rate_note(rows: Iterable[Mapping[Any, Any]]) -> str:
 
 
 def ring_note(rise: float) -> str:
-    """Return a sentence on the rubber beside a warm lead core; empty where it stays cool."""
+    """Return a sentence on the rubber next to a warm lead core; empty where it stays cool."""
     if not rise > WARM_LEAD:
         return ""
     return (
-        f"lead warms by up to {rise:.0f} K, and the ring of rubber beside a core nearly as much "
-        "(finite elements: 74 to 82 K where the mean of the layer rises by 2 K); temperatures of "
-        "rubber are means over the plan, and the damage of such a ring is not in the model"
+        f"lead warms by up to {rise:.0f} K, and the rubber adjacent to a core nearly as much "
+        "(finite elements: 74 to 82 K where the mean of the layer rises by 2 K); rubber "
+        "temperatures are means over the plan, and damage of the adjacent rubber is not modelled"
     )
 
 

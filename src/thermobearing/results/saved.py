@@ -35,17 +35,17 @@ class SavedResult:
 
     @property
     def command(self) -> str:
-        """What made it, such as "identify"."""
+        """The command that wrote it, such as "identify"."""
         return str(self.summary["command"])
 
     @property
     def outcome(self) -> str:
-        """How it ended."""
+        """The outcome."""
         return str(self.summary["outcome"])
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader must know before using the numbers."""
+        """Warnings about the validity of the result."""
         return [str(text) for text in self.summary.get("warnings", [])]
 
     def __repr__(self) -> str:
@@ -68,18 +68,18 @@ def read_saved(path: str | Path) -> SavedResult:
     folder = Path(path)
     where = shortened(str(folder), LONGEST_NAME)
     try:
-        told = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+        summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"summary.json cannot be read: {error}", where) from None
-    if not isinstance(told, dict) or not set(told) >= NEEDED:
-        raise InputError(f"is no result of thermobearing: {SUMMARY} has no command", where)
+    if not isinstance(summary, dict) or not set(summary) >= NEEDED:
+        raise InputError(f"is not a result of thermobearing: {SUMMARY} has no command", where)
     tables = {}
     for file in sorted(folder.glob("*.csv")):
         try:
             tables[file.stem] = pd.read_csv(file)
         except (OSError, ValueError) as error:
             raise InputError(f"{file.name} cannot be read: {error}", where) from None
-    return SavedResult(folder, told, tables, sorted((folder / FIGURES).glob("*.png")))
+    return SavedResult(folder, summary, tables, sorted((folder / FIGURES).glob("*.png")))
 
 
 def read_dataset(path: str | Path, attributes: Iterable[str]) -> xr.Dataset:
@@ -91,13 +91,15 @@ def read_dataset(path: str | Path, attributes: Iterable[str]) -> xr.Dataset:
     file = next((item for item in (path / DATASET, path) if is_file(item)), None)
     if file is None:
         fitted = "; read its bearing with load_bearing" if is_file(path / IDENTIFIED) else ""
-        raise InputError(f"no result.nc there{fitted}", shortened(str(path), LONGEST_NAME))
+        raise InputError(f"contains no result.nc{fitted}", shortened(str(path), LONGEST_NAME))
     check_seal(file)
     try:
         with NETCDF:
             dataset = xr.load_dataset(file, engine="netcdf4")
         dataset.attrs |= json.loads(dataset.attrs.pop(OTHERS, "{}"))
-    except Exception as error:  # whatever HDF5 meets in a file that was changed and sealed again
+    except (
+        Exception
+    ) as error:  # HDF5 raises many types for a file that was changed and sealed again
         about = shortened(str(error) or type(error).__name__)
         raise InputError(f"cannot be read: {about}", str(file)) from None
     missing = set(attributes) - set(dataset.attrs)

@@ -1,7 +1,7 @@
 """Sentences, lists of facts and tables on the console.
 
-A table that is too wide for the terminal goes on below, its first columns repeated. What does not
-go to a terminal has no width (unless COLUMNS says one), no colours and no frames.
+A table that is too wide for the terminal continues below, with its first columns repeated. Output
+that does not go to a terminal has no width limit (unless COLUMNS is set), colours or frames.
 """
 
 import os
@@ -34,9 +34,9 @@ def print_warnings(warnings: Iterable[str]) -> None:
 def print_table(
     heads: Row, rows: Sequence[Row], *, title: str = "", keys: int = 1, styles: Row = ()
 ) -> None:
-    """Print a table that cuts no number, in blocks where the terminal is narrow.
+    """Print a table without truncating numbers, in blocks if the terminal is narrow.
 
-    The first columns, the `keys`, say what a row is, and are repeated in every block.
+    The first columns, the `keys`, identify a row and are repeated in every block.
     """
     if title:
         say(f"\n{title}")
@@ -65,12 +65,12 @@ def show_table(table: Table, names: Iterable[str] | None = None) -> None:
 
 
 def _screen_width() -> int | None:
-    """Return the width of the terminal; None where there is none and COLUMNS does not say."""
+    """Return the width of the terminal; None without a terminal and without COLUMNS."""
     console = Console()
     if console.is_terminal:
         return console.width
-    told = os.environ.get("COLUMNS", "")
-    return int(told) if told.isdecimal() and int(told) > 0 else None
+    columns = os.environ.get("COLUMNS", "")
+    return int(columns) if columns.isdecimal() and int(columns) > 0 else None
 
 
 def laid_out(heads: Row, rows: Sequence[Row], keys: int, width: int | None) -> list[list[str]]:

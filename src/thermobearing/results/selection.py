@@ -10,16 +10,16 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.core.records import Floats
 from thermobearing.results.writing import as_attribute, from_attribute
 
-REACHED = ("rig", "tested_range")  # attributes: what each run reached
-CLOSE = 1e-9  # of a number that is asked for, relative to itself
+REACHED = ("rig", "tested_range")  # attributes with rows of each run
+CLOSE = 1e-9  # relative tolerance of a selected number
 
 
 def chosen_runs(labels: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[int]:
-    """Return the numbers of the runs that have the wanted labels, each one value or several."""
+    """Return the indices of the runs with the wanted labels, each one value or several."""
     unknown = [name for name in wanted if name not in labels]
     if unknown:
-        told = [f'no label "{name}"{nearest(name, set(labels))}' for name in unknown]
-        raise InputError(told, "sel()")
+        problems = [f'no label "{name}"{nearest(name, set(labels))}' for name in unknown]
+        raise InputError(problems, "sel()")
     found = np.ones(len(next(iter(labels.values()))), dtype=bool)
     for name, values in wanted.items():
         several = isinstance(values, list | tuple | set | np.ndarray)
@@ -47,18 +47,18 @@ def _same(labels: Any, value: Any) -> Any:
 
 
 def selected(data: xr.Dataset, dimension: str, runs: list[int], names: Sequence[str]) -> xr.Dataset:
-    """Return some runs of a dataset along a dimension, with the rows of its attributes on them."""
+    """Return some runs of a dataset along a dimension, with their rows of the attributes."""
     mine = {names[run] for run in runs}
-    told = {
+    attributes = {
         key: as_attribute([row for row in from_attribute(data, key) if row["run"] in mine])
         for key in REACHED
         if key in data.attrs
     }
-    return data.isel({dimension: runs}).assign_attrs(told)
+    return data.isel({dimension: runs}).assign_attrs(attributes)
 
 
 def gridded(data: xr.Dataset, names: list[str]) -> xr.Dataset:
-    """Return a dataset whose labels are dimensions instead of `run`; NaN where there is no run."""
+    """Return a dataset with labels as dimensions instead of `run`; NaN where there is no run."""
     orders = {name: list(dict.fromkeys(data[name].values.tolist())) for name in names}
     others = [str(n) for n, c in data.coords.items() if c.dims == ("run",) and n not in names]
     grid = data.drop_vars(others).set_index(run=names).unstack("run").reindex(orders)
@@ -83,8 +83,8 @@ def force_differences(found: Floats, expected: Floats) -> dict[str, float]:
     return {"force rms %": _percent(rms, peak), "peak force %": more(np.abs(found).max(), peak)}
 
 
-def _percent(part: float, whole: float) -> float:
-    return 100.0 * part / whole if whole else float("nan")
+def _percent(part: float, total: float) -> float:
+    return 100.0 * part / total if total else float("nan")
 
 
 def more(found: float, expected: float) -> float:

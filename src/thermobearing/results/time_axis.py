@@ -1,4 +1,4 @@
-"""A time axis on which long rests are shortened or cut out: what loadings show is to scale.
+"""A time axis with loadings to scale and long rests shortened or cut out.
 
 The loadings of Table 3.4 last tens of seconds and the rests between them more than an hour.
 A shortened rest starts to scale and turns logarithmic, so the first seconds of cooling stay
@@ -30,7 +30,7 @@ TO_SCALE = math.inf
 
 
 def duration(seconds: float) -> str:
-    """Return a duration [s] in the unit one would say it in."""
+    """Return a duration [s] as text in a suitable unit."""
     for size, unit, most in ((1.0, "s", 120.0), (60.0, "min", 3600.0), (3600.0, "h", 360e3)):
         if seconds < most:
             return f"{seconds / size:.3g} {unit}"
@@ -52,7 +52,7 @@ class Stretch:
 
     @property
     def shortened(self) -> bool:
-        """Whether it gets less room than its time to scale."""
+        """Return whether it is drawn shorter than to scale."""
         return self.bend != TO_SCALE
 
     @property

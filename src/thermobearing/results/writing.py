@@ -18,21 +18,21 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-# Commands whose inputs are files and options, and no case that is written whole.
+# Commands whose inputs are files and options instead of a case.
 WITHOUT_CASE = {"identify", "validate", "lambda", "bounds"}
 WITHOUT_CASE |= {"motions show", "motions make", "motions spectrum"}
-FORMULA = ("=", "+", "-", "@", "\t", "\r")  # what a spreadsheet takes for one begins with these
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of formulas in spreadsheets
 SIGNED = re.compile(r"-+|[-+]\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?: [^\W\d]*%?)?")  # "-20 degC"
 DIGITS = "%.7g"  # in tables; the netCDF file has them all
-FEW = 1000  # numbers that are not worth compressing
+FEW = 1000  # numbers below which compression has no benefit
 NETCDF = threading.Lock()  # HDF5 crashes where two threads use it
-NETCDF_NAME = re.compile(r"[A-Za-z_][\w .:+-]{0,60}(?<! )$", re.ASCII)  # taken without a doubt
+NETCDF_NAME = re.compile(r"[A-Za-z_][\w .:+-]{0,60}(?<! )$", re.ASCII)  # valid in netCDF
 OTHERS = "other_attributes"  # JSON of those that have other names
-NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file beside its numbers [bytes]
+NETCDF_EXTRA = 500_000  # attributes, names and tables of the netCDF file [bytes]
 
 
 def without_nan(value: Any) -> Any:
-    """Return a value in which NaN, which JSON has not, is None."""
+    """Return a value with None for NaN, which JSON does not have."""
     if isinstance(value, dict):
         return {key: without_nan(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -66,7 +66,7 @@ def write_summary(folder: Path, content: dict[str, Any]) -> None:
 def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None:
     """Write a table without its index, with seven digits; or below one that is there.
 
-    The numbers become text here: pandas asks of each whether it is missing, and takes longer.
+    Numbers are converted to text here: pandas checks each for missing values, which is slower.
     """
     table = without_formulas(table)
     texts = {
@@ -78,7 +78,7 @@ def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None
 
 
 def without_formulas(table: "pd.DataFrame") -> "pd.DataFrame":
-    """Return a table in whose CSV file no text is a formula for a spreadsheet.
+    """Return a table with escaped text, so that a spreadsheet reads no cell as a formula.
 
     Names come from files of others; `=HYPERLINK(...)` would be carried out. Such text gets an
     apostrophe in front; numbers with a sign and a unit ("-20 degC") stay as they are.

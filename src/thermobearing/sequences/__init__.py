@@ -1,4 +1,4 @@
-"""Tests one after the other on one specimen: case, run, result, views."""
+"""Sequences of tests on one specimen: case, run, result, report."""
 
 from thermobearing.border.deprecated import find_moved
 

@@ -1,4 +1,4 @@
-"""Tests one after the other on one specimen, as data: hybrid, cyclic, rests between (Table 3.3)."""
+"""Cases of sequences of tests on one specimen: hybrid, cyclic, rests (Table 3.3)."""
 
 import contextlib
 import re
@@ -42,12 +42,12 @@ from thermobearing.structure.run import Method
 
 MOST_PARTS = 50
 THINGS = {"bearing": load_bearing, "rig": load_rig}  # that a case names
-OWN = {"bearing", "bearings"}  # keys that belong to the specimen, not to a part
+OWN = {"bearing", "bearings"}  # keys of the specimen, not of a part
 Name = Annotated[str, Field(max_length=60)]
 
 
 class Part(Strict):
-    """What all parts have: a name for folders and tables, and the air if it is another."""
+    """Fields of all parts: a name for folders and tables; the ambient temperature if it differs."""
 
     name: Name = ""
     ambient: Temperature | None = None
@@ -61,7 +61,7 @@ class CyclicPart(Part):
     steps: Annotated[list[Step], Field(min_length=1, max_length=10_000)]
 
     def test(self) -> CyclicTest:
-        """The test that is done."""
+        """The displacement test of the part."""
         return CyclicTest(name=self.name or "cyclic", dt=self.dt, steps=self.steps)
 
 
@@ -77,7 +77,7 @@ class RestPart(Part):
         return Rest._conflicts(given)
 
     def test(self) -> CyclicTest:
-        """The test that is done."""
+        """The displacement test of the part."""
         rest = Rest(duration=self.duration, within=self.within)
         return CyclicTest(name=self.name or "rest", steps=[rest])
 
@@ -97,25 +97,25 @@ AnyPart: TypeAlias = CyclicPart | RestPart | HybridPart
 
 
 class SequenceAnalysis(ModelOptions):
-    """How to model the specimen, in every part; keep every n-th step of the histories."""
+    """Model of the specimen in every part; every n-th step of the histories is kept."""
 
     keep_every: Annotated[int, Field(ge=1)] = 1
 
 
 class SequenceCase(Strict):
-    """Parts one after the other on one specimen; each begins where the one before ended.
+    """A sequence of parts on one specimen; each begins in the final state of the previous one.
 
     Attributes
     ----------
     command : "sequence".
     name : for titles.
     bearing : the specimen: a name, a TOML file, or a table.
-    ambient : temperature of the air [degC], in [-100, 100]; a part may have its own. The specimen
+    ambient : ambient temperature [degC], in [-100, 100]; a part may have another. The specimen
         starts at that of the first part.
     parts : each a table with `part`, "hybrid", "cyclic" or "rest"; at most 50.
-    between : what the rig does after each part: "unloaded" (default), it returns to zero force and
-        the instruments are zeroed there, so that the next part starts from zero; "as-left", it
-        holds the specimen where it is, with its force.
+    between : action of the rig after each part: "unloaded" (default): it returns to zero force,
+        where the instruments are zeroed, so that the next part starts from zero; "as-left": it
+        holds the specimen at its displacement and force.
     rig : limits of the test rig, its name or file.
     analysis : how to model the specimen.
     """
@@ -143,7 +143,7 @@ class SequenceCase(Strict):
         return f"{number + 1:02d}-{name}"
 
     def whole_part(self, number: int, state: SpecimenState | None) -> Case | EarthquakeCase:
-        """A part as a case of its own, begun at a state; None for the virgin specimen."""
+        """Return a part as a separate case that starts from a state; None: the virgin specimen."""
         part = self.parts[number]
         options = {name: getattr(self.analysis, name) for name in SequenceAnalysis.model_fields}
         common = {
@@ -166,7 +166,7 @@ class SequenceCase(Strict):
         return Case(bearing=self.bearing, test=part.test(), analysis=Analysis(**options), **common)
 
     def faults(self) -> list[str]:
-        """What the parts do to each other and to the specimen."""
+        """Return errors in the combination of parts and specimen."""
         found = [f"analysis.{text}" for text in self.analysis.misfits(self.bearing)]
         rubber, at, total = self.bearing.total_rubber_thickness, 0.0, 0.0
         known = True
@@ -179,8 +179,9 @@ class SequenceCase(Strict):
             moving = [step for step in test.steps if not isinstance(step, Rest)]
             if not known and moving and not isinstance(moving[0], Ramp):
                 found.append(
-                    f"parts[{number}]: a hybrid test ends where it ends; begin with a ramp, such "
-                    'as { step = "ramp", to = "0 mm", speed = "1 mm/s" }, or leave out between'
+                    f"parts[{number}]: the displacement after a hybrid test is not known in "
+                    "advance; begin with a ramp, such "
+                    'as { step = "ramp", to = "0 mm", speed = "1 mm/s" }, or omit between'
                 )
                 known = True
             faults, steps = survey(test, rubber, at)
@@ -191,23 +192,27 @@ class SequenceCase(Strict):
         return found or too_much(total, cells, total / self.analysis.keep_every * 3 * cells)
 
     def _hybrid_faults(self, number: int) -> list[str]:
-        """Those of a hybrid part as an analysis of its own."""
+        """Return the errors of a hybrid part as a separate analysis."""
         case = self.whole_part(number, None)
         assert isinstance(case, EarthquakeCase)
         lines = len(case.structure.bearings)
-        found = [] if lines == 1 else [f"the structure has {lines} bearing lines; it must be one"]
+        found = (
+            []
+            if lines == 1
+            else [f"the structure has {lines} bearing lines; it must have exactly one"]
+        )
         return [*found, *case.faults(), *case.length_faults([case.motions[0].load()])]
 
 
 def end_state_at(test: CyclicTest, rubber: float, at: float) -> float:
-    """Where the bearing is after a test that begins at `at` [mm]."""
+    """Return the displacement after a test that begins at `at` [mm]."""
     for step in test.steps:
         if isinstance(step, Ramp):
             at = step.target(rubber)
         elif isinstance(step, Cycles):
             at = 0.0
         elif isinstance(step, Recorded):
-            with contextlib.suppress(InputError):  # a fault that the survey reports
+            with contextlib.suppress(InputError):  # reported by the survey
                 at = float(step.points(None)[1][-1])
     return at
 
@@ -250,8 +255,8 @@ def _settle_part(faults: list[str], key: str, part: Any, folder: Path) -> Any:
         return part
     for name in sorted(OWN & set(part)):
         faults.append(
-            f"{key}.{name} = {part[name]!r}: one specimen goes through all parts; say the bearing "
-            "once, beside the parts, or run tests of other bearings by themselves"
+            f"{key}.{name} = {part[name]!r}: all parts use the same specimen; give the bearing "
+            "once, outside the parts, or run tests of other bearings separately"
         )
     part = {name: value for name, value in part.items() if name not in OWN}
     steps = part.get("steps")

@@ -58,7 +58,7 @@ class SequenceFigures(drawing.Figures):
         return figure
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure, by name of its file."""
+        """Return the function that draws each figure, by name of its file."""
         return {"sequence": self.sequence}
 
 

@@ -1,4 +1,4 @@
-"""What the document of a sequence says, from a result as it is loaded again."""
+"""Content of the report of a sequence, from its saved result."""
 
 import tomllib
 from collections.abc import Mapping
@@ -34,15 +34,15 @@ from thermobearing.structure.report import structure_table
 BETWEEN = {  # the rig, after each part
     "unloaded": "After each part the specimen is unloaded to zero force and its instruments are "
     "zeroed there; neither Z nor the force of lead relaxes in a rest.",
-    "as-left": "After each part the specimen is held where it is, with its force: neither Z nor "
-    "the force of lead relaxes in a rest, so that the next part begins with an offset.",
+    "as-left": "After each part the specimen is held at its displacement and force: neither Z nor "
+    "the force of lead relaxes in a rest, so the next part begins with an offset.",
 }
 Case = Mapping[str, Any]
 KJ = 1e-3
 
 
 def build_pieces(result: SequenceResult) -> Pieces:
-    """Return everything that the document of a sequence says; of a loaded result the same."""
+    """Return the content of the report of a sequence."""
     parts = [written_part(p) if isinstance(p, Result) else p for p in result.parts]
     result = SequenceResult(result.case, parts, interrupted=result.interrupted)
     text = result.case.to_toml()
@@ -63,10 +63,10 @@ def build_pieces(result: SequenceResult) -> Pieces:
         figures=_figures(result) if parts else {},
         books=_books(result) if parts else None,
         assumptions=[
-            "One specimen goes through all parts: each begins with the temperatures and the memory "
-            "of rubber and lead that the one before left.",
+            "All parts use the same specimen: each begins with the temperatures and the history "
+            "variables of rubber and lead at the end of the previous one.",
             BETWEEN[str(case["between"])],
-            "Hybrid parts begin with the structure straight, at rest and in balance.",
+            "Hybrid parts begin with the structure undeformed, at rest and in equilibrium.",
             *model_assumptions(case["analysis"], [case["bearing"]]),
         ],
     )
@@ -75,8 +75,8 @@ def build_pieces(result: SequenceResult) -> Pieces:
 def _question(case: Case) -> str:
     parts = [f"{k}. {_words_of_part(part)}" for k, part in enumerate(case["parts"], 1)]
     return (
-        f"What does {bearing_words(case['bearing'])} do in these tests, one after the other on one "
-        f"specimen at ambient {quantity(case['ambient'])}? {'; '.join(parts)}."
+        f"Response of {bearing_words(case['bearing'])} in a sequence of tests on one specimen at "
+        f"ambient temperature {quantity(case['ambient'])}. {'; '.join(parts)}."
     )
 
 
@@ -101,8 +101,8 @@ def _answer(result: SequenceResult) -> list[str]:
     if result.outcome != "completed":
         early = [
             f"The sequence ended early in part {len(result.parts)} of {len(result.case.parts)} "
-            f"({result.outcome.replace('_', ' ')}), and what follows is what had been computed "
-            f"until then: {tidy(result.sentence)}"
+            f"({result.outcome.replace('_', ' ')}); the results are those computed "
+            f"up to then: {tidy(result.sentence)}"
         ]
     table, rubber = result.table, result.case.bearing.total_rubber_thickness
     force = table[["force_max_kN", "force_min_kN"]].abs().max(axis=1)
@@ -117,7 +117,7 @@ def _answer(result: SequenceResult) -> list[str]:
 
 
 def _memory(table: pd.DataFrame, force: "pd.Series[Any]") -> str:
-    """Return what earlier parts change: the first and last hybrid test, and warming."""
+    """Return the effect of earlier parts: first and last hybrid test, and warming."""
     words = []
     hybrid = table[table["kind"] == "hybrid"]
     if len(hybrid) > 1:
@@ -125,7 +125,8 @@ def _memory(table: pd.DataFrame, force: "pd.Series[Any]") -> str:
         stiffer = force[hybrid.index[-1]] / force[hybrid.index[0]]
         strain = last["displacement_max_mm"] / first["displacement_max_mm"]
         words.append(
-            f"{last['part']} against {first['part']}: force {change(stiffer, 'more', 'less')}, "
+            f"{last['part']} compared with {first['part']}: "
+            f"force {change(stiffer, 'more', 'less')}, "
             f"displacement {change(strain, 'more', 'less')}"
         )
     ends = [name for name in map(str, table) if name.endswith("_end_degC")]
@@ -139,7 +140,7 @@ def _memory(table: pd.DataFrame, force: "pd.Series[Any]") -> str:
                 f"the {what} warms most in {table['part'][most]}, from {number(start[most])} to "
                 f"{number(end[most])} °C"
             )
-    text = "; ".join(words) or "temperatures were not kept"
+    text = "; ".join(words) or "temperatures were not stored"
     return tidy(f"{text[:1].upper()}{text[1:]}")
 
 
@@ -151,7 +152,7 @@ def _books(result: SequenceResult) -> Table:
     ]
     frame = pd.DataFrame(rows, index=range(len(rows)), dtype=float)
     frame.insert(0, "part", [result.case.label(k) for k in frame.index])
-    note = "Of the specimen, since the start of each part: work in = heat released + recoverable; "
+    note = "Specimen, since the start of each part: work in = heat released + recoverable; "
     note += "heat released = stored + lost."
     return make_table(frame, caption="Energy balance of the specimen", note=note)
 
@@ -176,20 +177,24 @@ def _residuals(result: SequenceResult, case: Case) -> list[tuple[str, float, flo
     for name in ("mechanical", "thermal"):
         worst = max(abs(float(part.energy[f"{name}_residual"].iloc[0])) for part in result.parts)
         limit = float("nan") if gaps and name == "thermal" else content.BOOKS_CLOSE
-        source = "energy balance" if limit == limit else "no limit: this model's books have gaps"
+        source = (
+            "energy balance"
+            if limit == limit
+            else "no limit: this model has no closed energy balance"
+        )
         found.append((f"{name} residual", worst, limit, source))
     return found
 
 
 def _inputs(result: SequenceResult, case: Case) -> dict[str, Table]:
-    own: dict[str, dict[str, str]] = {}  # sources of numbers, where the files of parts had some
+    own: dict[str, dict[str, str]] = {}  # sources of numbers in files of parts
     for part in result.parts:
         own |= tomllib.loads(part.dataset.attrs["case"]).get("sources", {})
     rows = []
     for k, part in enumerate(case["parts"], 1):
         step = quantity(part["dt"]) if "dt" in part else ""
         rows.append((k, _words_of_part(part), quantity(part.get("ambient", case["ambient"])), step))
-    heads = ("What", "Air", "Step of time")
+    heads = ("Test", "Ambient", "Time step")
     columns = (Quantity("Part", form="d"), *(Quantity(head) for head in heads))
     found = {"sequence": Table(f"Sequence: {case['name']}", columns, rows)}
     found |= bearing_tables(case["bearing"], own.get(str(case["bearing"]["name"])))
@@ -219,7 +224,7 @@ def _figures(result: SequenceResult) -> dict[str, ReportFigure]:
             warm[label].append(Trace(name, *points, colour, line))
     found = {
         "sequence": ReportFigure(
-            "Force over displacement, and temperatures in time, a column for each part.",
+            "Force over displacement, and temperatures over time, a column for each part.",
             draw=result.plot.sequence,
             plot=Plot("displacement [mm]", "force [kN]", loops),
         )

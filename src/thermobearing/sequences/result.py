@@ -1,4 +1,4 @@
-"""What a sequence left behind: the results of its parts, one table, one figure."""
+"""Result of a sequence: results of its parts, a table, a figure."""
 
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from thermobearing.results.writing import write_csv
 from thermobearing.sequences.case import HybridPart, SequenceCase, load_sequence_case
 
 PartResult = CyclicResult | EarthquakeResult
-MARKED = "Marked: beyond what the bearing was tested at"
+MARKED = "Marked: outside the calibration range of the bearing"
 COLUMNS: tuple[str | Quantity, ...] = (
     *("part", "kind", "ambient_degC"),
     quantity("duration_s", head="Duration"),
@@ -35,14 +35,14 @@ COLUMNS: tuple[str | Quantity, ...] = (
 
 
 class SequenceResult(Result):
-    """Parts one after the other on one specimen.
+    """The result of a sequence of tests on one specimen.
 
     Attributes
     ----------
-    case : what was asked for.
-    parts : a `Result` of each cyclic part and rest, an `EarthquakeResult` of each hybrid one; as
-        far as they came.
-    interrupted : whether somebody stopped it.
+    case : the input.
+    parts : a `Result` of each cyclic part and rest, an `EarthquakeResult` of each hybrid one; only
+        the parts that were run.
+    interrupted : whether the user stopped it.
     """
 
     _figures = "SequenceFigures"
@@ -59,7 +59,7 @@ class SequenceResult(Result):
 
     @property
     def headline(self) -> str:
-        """What it is, in a line."""
+        """The result in a line."""
         count = f"{len(self.parts)} parts"
         return f"{self.case.name}: {self.case.bearing.name}, {count}, {self.outcome}"
 
@@ -69,25 +69,25 @@ class SequenceResult(Result):
 
     @property
     def outcome(self) -> str:
-        """Completed, or what ended a part early."""
+        """Outcome: "completed", or the outcome of the part that ended early."""
         ended = self._ended.outcome if self._ended else COMPLETED
         return INTERRUPTED if self.interrupted else ended
 
     @property
     def sentence(self) -> str:
-        """What the outcome means and what to try."""
+        """The meaning of the outcome and what to try."""
         return self._ended.sentence if self._ended else SENTENCES[self.outcome]
 
     @property
     def warnings(self) -> list[str]:
-        """Sentences of the parts that a reader must know."""
+        """Warnings of the parts."""
         parts = enumerate(self.parts)
         return one_per_cause((self.case.label(k), w) for k, part in parts for w in part.warnings)
 
     def history(self, number: int) -> pd.DataFrame:
         """Time [s], displacement [mm], force [kN] and temperatures [degC] of a part.
 
-        The time of a hybrid part is that of the earthquake, whatever its actuator takes.
+        The time of a hybrid part is that of the earthquake, not of the actuator.
         """
         part = self.parts[number]
         data = part.dataset
@@ -110,7 +110,7 @@ class SequenceResult(Result):
 
     @property
     def table(self) -> pd.DataFrame:
-        """One row per part: where it began and ended, what it reached, how it ended."""
+        """One row per part: temperatures at start and end, largest responses, outcome."""
         rows = []
         for number, part in enumerate(self.parts):
             history, spec = self.history(number), self.case.parts[number]
@@ -139,12 +139,12 @@ class SequenceResult(Result):
 
     @property
     def rig(self) -> pd.DataFrame:
-        """What each part asks of each limit of the rig; empty without a rig."""
+        """Use of each limit of the rig by each part; empty without a rig."""
         return self._below("rig")
 
     @property
     def tested_range(self) -> pd.DataFrame:
-        """What each part asks of the range that the bearing was tested in; empty if not given."""
+        """Use of the calibration range of the bearing by each part; empty if not given."""
         return self._below("tested_range")
 
     def _below(self, name: str) -> pd.DataFrame:
@@ -158,7 +158,7 @@ class SequenceResult(Result):
         return pd.concat(found, names=["part"]).reset_index("part").reset_index(drop=True)
 
     def summary(self) -> dict[str, Any]:
-        """What summary.json says."""
+        """Return the content of summary.json."""
         return {
             "command": "sequence",
             "name": self.case.name,
@@ -172,7 +172,7 @@ class SequenceResult(Result):
         }
 
     def tables(self) -> dict[str, Table]:
-        """Parts with what they reached, and the temperatures at their ends."""
+        """Return tables of the largest responses of parts, and of their temperatures."""
         return {"parts": _parts_table(self)} if self.parts else {}
 
     def _write(self, folder: Path) -> None:
@@ -189,7 +189,7 @@ class SequenceResult(Result):
 
 
 def _passed(table: pd.DataFrame) -> str:
-    """Return the names of the limits that a part passes."""
+    """Return the names of the limits that a part exceeds."""
     return " ".join(table["limit"][table["passed"]]) if len(table) else ""
 
 
@@ -224,7 +224,7 @@ def load_sequence(path: str | Path) -> SequenceResult:
     """Return a saved sequence; InputError where there is no readable one."""
     folder = Path(path)
     if not is_file(folder / RESOLVED):
-        raise InputError("is no result of a sequence: no case.resolved.toml", str(folder))
+        raise InputError("is not a result of a sequence: no case.resolved.toml", str(folder))
     case = load_sequence_case(folder / RESOLVED)
     parts: list[PartResult] = []
     for number, part in enumerate(case.parts):

@@ -1,4 +1,4 @@
-"""The story of a sequence: each part is a case of its own, begun where the one before ended."""
+"""Run a sequence: each part is a case that begins in the final state of the previous one."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -27,7 +27,7 @@ from thermobearing.sequences.result import SequenceResult
 Progress = Callable[[int, int], None]
 UNLOADING = 1.0  # speed of the actuator [mm/s]
 PIECES = 20  # steps of unloading
-NEAREST, FARTHEST = 0.1, 1e3  # how far it may unload [mm]
+NEAREST, FARTHEST = 0.1, 1e3  # range of the unloading displacement [mm]
 
 
 def sequence(
@@ -36,11 +36,11 @@ def sequence(
     progress: Progress | None = None,
     **overrides: Any,
 ) -> SequenceResult:
-    """Tests one after the other on one specimen: hybrid, cyclic, rests between.
+    """Run a sequence of tests on one specimen: hybrid, cyclic, rests.
 
     Parameters
     ----------
-    case : a case file, a table such as that of a file (every number says its unit), or a case.
+    case : a case file, a table as in a file (dimensional numbers as text with a unit), or a case.
     progress : called with (parts done, all parts).
     overrides : values that replace those of a file or table, by key: `bearing`, `ambient` [degC],
         `rig`, and every key of `analysis`.
@@ -51,7 +51,7 @@ def sequence(
 
     Raises
     ------
-    InputError : anything that cannot be used, named with what is allowed.
+    InputError : invalid input; the message names the key and the allowed range.
 
     Examples
     --------
@@ -87,9 +87,9 @@ def run_sequence(case: SequenceCase, *, progress: Progress | None = None) -> Seq
 
 
 def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> SpecimenState:
-    """Return the specimen unloaded to zero force after a part, with its instruments zeroed there.
+    """Return the state after unloading to zero force, with instruments zeroed there.
 
-    The actuator moves it at UNLOADING; nothing of that is in the results of the parts.
+    The actuator moves at the speed UNLOADING; the unloading is not part of the results.
     """
     part = case.parts[number]
     air = case.ambient if part.ambient is None else part.ambient

@@ -243,7 +243,7 @@ class StructureFigures(drawing.Figures):
         return found
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure, by name of its file."""
+        """Return the function that draws each figure, by name of its file."""
         return {"model": self.model, "modes": self.modes}
 
 

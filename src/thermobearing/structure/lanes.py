@@ -82,7 +82,7 @@ class RunPeaks(NamedTuple):
 
 
 class Left(NamedTuple):
-    """Records at the end of a run, with arrays of its own."""
+    """Records at the end of a run, with separate arrays."""
 
     bearings: Bearings
     books: Rows[MotionBooks]  # [1]
@@ -181,7 +181,7 @@ def _peaks_of(
 def run_peaks(run: Run) -> RunPeaks:
     """Integrate one structure alone: the steps of `run_structure`, bit for bit, without its rows.
 
-    A run that ends early has the energies and bearings of its last whole step, as rows have: the
+    A run that ends early has the energies and bearings of its last full step, as rows have: the
     halves of a step that were done before it ended are in no row, so that the steps up to there are
     done again.
     """
@@ -241,7 +241,7 @@ def _choices(constants: Constants) -> tuple[bool, ...]:
 
 
 def _constants_shape(constants: Constants) -> Any:
-    """Return what bearings in lockstep have in common: shapes, whole numbers and choices."""
+    """Return what bearings in lockstep have in common: shapes, integers and choices."""
     rubber = constants.rubber
     cells: Any = constants.layer_cells
     ends: Any = constants.lead_cells

@@ -3,7 +3,7 @@
 The damping matrix is that of the structure without its bearings, whose hysteresis is their
 damping. What only bearings hold (the deck) then moves freely, without a dashpot to the ground;
 every other motion has the ratios of its parts weighted with strain energy. The exceptions are
-`source`: Rayleigh damping through modes 1 and 2 of the whole structure, whose mass term holds
+`source`: Rayleigh damping through modes 1 and 2 of the structure, whose mass term holds
 the deck too; and `element`, where bearings with a ratio have a dashpot across them.
 """
 
@@ -301,7 +301,7 @@ def _modal_ratios(damping: Damping, wanted: Floats, where: str) -> Floats:
 def _source_matrix(structure: Structure, matrices: Matrices, modes: Modes) -> Floats:
     """Return C = a M + b K', K' the stiffness without the bearings, through modes 1 and 2.
 
-    a and b give these modes of the whole structure the ratios of all parts, or the given ones.
+    a and b give these modes of the structure the ratios of all parts, or the given ones.
     """
     parts = [*own_parts(structure, matrices), *line_parts(structure, matrices)]
     wanted = structure.damping.ratios or tuple(weighed_ratios(parts, modes))[:DAMPED_MODES]

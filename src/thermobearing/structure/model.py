@@ -111,9 +111,9 @@ class Damping(Strict):
     Attributes
     ----------
     kind : "modal" (default), a ratio for each mode; "rayleigh", mass and stiffness term through
-        two chosen modes, or the stiffness term alone through one; "element", a dashpot beside
-        every spring and hinge; "none". "source" is the source's: Rayleigh through modes 1 and 2
-        of the structure on its bearings, with a mass term on everything.
+        two chosen modes, or the stiffness term alone through one; "element", a dashpot parallel to
+        every spring and hinge; "none". "source" is that of Shen (2023): Rayleigh through modes 1
+        and 2 of the structure on its bearings, with a mass term on everything.
     ratios : instead of those of the parts weighed with strain energy: of each mode, or one for
         all (modal); of the chosen modes (rayleigh); of modes 1 and 2 (source).
     modes : that Rayleigh damping goes through, one or two of those of the structure without
@@ -182,15 +182,15 @@ class PierLimits(Strict):
 
 
 class Structure(Sourced):
-    """A whole structure; see docs/files.md.
+    """A structure; see docs/files.md.
 
     Attributes
     ----------
-    name, description, citation : what it is and where its numbers come from.
+    name, description, citation : identification and sources.
     bodies : rigid bodies, each after the one that carries it.
     masses : on bodies.
     springs, hinges, bearings : connections of two bodies, or of a body and the ground.
-    damping : viscous damping beside the hysteresis of bearings and hinges.
+    damping : viscous damping, in addition to the hysteresis of bearings and hinges.
     limits : of piers; a run that exceeds one ends as `pier_beyond_limit`.
     report : which body is the deck, which the pier, and where its ends are.
     """
@@ -382,6 +382,6 @@ def fixed_base(structure: Structure) -> Structure:
         if not (spring.base == GROUND and spring.body in held)
     )
     name = f"{structure.name} (fixed base)"[:60]
-    told = {key: text for key, text in structure.sources.items() if not key.startswith("springs[")}
+    texts = {key: text for key, text in structure.sources.items() if not key.startswith("springs[")}
     changes = {"name": name, "bodies": bodies, "springs": left}
-    return structure.model_copy(update=changes).with_sources(told)
+    return structure.model_copy(update=changes).with_sources(texts)

@@ -71,9 +71,9 @@ def structure_table(structure: Mapping[str, Any], own: Mapping[str, str] | None 
             for name, value in item.items():
                 if name in NAMED or (value in (0.0, "0.0 kN mm s^2") and name != "height"):
                     continue
-                told = sources.get(f"{key}[{place}].{name}", "")
+                source = sources.get(f"{key}[{place}].{name}", "")
                 what = f"{kind.capitalize()} {owner}: {key_words(name).lower()}"
-                rows.append((what, *value_and_unit(value), told))
+                rows.append((what, *value_and_unit(value), source))
     for key in ("kind", "ratios", "modes"):
         if key in structure["damping"]:
             value = value_and_unit(structure["damping"][key])

@@ -360,7 +360,7 @@ class StudyResult(Result):
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader must know before using the numbers."""
+        """Warnings about the validity of the result."""
         found = []
         if self.outcome == "incomplete":
             found.append(f"{self.runs} of {self.manifest['runs']} runs are done")

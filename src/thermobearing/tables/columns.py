@@ -1,7 +1,7 @@
-"""Columns of a table by name or meaning: titles, units, parts below each other, time stamps.
+"""Columns of a table by name or quantity: titles, units, blocks of rows, time stamps.
 
 A title is `name_unit` or `name [unit]`: `time_s`, `displacement_mm`, `force [kN]`; the unit may
-also stand in a row of its own below.
+also be in a separate row below.
 """
 
 import math
@@ -33,10 +33,10 @@ from thermobearing.tables.text import (
 )
 
 T = TypeVar("T")
-LONGEST_TITLE = 200  # characters that are looked at
-# What a unit of a column may measure, by the unit of this package.
+LONGEST_TITLE = 200  # characters that are examined
+# Quantities by the unit of this package.
 MEASURED = ("mm", "kN", "s", "degC", "mm/s^2", "mm/s", "Hz", "MPa", "percent", "degree", "V")
-DATA = 0.5  # of the cells that hold anything are numbers: a row of data, with faults perhaps
+DATA = 0.5  # share of numeric cells from which a row counts as data
 USUAL = 200  # rows whose cells are counted
 UNITLESS = re.compile(r"[-–]*|[hHmMsSdDyY./: -]*[:/.][hHmMsSdDyY./: -]*f*")  # in a row of units
 DAY = 86400.0  # [s]
@@ -55,7 +55,7 @@ def words(table: str) -> Mapping[str, tuple[str, ...]]:
 
 
 def plain_title(text: str) -> str:
-    """Return a title in small letters, with single blanks between its words.
+    """Return a title in lower case, with single blanks between its words.
 
     >>> plain_title(" Temp_Ambient "), plain_title("Ｔ－ａｍｂ")
     ('temp ambient', 't-amb')
@@ -65,14 +65,14 @@ def plain_title(text: str) -> str:
 
 
 def plain_unit(text: str) -> str:
-    """Return a unit as pint spells it, where laboratories have other ways ("sec", "℃", "tf")."""
+    """Return a unit in pint's spelling (laboratories also write "sec", "℃", "tf")."""
     flat = unicodedata.normalize("NFKC", text).strip()
     return next((unit for unit, some in words("units").items() if flat.lower() in some), flat)
 
 
 @cache
 def measured_in(unit: str) -> str | None:
-    """Return the unit of this package that a column's unit can be converted to, if there is any.
+    """Return the unit of this package that a column's unit converts to, or None.
 
     >>> measured_in("tf"), measured_in("cm"), measured_in("no")
     ('kN', 'mm', None)
@@ -100,8 +100,8 @@ def name_and_unit(title: str) -> tuple[str, str]:
         return bracket["name"].strip(" _"), bracket["unit"].strip()
     joined = _JOINED.match(text)
     if joined:
-        whole = plain_title(text)
-        if any(whole in some for some in words("names").values()) and not _known(joined["unit"]):
+        plain = plain_title(text)
+        if any(plain in some for some in words("names").values()) and not _known(joined["unit"]):
             return text, ""
         return joined["name"].strip(), joined["unit"].strip()
     apart = _APART.match(text)
@@ -115,7 +115,7 @@ def _known(unit: str) -> bool:
 
 
 def is_called(name: str, quantity: str) -> bool:
-    """Whether a column of this name holds a quantity ("disp" is a displacement)."""
+    """Return whether a column of this name holds a quantity ("disp" is a displacement)."""
     flat = plain_title(name)
     return flat == quantity or flat in words("names").get(quantity, ())
 
@@ -135,11 +135,11 @@ def holds_word(name: str, quantity: str) -> bool:
 
 
 class Layout(NamedTuple):
-    """How a file differs from a plain table.
+    """Layout of a file that is not a plain table.
 
     `lines_before` counts the lines before the line of titles and `lines_after` the rows between
     it and the first numbers; 0 finds them. `titles` holds the file's own title and `units` the unit
-    of a column by the name that it is wanted by; such a unit wins over that in the title.
+    of a column, by quantity; such a unit has priority over that in the title.
     """
 
     lines_before: int = 0
@@ -196,7 +196,7 @@ def number_of(text: str) -> float:
 
 
 def _filled(row: list[str]) -> list[str]:
-    """Cells with content: "Date;05.02.2026" above a table has fewer than its rows."""
+    """Count cells with content: "Date;05.02.2026" above a table has fewer than its rows."""
     return [cell.strip() for cell in row if cell.strip()]
 
 
@@ -272,7 +272,7 @@ def _head(rows: list[Row]) -> int:
     widths = [min(len(_filled(row)), most) for row in before]
     wide = [n for n in range(len(before)) if widths[n] == max(widths)]
     titled = [n for n in wide if _bare_units(before[n]) is None]
-    # Of several the last, but not a row of channel numbers below one that says what they are.
+    # The last of several, but not a row of channel numbers below a row of names.
     called = [n for n in titled if any(_means(cell) for cell in before[n])]
     return called[0] if called else (titled or wide)[-1]
 
@@ -347,7 +347,7 @@ def read_columns(
     ----------
     path : text with any separator, or `.xlsx`; a line names the columns and their units.
     wanted : unit by column name, such as {"time": "s", "displacement": "mm"}.
-    optional : names that may be missing; they are then missing from what is returned.
+    optional : names that may be missing; they are then absent from the result.
     layout : extra lines and other titles and units, if the file is not a plain table.
 
     Raises
@@ -372,7 +372,7 @@ def read_columns(
 
 
 def first_readable(path: Path | str, read: Callable[[Sheet], T], form: Form | None = None) -> T:
-    """Return what `read` makes of the first sheet of a file that it can read."""
+    """Return the result of `read` for the first sheet of a file that it can read."""
     first: InputError | None = None
     for sheet in read_sheets(Path(path), form):
         try:
@@ -392,7 +392,7 @@ def usable_table(sheet: Sheet, layout: Layout | None = None) -> Table:
     if sheet.separator == "," and width > 1 and doubled:
         problems.append(
             f"has {width} titles and {2 * width} numbers in a row: decimal commas between commas "
-            "cannot be told apart; write it with semicolons"
+            "are ambiguous; separate columns by semicolons"
         )
     if len(table.rows) < 2:
         problems.append(f"has {len(table.rows)} rows of numbers; at least 2 are needed")
@@ -469,23 +469,23 @@ def _found(
 
 
 def _stamps(table: Table, column: int) -> tuple[Floats, np.datetime64 | None, set[int]]:
-    """Seconds of a column of stamps, their start, and the column of dates beside times of day."""
+    """Return seconds of a column of stamps, their start, and the column of dates, if separate."""
     heads = {n: table.cells(n)[0] for n in range(len(table.titles)) if n != column}
     cells = table.cells(column)
-    beside: list[int] = []
-    if ":" not in cells[0]:  # a date: the time of day stands in the column beside it
-        beside = [n for n, head in heads.items() if ":" in head][:1]
-        pairs = [(cells, table.cells(n)) for n in beside]
+    others: list[int] = []
+    if ":" not in cells[0]:  # a date: the time of day is in the next column
+        others = [n for n, head in heads.items() if ":" in head][:1]
+        pairs = [(cells, table.cells(n)) for n in others]
     elif " " not in cells[0]:
         days = [n for n, head in heads.items() if is_stamp(head) and ":" not in head]
-        beside = [n for n in days if is_called(table.names[n], "time")][:1]
-        pairs = [(table.cells(n), cells) for n in beside]
+        others = [n for n in days if is_called(table.names[n], "time")][:1]
+        pairs = [(table.cells(n), cells) for n in others]
     else:
         pairs = []
     for dates, times in pairs:
         cells = [f"{day} {time}" for day, time in zip(dates, times, strict=True)]
     try:
-        return *_seconds_and_start(cells), set(beside)
+        return *_seconds_and_start(cells), set(others)
     except InputError as error:
         raise InputError(error.lines(f'column "{table.titles[column]}"')) from None
 
@@ -494,8 +494,8 @@ def _seconds_and_start(stamps: list[str]) -> tuple[Floats, np.datetime64 | None]
     """Return the seconds since the first stamp, and its date (None for a clock without dates).
 
     Stamps are all dates with times, or all times ("23:59:58.5", also hours of a running clock). A
-    clock without dates that passes midnight goes on. Of day and month, whose order a stamp may
-    leave open, that order is taken which makes the record shorter. A time zone is dropped. The
+    clock without dates that passes midnight continues. If the order of day and month is
+    ambiguous, the order that gives the shorter record is used. A time zone is dropped. The
     seconds are not checked to increase.
 
     >>> _seconds_and_start(["23:59:59.5", "00:00:00,5"])[0].tolist()
@@ -518,15 +518,15 @@ def _clock(cells: list[str]) -> Floats:
     """Seconds of times of day since the first."""
     import pandas as pd
 
-    whole = [cell if cell.count(":") > 1 else f"{cell}:00" for cell in cells]
+    padded = [cell if cell.count(":") > 1 else f"{cell}:00" for cell in cells]
     if all(cell.count(":") == 1 and "." in cell for cell in cells):
-        whole = [f"00:{cell}" for cell in cells]  # minutes and seconds with decimals
+        padded = [f"00:{cell}" for cell in cells]  # minutes and seconds with decimals
     try:
-        values = pd.to_timedelta(pd.Series(whole)).dt.total_seconds().to_numpy(dtype=float)
+        values = pd.to_timedelta(pd.Series(padded)).dt.total_seconds().to_numpy(dtype=float)
     except (ValueError, OverflowError):
         values = np.array([np.nan])
     if not np.isfinite(values).all():
-        raise InputError("holds a cell that is not a time of day such as 23:59:58.5")
+        raise InputError("contains a cell that is not a time of day such as 23:59:58.5")
     midnights = np.cumsum(np.concatenate([[0.0], np.diff(values) < -0.5 * DAY]))
     shifted = values + DAY * midnights
     return np.asarray(shifted - shifted[0], dtype=np.float64)
@@ -537,7 +537,7 @@ def _parsed(cells: list[str], day_first: bool) -> tuple[Floats, np.datetime64] |
     import pandas as pd
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of pandas about its guess, which is judged here
+        warnings.simplefilter("ignore")  # pandas warns about its guess, which is checked here
         for form in ("ISO8601", None, "mixed"):
             try:
                 when = pd.to_datetime(pd.Series(cells), format=form, dayfirst=day_first)

@@ -1,4 +1,4 @@
-"""What the columns of a table are, guessed from their titles, their units and their numbers."""
+"""Recognition of the columns of a table from their titles, units and numbers."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -25,13 +25,13 @@ from thermobearing.tables.columns import (
 from thermobearing.tables.text import LARGEST_FILE, Form, Sheet, is_stamp
 
 UNITS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}
-SAMPLE = 20_000  # rows that are looked at
+SAMPLE = 20_000  # rows that are examined
 TITLE_BYTES = 10_000  # that hold the titles of a table
-MOST_PAIRED = 20  # columns without a telling title that are tried against each other
+MOST_PAIRED = 20  # columns without a recognised title that are compared in pairs
 ALONG = 0.3  # correlation of a force with the displacement, or more
 EVEN = 0.5  # of the usual step: how much the steps of a clock may differ
-CALLED, WORD, UNIT = 4, 2, 1  # what speaks for a column: its whole title, a word in it, its unit
-# What speaks for a column without a telling title.
+CALLED, WORD, UNIT = 4, 2, 1  # scores: full title, a word in it, unit
+# Evidence for a column without a recognised title.
 DOUBTFUL = ("its even steps", "loops with the force", "loops with the displacement", "its unit")
 _PLACE = re.compile(r"(?:rubber|layer|gummi|ゴム|層)\s*[_#-]?\s*([1-9]\d?)\b", re.IGNORECASE)
 Taken = dict[int, tuple[str, str]]  # quantity and reason by the number of the column
@@ -39,14 +39,14 @@ Taken = dict[int, tuple[str, str]]  # quantity and reason by the number of the c
 
 @dataclass(frozen=True)
 class ColumnGuess:
-    """One column of a file, and what it is taken for."""
+    """One column of a file and its recognised quantity."""
 
     title: str
     unit: str  # "" where neither title nor a row of units states it
     holds: str  # time, displacement, force, ambient, temperature, strain, numbers, words, nothing
-    why: str  # what speaks for it
+    why: str  # the evidence
     place: str = ""  # of a thermocouple, where its title states it
-    assumed: str = ""  # the unit that is taken where the file states none
+    assumed: str = ""  # the unit assumed where the file states none
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,8 @@ def guessed_columns(
     missing = [name for name in needed if name not in held]
     if missing:
         other = [
-            f'"{column.title}" is called a {name}, but "{column.unit}" cannot be converted to '
-            f"{UNITS[name]}; give its unit in [units] of a sidecar"
+            f'"{column.title}" has the name of a {name}, but "{column.unit}" cannot be converted '
+            f"to {UNITS[name]}; give its unit in [units] of a sidecar"
             for name in missing
             for column in columns
             if column.unit
@@ -104,8 +104,8 @@ def guessed_columns(
         shown = ", ".join(f'"{column.title}"' for column in columns[:12] if not column.empty)
         raise InputError(
             other
-            or f"no column looks like a {' or a '.join(missing)}; columns: {shown or 'none'}; name "
-            "them in [columns] of a sidecar"
+            or f"no column was recognised as {' or '.join(missing)}; columns: {shown or 'none'}; "
+            "name them in [columns] of a sidecar"
         )
     return [_described(column, taken, layout, places) for column in columns]
 
@@ -142,12 +142,12 @@ def _guessed_air(table: Table) -> dict[str, str]:
     some = [c for c in warm if holds_word(c.name, "ambient")] or warm
     if len(some) > 1:
         shown = ", ".join(f'"{c.title}"' for c in some[:5])
-        raise InputError(f"{shown} may each be the temperature of the air: call it temperature")
+        raise InputError(f"{shown} may each be the ambient temperature: rename one to temperature")
     return found | ({"temperature": some[0].title} if some else {})
 
 
 def _examined(table: Table, number: int, layout: Layout) -> _Column:
-    """A column with its numbers, and what speaks for each quantity."""
+    """A column with its numbers and its score for each quantity."""
     name, unit = table.names[number], table.units[number]
     cells = [row[number].strip() if number < len(row) else "" for _, row in table.rows[:SAMPLE]]
     held = [cell for cell in cells if cell]
@@ -189,7 +189,7 @@ def _numbers(table: Table, cells: list[str]) -> Floats | None:
 
 
 def _best(columns: list[_Column], quantity: str, taken: Taken) -> _Column | None:
-    """The column that most speaks for; where several do as much, the one that moves most."""
+    """Return the column with the highest score; of equal ones that with the largest variation."""
     some = [c for c in columns if c.number not in taken and c.scores.get(quantity, 0) > 0]
     if quantity == "time":
         some = [c for c in some if c.stamped or is_called(c.name, quantity) or _runs(c.signal)]
@@ -203,13 +203,13 @@ def _best(columns: list[_Column], quantity: str, taken: Taken) -> _Column | None
 
 
 def _runs(values: Floats) -> bool:
-    """Whether numbers go on like a clock, which may start anew."""
+    """Return whether numbers increase like a clock, which may restart."""
     steps = np.diff(values)
     return len(steps) > 0 and float(np.median(steps)) > 0.0 and (steps > 0.0).mean() > 0.9
 
 
 def _by_numbers(columns: list[_Column], taken: Taken) -> None:
-    """Take what no title states: a clock that runs evenly, a pair of columns that makes loops."""
+    """Recognise columns without titles: an even clock, a pair of columns that forms loops."""
     free = [c for c in columns if c.number not in taken and c.values is not None and not c.unit]
     held = {quantity for quantity, _ in taken.values()}
     if "time" not in held:
@@ -256,7 +256,7 @@ def _described(
         quantity, why, place = "temperature", "sidecar", places[column.title]
         assumed = "" if unit else "degC"
     elif column.empty:
-        quantity, why = "nothing", "no cell holds anything"
+        quantity, why = "nothing", "all cells are empty"
     elif column.values is None:
         quantity, why = "words", "no numbers"
     elif column.target == "degC" or (not column.unit and holds_word(column.name, "temperature")):

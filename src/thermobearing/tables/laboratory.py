@@ -42,7 +42,7 @@ Part = dict[str, Floats]
 
 
 class BlockFile(Strict):
-    """One part of a test: a file, a sheet or a part of it, and the rest before it."""
+    """One block of a test: a file, a sheet or a part of it, and the pause before it."""
 
     file: Word
     sheet: Word | None = None
@@ -51,12 +51,12 @@ class BlockFile(Strict):
 
 
 class Sidecar(Strict):
-    """What the numbers of a test mean: the keys of the TOML file beside a table of samples.
+    """The settings of a test: keys of the TOML file (sidecar) of a table of samples.
 
     `columns` gives the file's own titles of time, displacement, force and ambient, `units` their
     units where the titles do not state them. `thermocouples` maps a title to "rubber 1" (the
     outer layer), "rubber 2", ... or "lead". `separator` (tab, blank, a semicolon, a comma),
-    `decimal`, `encoding` and `sheet` are found by looking where they are not given.
+    `decimal`, `encoding` and `sheet` are detected where they are not given.
     """
 
     file: Word | None = None
@@ -92,7 +92,7 @@ class Sidecar(Strict):
             for one, other in (("file", "blocks"), ("speed", "sampling"))
             if one in given and other in given
         ]
-        # Of any type yet: what is no table is found later.
+        # May have any type here; it is validated later.
         tables = {key: value for key, value in given.items() if isinstance(value, dict)}
         places = tables.get("thermocouples", {})
         for key, known in (("columns", {*COLUMNS}), ("units", {*COLUMNS, *places})):
@@ -137,7 +137,7 @@ class Readings:
     recognised: Recognised  # the first file
     given: dict[str, Any] = field(default_factory=dict)  # the keys of the sidecar
     assumptions: list[str] = field(default_factory=list)  # what the file did not state
-    unused: list[str] = field(default_factory=list)  # titles of columns that nothing was made of
+    unused: list[str] = field(default_factory=list)  # titles of unused columns
 
     @property
     def displacement(self) -> Floats:
@@ -157,9 +157,9 @@ def read_laboratory(
     r"""Return the histories in a table of samples, or in the files that a sidecar names.
 
     Every command reads tests in this way. `test.csv` or `test.xlsx` has its sidecar `test.toml`
-    beside it, if there is one. What the sidecar does not state is found by looking: encoding,
-    separator, decimal mark, sheets, columns, units, thermocouples, the sign of the force. What had
-    to be assumed is listed in `assumptions`. `optional` names the quantities that may be missing.
+    in the same folder, if there is one. What the sidecar does not state is detected: encoding,
+    separator, decimal mark, sheets, columns, units, thermocouples, the sign of the force. All
+    assumptions are listed in `assumptions`. `optional` names the quantities that may be missing.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -187,15 +187,15 @@ def read_laboratory(
     if way @ (force - force.mean()) >= 0.0:
         return readings
     note = (
-        "the recorded force has the opposite sign of the displacement: its sign was reversed; "
-        "flip_force in the sidecar states the sign"
+        "the recorded force has the opposite sign of the displacement and was reversed; "
+        "set flip_force in the sidecar"
     )
     flipped = readings.sidecar.model_copy(update={"flip_force": True})
     return replace(readings, sidecar=flipped, assumptions=[*readings.assumptions, note])
 
 
 class _Reader:
-    """Reads the blocks of one test, and notes assumptions and unused columns on the way."""
+    """Reader of the blocks of one test; collects assumptions and unused columns."""
 
     def __init__(self, sidecar: Sidecar, path: Path, optional: Collection[str]) -> None:
         self.sidecar, self.path, self.optional = sidecar, path, optional
@@ -219,7 +219,7 @@ class _Reader:
             recognised.append(found)
         if _one_line_of_time(parts, joins):
             self.assumptions.append(
-                "the clock of the file starts anew in its blocks: no rest assumed between them; "
+                "the clock of the file restarts in each block: no pause assumed between them; "
                 "give rest_before in blocks of the sidecar"
             )
         held = [name for name in parts[0] if all(name in part for part in parts)]
@@ -256,8 +256,8 @@ class _Reader:
             self.assumptions.append(f"sheets that were not read: {_quoted(left)}")
         if len(tables) > 1:
             self.assumptions.append(
-                f"the sheets {_quoted(recognised.alike)} are read one after the other, without a "
-                "rest between them; give sheet, or blocks with sheet and rest_before"
+                f"the sheets {_quoted(recognised.alike)} are read in sequence, without a "
+                "pause between them; give sheet, or blocks with sheet and rest_before"
             )
         if block.part is not None:
             if block.part > len(parts):
@@ -309,7 +309,7 @@ class _Reader:
             if name in titles or not (column.place or name in (*COLUMNS, "strain")):
                 continue
             assumed = column.assumed
-            if name not in COLUMNS:  # what a test can do without
+            if name not in COLUMNS:  # optional in a test
                 try:
                     largest = np.abs(table.numbers(table.titles.index(column.title))).max()
                 except InputError as error:
@@ -328,8 +328,8 @@ class _Reader:
                 )
             if column.why in DOUBTFUL:
                 self.assumptions.append(
-                    f'column "{column.title}" is taken as the {name} because of {column.why}; '
-                    "columns in the sidecar names them"
+                    f'column "{column.title}" is assumed to be the {name} (reason: {column.why});  '
+                    "set columns in the sidecar"
                 )
         return layout._replace(titles=titles, units=units), wanted
 
@@ -363,7 +363,7 @@ class _Reader:
         spread = np.where(number > ticks[-1], time[ticks[-1]] + (number - ticks[-1]) / rate, spread)
         self.assumptions.append(
             f"time stamps are {np.median(steps):.3g} s apart, with {np.median(counts):.3g} samples "
-            "each: spread evenly between them"
+            "each: samples are spread evenly between them"
         )
         return np.asarray(spread - spread[0])
 
@@ -378,7 +378,7 @@ class _Reader:
         speed, origin = ASSUMED_SPEED, "assumed; give speed or sampling"
         if sidecar.speed is not None:
             speed, origin = sidecar.speed, "as the sidecar states"
-        self.assumptions.append(f"no time column: moved at {speed:g} mm/s throughout, {origin}")
+        self.assumptions.append(f"no time column: constant speed of {speed:g} mm/s, {origin}")
         way = np.abs(np.diff(displacement)) / speed
         return np.concatenate([[0.0], np.cumsum(np.maximum(way, SHORTEST_STEP))])
 
@@ -388,7 +388,7 @@ def _quoted(names: list[str]) -> str:
 
 
 def _one_line_of_time(parts: list[Part], joins: list[tuple[Path, float]]) -> bool:
-    """Shift the clocks of parts to follow each other; whether a rest had to be assumed."""
+    """Shift the clocks of parts to follow each other; return whether a pause had to be assumed."""
     end, own_end, shift, assumed = 0.0, 0.0, 0.0, False
     for number, (part, (file, rest)) in enumerate(zip(parts, joins, strict=True)):
         time = part["time"]

@@ -22,8 +22,8 @@ LARGEST_SHEET = 20_000_000  # cells
 MOST_ROWS = 2**20  # of a sheet, as in Excel
 MOST_COLUMNS = 1000
 LONGEST_NUMBER = 60  # characters of a cell that may be a number or a time stamp
-# What Windows writes in Japan and in Western Europe. More would be worse: a head of a few words
-# says little, and with all encodings to choose from "初期" is taken for Korean.
+# Encodings of Windows in Japan and Western Europe. More would be worse: a header of a few words
+# is little evidence, and with all encodings "初期" would be detected as Korean.
 LEGACY = ("cp932", "cp1252")
 LEGACY_BYTES = 20_000  # of lines that are not plain ASCII: enough to recognise an encoding
 COMMENTS = ("#", "%", "!", "//", "*")
@@ -42,7 +42,7 @@ _STAMP = re.compile(r"(?:\d+[-/.:]\d+[-/.:]\d|\d+:\d)[^;,\t]*(?:,\d+)?")
 
 
 class Form(NamedTuple):
-    """The form of a file where the user states it; None is found by looking."""
+    """Format of a file as stated by the user; None: detected."""
 
     separator: str | None = None
     decimal: str | None = None
@@ -129,7 +129,7 @@ def _decoded(raw: bytes, where: str, encoding: str | None) -> str:
     try:
         text = raw.decode(encoding)
     except (UnicodeError, LookupError):
-        raise InputError(f'is no text in the encoding "{shortened(encoding)}"', where) from None
+        raise InputError(f'is not text in the encoding "{shortened(encoding)}"', where) from None
     if "\0" in text:
         raise InputError("is not a text file: it holds null bytes", where)
     return text
@@ -157,7 +157,7 @@ def _legacy(raw: bytes, where: str) -> str:
 def sheet_of_text(text: str, form: Form | None = None, *, quotes: bool = True) -> Sheet:
     r"""Return a text as a table of cells.
 
-    With `quotes`, a cell may stand in quotation marks; below a free header they are but marks.
+    With `quotes`, a cell may be quoted; below a free header quotes are ordinary characters.
     Raises InputError for quotes that do not close, a cell without end, an unclear decimal mark.
 
     >>> sheet = sheet_of_text("t;x\n0,5;1,25\n")
@@ -213,7 +213,7 @@ def _separator(lines: list[str]) -> str:
     for separator in SEPARATORS:
         try:
             rows = [row for _, row in _split(some, separator, strict=False)]
-        except csv.Error:  # a cell without end: an error when the whole file is read
+        except csv.Error:  # an unterminated cell: an error when the complete file is read
             continue
         score = _score(rows, words=separator != " ")
         if score > best:
@@ -289,7 +289,7 @@ def _workbook(raw: bytes, form: Form) -> list[Sheet]:
         return [_sheet(sheet) for sheet in book.worksheets if form.sheet in (None, sheet.title)]
     except InputError:
         raise
-    except Exception as error:  # whatever openpyxl meets in a file that is damaged, or no workbook
+    except Exception as error:  # openpyxl raises many types for damaged files
         about = shortened(str(error) or type(error).__name__)
         raise InputError(f"is not an .xlsx workbook that can be read: {about}") from None
 

@@ -1,4 +1,4 @@
-"""Tests against bearings as they are: nothing is fitted, everything is judged."""
+"""Validation of bearings against tests, without calibration."""
 
 from thermobearing.border.deprecated import find_moved
 

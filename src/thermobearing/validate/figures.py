@@ -1,4 +1,4 @@
-"""Figures of a validation, and of a fit with tests held out."""
+"""Figures of a validation and of a cross-validation."""
 
 from collections.abc import Callable
 from typing import Literal
@@ -50,7 +50,7 @@ class ValidationFigures(drawing.Figures):
         columns = min(len(self._records), 3)
         rows = -(-len(self._records) // columns)
         size = (max(5.5, 1.0 + 3.4 * columns), 0.9 + 3.6 * rows)
-        figure, axes = drawing.panels(rows, columns, size, "tests and models as they are")
+        figure, axes = drawing.panels(rows, columns, size, "tests and models, without calibration")
         for ax, record in zip(axes, self._records, strict=False):
             x = record.displacement
             spans = float(np.ptp(x)), float(np.ptp(record.force))
@@ -68,7 +68,7 @@ class ValidationFigures(drawing.Figures):
         return figure
 
     def _tested_to(self, record: TestRecord) -> float:
-        """Return the displacement [mm] of the largest tested strain that a test goes beyond."""
+        """Return the displacement [mm] of the largest calibrated strain if a test exceeds it."""
         ends = [
             row["largest"] / row["asked"] * record.peak_displacement
             for item, _ in self._of(record)
@@ -81,7 +81,7 @@ class ValidationFigures(drawing.Figures):
         """Draw the error of the largest loop: a column for each measure (Figs. 5.11, 5.14)."""
         count = len(self._records)
         size = (drawing.WIDEST, 1.3 + max(0.22 * len(self._names), 0.35) * count)
-        figure, axes = drawing.panels(1, len(RATIOS), size, "largest loop: model off the test")
+        figure, axes = drawing.panels(1, len(RATIOS), size, "largest loop: model error")
         for ax, measure in zip(axes, RATIOS, strict=True):
             for place, record in enumerate(self._records):
                 for item, colour in self._of(record):
@@ -105,7 +105,7 @@ class ValidationFigures(drawing.Figures):
         return figure
 
     def _shade_limit(self, ax: Axes, measure: str, along: Literal["x", "y"]) -> None:
-        """Draw the limit of a measure as a band around no error, where there is one."""
+        """Draw the limit of a measure as a band around zero error, where there is one."""
         limit = self._limits.get("force" if measure[0] == "F" else measure)
         span, line = (ax.axvspan, ax.axvline) if along == "x" else (ax.axhspan, ax.axhline)
         if limit is not None:
@@ -116,7 +116,7 @@ class ValidationFigures(drawing.Figures):
         """Draw the error of every cycle: a column for each test, a row for each measure."""
         columns = len(self._records)
         size = (max(5.0, 1.0 + 2.6 * columns), 1.2 + 1.3 * len(RATIOS))
-        title = "every cycle: model off the test"
+        title = "every cycle: model error"
         figure, axes = drawing.panels(len(RATIOS), columns, size, title, share="col")
         for number, ax in enumerate(axes):
             measure, record = RATIOS[number // columns], self._records[number % columns]
@@ -130,7 +130,7 @@ class ValidationFigures(drawing.Figures):
             ax.set_ylim(-1.15 * widest, 1.15 * widest)
             ax.xaxis.set_major_locator(MaxNLocator(integer=True))
             foot, side = number // columns == len(RATIOS) - 1, number % columns == 0
-            name = f"{WORDS.get(measure, measure)}\noff [%]"
+            name = f"{WORDS.get(measure, measure)}\nerror [%]"
             drawing.name_axes(ax, "cycle" if foot else "", name if side else "")
         drawing.head_grid(axes, [_title(record) for record in self._records], [])
         figure.align_ylabels()
@@ -169,7 +169,7 @@ class ValidationFigures(drawing.Figures):
         return figure
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure, by name of its file."""
+        """Return the function that draws each figure, by name of its file."""
         views = [self.loops, self.ratios, self.cycles, self.residuals]
         if any(record.temperatures for record in self._records):
             views.append(self.temperatures)
@@ -217,9 +217,9 @@ class CrossValidationFigures(drawing.Figures):
                 ax.annotate(str(fold), (x, y), (3, 3), textcoords="offset points", fontsize=6.5)
         ax.axhline(0.0, color=drawing.INK, linewidth=0.8)
         ax.set_xticks(range(len(symbols)), symbols)
-        drawing.name_axes(ax, y="off the fit to all tests [%]")
+        drawing.name_axes(ax, y="deviation from the fit to all tests [%]")
         error_bar = Line2D([], [], color=TEST, lw=2.0, label="standard error of the fit to all")
         dots: drawing.Look = {"color": FOLD, "marker": "o", "linestyle": ""}
-        dot = Line2D([], [], label="without a fold, its number", **dots)
+        dot = Line2D([], [], label="fit without a fold (its number)", **dots)
         drawing.legend_below(figure, [error_bar, dot])
         return figure

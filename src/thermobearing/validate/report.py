@@ -43,17 +43,17 @@ def build_pieces(saved: SavedResult) -> Pieces:
     return content.build_pieces(
         "validate",
         f"Validation of {joined(dict.fromkeys(str(item['bearing']) for item in items))}",
-        f"Does {joined(words, 'or')} ({joined(models)} model), as it is and without a fit, do "
-        f"what {counted(len(tests), 'test')} measured ({joined(tests)}; "
-        f"{degrees(list(tests.values()))})?",
+        f"Validation of {joined(words)} ({joined(models)} model), without calibration, against "
+        f"{counted(len(tests), 'test')} ({joined(tests)}; "
+        f"{degrees(list(tests.values()))}).",
         _answer(summary),
         checks=_report_checks(summary),
         inputs=inputs,
         tables=_report_tables(saved),
         figures=_report_figures(saved),
         assumptions=[
-            "Nothing was fitted: the displacement of each test moves the bearing, from the "
-            "temperature of the chamber on.",
+            "Nothing was calibrated: the bearing follows the measured displacement of each test, "
+            "starting at the temperature of the chamber.",
             *model_assumptions({"model": models[0]}, [one["table"] for one in bearings.values()]),
         ],
         **content.saved_parts(saved, "thermobearing.validate_bearing(...) in Python"),
@@ -72,7 +72,7 @@ def _answer(summary: Summary) -> list[str]:
         if errors:
             error, item = max(errors, key=lambda pair: abs(pair[0]))
             worst.append(f"{name} {percent(error, 1)} ({_whose(item, items)})")
-    verdict_ = {"within": "meets the limits", "beyond": "is beyond a limit"}.get(
+    verdict_ = {"within": "meets the limits", "beyond": "exceeds a limit"}.get(
         str(summary["verdict"]), str(summary["verdict"])
     )
     errors_ = f"; largest errors {joined(worst)}" if worst else ""
@@ -88,8 +88,8 @@ def _answer(summary: Summary) -> list[str]:
         first = _whose(known[0], items)
         loop = f"; its largest loop in {first}: {joined(largest)}" if largest else ""
         found.append(
-            f"The force agrees with R² of {lowest['R2']:.4f} or more "
-            f"({_whose(lowest, items)} the lowest){loop}."
+            f"R² of the force is {lowest['R2']:.4f} or more "
+            f"(lowest: {_whose(lowest, items)}){loop}."
         )
     return found
 

@@ -1,4 +1,4 @@
-"""What a validation found: tests compared with bearings and models, verdicts, fits by fold."""
+"""Results of a validation: tests compared with models, verdicts, and fits by fold."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     from thermobearing.identify.uncertainty.posterior import Forecast
 
 PARTLY = (
-    "The model did not complete every test; see the outcome of each in the table. Smaller strains, "
-    "a warmer start or another model would."
+    "The model did not complete every test; the table lists the outcome of each. Try smaller "
+    "strains, a warmer start or another model."
 )
 OF_A_FOLD = "The fit of a fold stopped before it converged. Give more --starts."
-# What can be judged; all of them relative errors but NRMSE, which is one of the largest force.
+# Quantities with limits: relative errors, and NRMSE relative to the largest force.
 QUANTITIES = {
     "K_eq": "equivalent stiffness",
     "h_eq": "equivalent damping ratio",
@@ -44,7 +44,7 @@ QUANTITIES = {
     "NRMSE": "root mean square error of the force",
 }
 RATIOS = ("F+", "F-", "K_eq", "h_eq", "energy")  # of the largest loop, model over test
-WITHIN, BEYOND, TOLD = "within", "beyond", "told"
+WITHIN, BEYOND, REPORTED = "within", "beyond", "reported"
 FITTED, HELD_OUT = "fitted", "held out"
 NAN = float("nan")
 
@@ -133,7 +133,7 @@ def _worst(errors: list[float]) -> float:
 
 def _verdict(limits: Mapping[str, float], name: str, error: float) -> str:
     if name not in limits or not np.isfinite(error):
-        return TOLD
+        return REPORTED
     return WITHIN if abs(error) <= limits[name] else BEYOND
 
 
@@ -148,7 +148,7 @@ class Validation(Result):
     limits : dict
         Largest relative error by quantity.
     warnings : list of str
-        What a reader must know.
+        Warnings about the validity of the result.
     inputs : dict
         Bearings as tables, by name, with the sources of their numbers; for reports.
 
@@ -172,25 +172,25 @@ class Validation(Result):
 
     @property
     def headline(self) -> str:
-        """What it is, in a line."""
+        """The result in a line."""
         return f"Validation: {len(self.comparisons)} comparisons, {self.verdict}, {self.outcome}"
 
     @property
     def outcome(self) -> str:
-        """Whether every model completed every test: "completed" or "partly"."""
+        """Outcome: "completed" if every model completed every test, else "partly"."""
         done = all(item.prediction is not None for item in self.comparisons)
         return COMPLETED if done else "partly"
 
     @property
     def sentence(self) -> str:
-        """What the outcome means and what to try; empty when it completed."""
+        """The meaning of the outcome and what to try; empty if completed."""
         ended = dict.fromkeys(item.outcome for item in self.comparisons)
         why = [OUTCOMES[name] for name in ended if name != COMPLETED and name in OUTCOMES]
         return "" if self.outcome == COMPLETED else " ".join([PARTLY, *why])
 
     @property
     def tested_range(self) -> pd.DataFrame:
-        """What each test asks of the range that each bearing was tested in, where it is given."""
+        """Use of the calibration range of each bearing by each test, where it is given."""
         return pd.DataFrame([row for item in self.comparisons for row in item.asked])
 
     @cached_property
@@ -246,7 +246,7 @@ class Validation(Result):
 
     @property
     def verdict(self) -> str:
-        """Of all: "beyond" if a limit is passed or a test is not completed, else "within"."""
+        """Verdict: "beyond" if a limit is exceeded or a test is not completed, else "within"."""
         beyond = any(
             _verdict(self.limits, name, error) == BEYOND
             for item in self.comparisons
@@ -264,7 +264,7 @@ class Validation(Result):
         return found
 
     def notes(self) -> list[str]:
-        """Columns of the tests that are not used, and the limits with the verdict."""
+        """Unused columns of the tests, and the limits with the verdict."""
         unused = [
             printable(f"{item.record.name}: columns not used: {', '.join(item.record.unused)}")
             for item in self.comparisons
@@ -306,12 +306,12 @@ def errors_of_tests(table: pd.DataFrame, caption: str) -> Table:
 
 @dataclass(frozen=True, repr=False)
 class CrossValidation(Result):
-    """Fits, and tests that each of them has and has not seen.
+    """The result of a cross-validation: fits, and tests used and not used by each of them.
 
     `final` is the fit to every test that is not held out, with folds to all of them; `folds` has
-    one fit without each group of tests, and is empty where the user said what is held out. `groups`
+    one fit without each group of tests, and is empty if the user named the tests held out. `groups`
     are the tests held out, by fold. `fitted` compares the final fit with its own tests, `held_out`
-    every test held out with the fit that has not seen it.
+    every test held out with the fit that did not use it.
     """
 
     _figures = "CrossValidationFigures"
@@ -325,35 +325,35 @@ class CrossValidation(Result):
 
     @property
     def headline(self) -> str:
-        """What it is, in a line."""
+        """The result in a line."""
         return f"{self.final.headline}; tests held out: {self.verdict}"
 
     @property
     def outcome(self) -> str:
-        """Of the fits, and whether each completed the tests that it had not seen."""
+        """The outcome of the fits and of the runs of the tests held out."""
         ended = (found.outcome for found in (self.final, *self.folds))
         return next((name for name in ended if name != COMPLETED), self.held_out.outcome)
 
     @property
     def sentence(self) -> str:
-        """What the outcome means and what to try; empty when it completed."""
+        """The meaning of the outcome and what to try; empty if completed."""
         if self.outcome == self.held_out.outcome:
             return self.held_out.sentence
         return self.final.sentence or OF_A_FOLD
 
     @property
     def verdict(self) -> str:
-        """On the tests held out: "beyond" if one of them passes a limit, else "within"."""
+        """Verdict: "beyond" if a test held out exceeds a limit, else "within"."""
         return self.held_out.verdict
 
     @property
     def warnings(self) -> list[str]:
-        """What a reader must know before using the numbers."""
+        """Warnings about the validity of the result."""
         return [*self.final.warnings, *self.held_out.warnings]
 
     @cached_property
     def judged(self) -> Validation:
-        """Tests of both kinds in one, for figures: the bearing's name says which."""
+        """Comparisons of both kinds, for figures; the bearing's name includes the kind."""
         items = [
             replace(item, bearing=f"{item.bearing}, {role}")
             for role, found in ((FITTED, self.fitted), (HELD_OUT, self.held_out))
@@ -382,7 +382,7 @@ class CrossValidation(Result):
 
     @cached_property
     def parameters(self) -> pd.DataFrame:
-        """One row for the final fit (fold 0) and one for each fold: values of what any has free."""
+        """One row for the final fit (fold 0) and one for each fold: free parameters."""
         fits = [self.final, *self.folds]
         keys = list(dict.fromkeys(key for fit in fits for key in fit.uncertainty.estimates))
         symbols = {p.kind.key: p.kind.symbol for fit in fits for p in fit.pset.parameters}
@@ -398,7 +398,7 @@ class CrossValidation(Result):
 
     @property
     def free(self) -> dict[str, str]:
-        """Units of what any fit has free, by symbol."""
+        """Units of the free parameters, by symbol."""
         fits = (self.final, *self.folds)
         estimates = [item for fit in fits for item in fit.uncertainty.estimates.values()]
         return {item.parameter.kind.symbol: item.parameter.kind.unit for item in estimates}
@@ -407,8 +407,8 @@ class CrossValidation(Result):
     def spread(self) -> dict[str, float]:
         """Standard error of each parameter by the jackknife over folds, by symbol.
 
-        sqrt((K - 1) / K sum (theta_k - mean)^2), theta_k without group k: what the scatter from
-        test to test does to the numbers, which no residual of one fit shows. Empty without folds.
+        sqrt((K - 1) / K sum (theta_k - mean)^2), theta_k without group k: the effect of the scatter
+        between tests on the parameters. Empty without folds.
         """
         rows = self.parameters.iloc[1:]
         part = (len(rows) - 1.0) / max(len(rows), 1)
@@ -424,7 +424,7 @@ class CrossValidation(Result):
         if self.folds:
             found["folds"] = self._folds_table()
         begins = "Largest errors in each test"
-        for role, judged in (("that it is fitted to", self.fitted), (HELD_OUT, self.held_out)):
+        for role, judged in (("used in the calibration", self.fitted), (HELD_OUT, self.held_out)):
             found[role] = errors_of_tests(judged.table, f"{begins} {role}")
         return found
 
@@ -441,7 +441,7 @@ class CrossValidation(Result):
         return Table("Parameters without each fold", columns, rows, keys=2)
 
     def notes(self) -> list[str]:
-        """What the final fit notes, and the limits with the verdict on the tests held out."""
+        """Notes of the final fit, and the limits with the verdict on the tests held out."""
         return [*self.final.notes(), *self.held_out.notes()]
 
     def summary(self) -> dict[str, Any]:

@@ -49,13 +49,13 @@ def validate_bearing(
     models: Sequence[Model] | Model = "multi-layer",
     limits: Mapping[str, float] | None = None,
 ) -> Validation:
-    """Judge bearings, as they are, by tests that they were not fitted to.
+    """Validate bearings against tests that were not used in their calibration.
 
     Parameters
     ----------
     bearings : one or more: a Bearing, a library name, or a TOML file.
     records : one or more tests of any history: from `load_test`, `record_from_arrays`, or paths.
-    models : "multi-layer" (default) and earlier models, side by side.
+    models : "multi-layer" (default) and earlier models.
     limits : largest relative error by quantity: K_eq, h_eq (0.15 each unless given), energy,
         force, temperature, NRMSE.
 
@@ -98,7 +98,7 @@ def _load_tests(given: Sequence[Test] | Test) -> list[TestRecord]:
 
 
 def check_limits(limits: Mapping[str, float] | None) -> dict[str, float]:
-    """Return the usual limits and those given: of known quantities, in (0, 10]."""
+    """Return the default limits updated by the given ones, in (0, 10]."""
     for name, value in (limits or {}).items():
         if name not in QUANTITIES:
             raise InputError(f'limit of "{name}"{nearest(name, QUANTITIES)}')
@@ -118,13 +118,13 @@ def judge(
 ) -> Validation:
     """Compare bearings with tests that are checked and treated already (`_as_fitted`).
 
-    Each bearing has the models that it can have: `lead-alone` needs lead.
+    Models that a bearing does not support are skipped: `lead-alone` needs lead.
     """
     found, said = [], []
     for bearing in bearings:
         possible = [one for one in models if not ModelOptions(model=one).misfits(bearing)]
         if not possible:
-            raise InputError(f'model "{models[0]}" needs lead, which {bearing.name} has not')
+            raise InputError(f'model "{models[0]}" needs lead, but {bearing.name} has none')
         mine = [
             _comparison(bearing, model, record)
             for model in dict.fromkeys(possible)
@@ -139,9 +139,9 @@ def judge(
 
 
 def _as_fitted(record: TestRecord) -> TestRecord:
-    """Return a test as a fit sees it: rests held and thinned, spikes and drift removed if asked.
+    """Return a test as used in a fit: rests held and thinned, spikes and drift removed on request.
 
-    Otherwise a bearing would be judged by how logged rests relax, and by spikes.
+    Otherwise relaxation in rests and spikes would affect the errors.
     """
     found = check_test(record)
     if found.treatment is None:
@@ -152,7 +152,7 @@ def _as_fitted(record: TestRecord) -> TestRecord:
 
 
 def _refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> list[str]:
-    """Return what had to be assumed about tests; refuse those that no model can be judged by."""
+    """Return the assumptions about tests; reject tests that cannot be used."""
     found = [(one, check_test(one, bearing).findings) for one in records]
     refused = [
         f"{record.file or record.name}: {finding.sentence}"
@@ -218,18 +218,18 @@ def cross_validate(
     progress: Progress | None = None,
     **fit: Any,
 ) -> CrossValidation:
-    """Fit a bearing to some tests and judge it by the others.
+    """Calibrate a bearing with some tests and validate it with the others.
 
     Parameters
     ----------
     records : tests of one bearing (`load_test`, `record_from_arrays`, or paths).
     bearing : geometry and materials, and the values of what is not free.
-    hold_out : tests that are not fitted, of any history; one that is among `records` too is taken
+    hold_out : tests that are not fitted, of any history; those also among `records` are removed
         from them.
-    folds : instead: every test is held out once, in so many groups, from 2 to the number of tests.
-        Tests near each other in temperature go to different groups, so that every fit has
-        warm and cold ones.
-    limits : largest relative error by quantity, as of `validate`.
+    folds : instead of `hold_out`: number of groups, 2 to number of tests; each is held out once.
+        Tests of similar temperature go to different groups, so that every fit has warm and cold
+        tests.
+    limits : largest relative error by quantity, as in `validate_bearing`.
     progress : called with (fits done, all).
     fit : the other arguments of `identify_bearing`.
 
@@ -239,8 +239,8 @@ def cross_validate(
 
     Raises
     ------
-    InputError : nothing is held out, or everything; a test that cannot be used; what
-        `identify_bearing` and `validate` refuse.
+    InputError : no test or every test is held out; a test that cannot be used; any error of
+        `identify_bearing` and `validate_bearing`.
 
     Examples
     --------
@@ -255,7 +255,7 @@ def cross_validate(
     if bool(out) == (folds is not None):
         raise InputError("give either tests to hold out or a number of folds")
     if not tests:
-        raise InputError("every test is held out: none is left to fit")
+        raise InputError("every test is held out; none remains for the calibration")
     if folds is not None:
         _check_folds(folds, len(tests))
     case = make_identify_case(tests, bearing, **fit)
@@ -289,30 +289,30 @@ def cross_validate(
 def split_tests(
     records: Sequence[Test] | Test, hold_out: Sequence[Test] | Test
 ) -> tuple[list[TestRecord], list[TestRecord]]:
-    """Return the tests to fit and those held out, each once."""
+    """Return the tests to fit and those held out, without duplicates."""
     kept, out = _load_tests(records), _load_tests(hold_out)
     once = [one for i, one in enumerate(out) if not any(_same(one, other) for other in out[:i])]
     return [one for one in kept if not any(_same(one, other) for other in out)], once
 
 
 def _same(one: TestRecord, other: TestRecord) -> bool:
-    """Return whether two records are one test: the same object, or of the same file."""
+    """Return whether two records are the same test: the same object or file."""
     files = [Path(record.file).resolve() for record in (one, other) if record.file]
     return one is other or (len(files) == 2 and files[0] == files[1])
 
 
 def _check_folds(folds: int, tests: int) -> None:
     if tests < 2:
-        raise InputError("folds: one test alone cannot be held out of itself; give more tests")
+        raise InputError("folds: needs at least two tests")
     if not isinstance(folds, int) or isinstance(folds, bool) or not 2 <= folds <= tests:
         said = shortened(str(folds)) if is_number(folds) else "that"
         raise InputError(
-            f"folds = {said}: must be a whole number from 2 to the number of tests, {tests}"
+            f"folds = {said}: must be an integer from 2 to the number of tests, {tests}"
         )
 
 
 def _groups(tests: list[TestRecord], folds: int) -> list[list[TestRecord]]:
-    """Return tests dealt out by temperature, so that none of the groups has all cold ones."""
+    """Return groups of tests of mixed temperatures."""
     order = sorted(range(len(tests)), key=lambda i: tests[i].ambient)
     return [[tests[i] for i in sorted(order[k::folds])] for k in range(folds)]
 

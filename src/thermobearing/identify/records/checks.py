@@ -153,7 +153,7 @@ def check_test(
 
 
 def _check_file(record: TestRecord) -> Iterator[Finding]:
-    """Yield what the file did not say, and what of it is not used."""
+    """Yield assumptions, and content of the file that is not used."""
     for text in record.assumptions:
         yield warn("assumed", text)
     if record.unused:
@@ -223,7 +223,7 @@ def _check_cycles(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
         yield refuse("cycles", said)
         return
     if len(full) == 1:
-        said = "one cycle only: nothing tells the virgin loop from the later ones, amplitude "
+        said = "one cycle only: the virgin loop cannot be separated from later ones, amplitude "
         yield warn("cycles", said + "dependence (b) from stiffness, or heating from the rest")
     levels = sum(c.number == 1 for c in full)
     yield note("cycles", f"{len(full)} full cycles at {levels} amplitudes in a row")
@@ -256,7 +256,7 @@ def _check_zero(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
         else:
             near.append(f"{shown} in the {name}")
     if near:
-        said = f"middle of the loops at {' and '.join(near)}: no more than these cycles can tell"
+        said = f"middle of the loops at {' and '.join(near)}: not significant"
         yield note("zero", said)
 
 

@@ -178,7 +178,7 @@ def load_test(path: str | Path) -> TestRecord:
 
     Parameters
     ----------
-    path : `test.csv` or `test.xlsx` (its sidecar is `test.toml` beside it, if there is one) or the
+    path : `test.csv` or `test.xlsx` (its sidecar is `test.toml` in the same folder, if any) or the
         sidecar.
 
     Returns

@@ -176,7 +176,7 @@ def linearise_assumed(
 def _other_tests(
     records: Sequence[TestRecord], groups: Sequence[Group]
 ) -> Iterator[tuple[Group, list[TestRecord]]]:
-    """Yield the tests, off by one standard uncertainty of each thing that shifts a whole test.
+    """Yield the tests, shifted by one standard uncertainty of each systematic error.
 
     Tests at the same temperature share its error: they had one chamber and thermometer.
     """

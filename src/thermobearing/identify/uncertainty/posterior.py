@@ -78,7 +78,7 @@ class Forecast:
 
     samples: Samples  # written as posterior.csv
     bands: tuple[Band, ...] = ()
-    warnings: tuple[str, ...] = ()  # what of it goes beyond the tests
+    warnings: tuple[str, ...] = ()  # statements on extrapolation beyond the tests
 
     def summary(self) -> dict[str, Any]:
         """Return what summary.json says of the forecast."""
@@ -287,7 +287,7 @@ def posterior_bearings(
 
     Returns
     -------
-    list of Bearing : the bearing itself first, then the samples, each with a name of its own; for
+    list of Bearing : the bearing itself first, then the samples, each with a unique name; for
         `tb.sweep`, `tb.bridge` and `temperature_factors`.
 
     Raises
@@ -307,7 +307,7 @@ def posterior_bearings(
     """
     first, where = as_bearing(bearing), str(path)
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST:
-        raise InputError(f"samples = {count!r}: must be a whole number from 1 to {MOST}")
+        raise InputError(f"samples = {count!r}: must be an integer from 1 to {MOST}")
     rows = [row for row in csv.reader(io.StringIO(read_text(Path(path)))) if any(row)]
     if len(rows) < 2:
         raise InputError("holds no samples: a line of symbols, then a row for each", where)

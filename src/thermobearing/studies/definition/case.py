@@ -129,8 +129,8 @@ def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[st
             motions = motions_to_be(made["motion"])
         factors = validated(Factors, made | {"numbers": numbers}, "")
         found = _with_case(case, factors, motions, folder)
-        whole = {"name": called, "case": found[0], "factors": found[1]}
-        study = validated(Study, whole | parts, "")
+        merged = {"name": called, "case": found[0], "factors": found[1]}
+        study = validated(Study, merged | parts, "")
     except InputError as error:
         return None, error.lines()
     return study, _study_faults(study)
@@ -207,7 +207,7 @@ def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> l
         return []
     table["levels"], motions, found = settle_motions(levels, folder, "factors.motion.levels[{}]")
     faults += [text.replace("motions:", "factors.motion:", 1) for text in found]
-    if not found:  # a plan tells runs by names that no path is in
+    if not found:  # a plan identifies runs by names without paths
         for item, motion in zip(table["levels"], motions, strict=False):
             if isinstance(item, dict) and item.get("label") is None:
                 item["label"] = motion.name
@@ -315,8 +315,8 @@ def _settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> 
         own = {key: table.pop(key) for key in list(table) if key not in BearingFactor.model_fields}
     if own and "levels" in table:
         faults.append(
-            f"factors.bearing: {', '.join(sorted(own))} beside levels; put it among them, as "
-            '{posterior = "fit"}'
+            f"factors.bearing: {', '.join(sorted(own))} in addition to levels; put it among "
+            'them, as {posterior = "fit"}'
         )
     levels = table.get("levels") if not own else [own]
     if not isinstance(levels, list):

@@ -49,7 +49,7 @@ SEED, STEP = 1, 0.01  # defaults; [s]
 PHASES = "jra-ii-i"  # default of a spectrum from a file
 Progress = Callable[[int, int], None]
 MADE = "motions.npz"  # of the directory of a study
-CACHE = "motions"  # folder beside the machine code, which is as easily made again
+CACHE = "motions"  # folder next to the machine code
 # What numpy, zipfile and zlib raise for a file of which a bit was changed.
 DAMAGED: tuple[type[Exception], ...] = (OSError, ValueError, KeyError, TypeError, EOFError)
 DAMAGED += (RuntimeError, OverflowError, zipfile.BadZipFile, zlib.error, struct.error)

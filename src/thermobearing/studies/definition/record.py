@@ -350,7 +350,7 @@ class AmbientFactor(Drawn, Picked):
 
     @property
     def series(self) -> Hourly | None:
-        """The weather itself, once it was read or made up."""
+        """The weather, after it was read or generated."""
         return self._series
 
     def keep_series(self, series: Hourly | None) -> None:
@@ -366,7 +366,7 @@ class AmbientFactor(Drawn, Picked):
             faults.append(f"give one of levels, distribution, weather and climate{got}")
         made_up = [key for key in ("years", "seed") if key in given]
         if made_up and "climate" not in given:
-            faults.append(f"{made_up[0]}: of a climate that weather is made up from")
+            faults.append(f"{made_up[0]}: needs a climate, from which weather is generated")
         if "history" in given and not {"weather", "climate"} & set(given):
             faults.append("history: of weather or a climate; levels and distributions have none")
         return faults
@@ -443,7 +443,7 @@ class Design(Strict):
     kind : of the draws of what has a distribution; levels meet in every combination.
     samples : draws for each combination of levels.
     seed : of the draws.
-    paired : every combination of levels has the same draws (default), or draws of its own.
+    paired : every combination of levels has the same draws (default), or separate draws.
     arrangement : "plain" (default), or "saltelli" for Sobol' indices: two sets of draws A and B,
         and for each drawn factor A with that factor from B.
     lockstep : runs of one shape side by side (docs/theory.md), which differ from runs alone by

@@ -63,7 +63,7 @@ class Warm:
 
     # by thermal key: hours, increasing, and temperatures of the bearing at them
     soaked: Mapping[Key, tuple[Ints, Soaked]] = field(default_factory=dict)
-    weather: Hourly | None = None  # where each run has a thermal key of its own
+    weather: Hourly | None = None  # where each run has its own thermal key
 
 
 def _thermal_key(device: Device, case: EarthquakeCase) -> Key:
@@ -87,7 +87,7 @@ def _thermal_key(device: Device, case: EarthquakeCase) -> Key:
 class Warmth:
     """Temperatures of the bearings of a study at the hours of its weather, each found once.
 
-    With `own` every run has a thermal key of its own, and no temperatures are kept.
+    With `own` every run has its own thermal key, and no temperatures are kept.
     """
 
     def __init__(self, levels: Levels, *, own: bool) -> None:

@@ -213,7 +213,7 @@ def _climb(
 def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
     """Return curves of the bootstrap of `groups` as draws of the true curve: studentised.
 
-    A bootstrap curve misses the estimate, in units of its own dispersion, as the estimate misses
+    A bootstrap curve misses the estimate, in units of its dispersion, as the estimate misses
     the truth: median and logarithm of the dispersion are reflected so (Davison & Hinkley 1997,
     2.4 and 5.2). A bootstrap of n groups is too narrow by sqrt(n / (n - 1)), and the dispersion is
     not studentised itself: it is spread as `widened` has it for the confidence `level`. A jump has

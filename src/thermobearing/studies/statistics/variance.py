@@ -3,7 +3,7 @@
 From Saltelli's arrangement (matrices A and B, and A with one column of B): Sobol' indices of first
 order by Saltelli, Annoni, Azzini, Campolongo, Ratto & Tarantola (2010, Computer Physics
 Communications 181(2): 259-270, Table 2 b) and total ones by Jansen (1999; the same table, f). They
-are those of `scipy.stats._sobol_indices`, which takes whole powers of two only; here a row with a
+are those of `scipy.stats._sobol_indices`, which accepts powers of two only; here a row with a
 failed run leaves all matrices. The bootstrap draws rows.
 
 From any other design: the correlation ratio of each factor by itself, the variance of the means
