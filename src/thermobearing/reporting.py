@@ -41,8 +41,8 @@ from thermobearing.results.directory import (
 from thermobearing.results.saved import SavedResult
 
 WRITTEN = (REPORT_HTML, REPORT_PDF, WORKBOOK, TITLE, LOGO)
-# Rooms whose `report.py` says what the document of a command holds.
-ROOMS = {
+# Packages whose `report.py` gives the content of the document of a command.
+PACKAGES = {
     **{"cyclic": "cyclic", "bridge": "earthquake", "hybrid": "earthquake"},
     **{"sequence": "sequences", "identify": "identify", "validate": "validate"},
     **dict.fromkeys(("design", "bounds", "lambda"), "design"),
@@ -50,7 +50,7 @@ ROOMS = {
     **dict.fromkeys(("motions show", "motions make", "motions spectrum"), "motions"),
 }
 COMPARED = {"cyclic", "bridge", "hybrid"}  # commands with --compare
-# What files that were edited, or are of another version, lead to where their numbers are looked up.
+# Exceptions that edited files, or files of another version, raise.
 UNFIT = (OSError, LookupError, TypeError, ValueError, AttributeError, AssertionError)
 
 
@@ -153,8 +153,8 @@ def build_pieces(result: AnyResult, directory: Path) -> Pieces:
     try:
         summary = result.summary if isinstance(result, SavedResult) else result.summary()
         command = str(summary["command"])
-        if command in ROOMS:
-            room = import_module(f"thermobearing.{ROOMS[command]}.report")
+        if command in PACKAGES:
+            room = import_module(f"thermobearing.{PACKAGES[command]}.report")
             pieces = cast(Pieces, room.build_pieces(result))
         else:
             pieces = pieces_of_saved(cast(SavedResult, result))

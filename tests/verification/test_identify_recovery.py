@@ -185,8 +185,9 @@ def test_thermocouples_are_fitted_and_judged() -> None:
     record = replace(bare, temperatures=truth.temperatures)
     found = identify_bearing(record, HDR, temperatures=True, starts=1)
     (fit,) = found.fits
-    assert set(fit.temperature_error) == set(places)
-    assert max(fit.temperature_error.values()) < tol.TEMPERATURE_RISE
+    assert {row["thermocouple"] for row in fit.thermocouples} == set(places)
+    errors = [abs(row["rise_model_K"] / row["rise_test_K"] - 1.0) for row in fit.thermocouples]
+    assert max(errors) < tol.TEMPERATURE_RISE
     with pytest.raises(tb.InputError, match="6 rubber layers"):
         identify_bearing(replace(record, places={"T": "rubber 7"}), HDR)
 

@@ -105,7 +105,25 @@ def bounds_study(
         motion: " ".join(dict.fromkeys(" ".join(texts).split()))
         for motion, texts in coupled.groupby("motion")["beyond_tested"]
     }
-    bounded, many = (_demanded(study) for study in studies)
+    found = pd.DataFrame(_compared(*(_demanded(study) for study in studies), ambient, left))
+    found.attrs["tested_range"] = studies[1].tested_range.to_dict("records")
+    found.attrs["structure"] = full.structure.name
+    found.attrs["ended"] = [study.outcome for study in studies if study.outcome != "completed"]
+    found.attrs["sentences"] = [study.sentence for study in studies if study.outcome != "completed"]
+    found.attrs["ranges"] = calibration_ranges(bearing)
+    resolved = to_table(full)
+    found.attrs["inputs"] = {
+        **{name: resolved[name] for name in ("structure", "motions", "ambient", "analysis")},
+        **{"strain": strain, "bearing": to_table(bearing), "sources": bearing.sources},
+        "bounds": [to_table(model) for model in bounds],
+    }
+    return found
+
+
+def _compared(
+    bounded: pd.DataFrame, many: pd.DataFrame, ambient: Sequence[float], left: dict[Any, str]
+) -> list[dict[str, Any]]:
+    """Return a row for each motion, demand and part: the bounds and the coupled model."""
     whose = ["motion", "demand", "part"]
     ends = bounded.set_index([*whose, "bearing"])["value"]
     rows = []
@@ -129,19 +147,7 @@ def bounds_study(
                 "beyond_tested": left[motion],
             }
         )
-    found = pd.DataFrame(rows)
-    found.attrs["tested_range"] = studies[1].tested_range.to_dict("records")
-    found.attrs["structure"] = full.structure.name
-    found.attrs["ended"] = [study.outcome for study in studies if study.outcome != "completed"]
-    found.attrs["sentences"] = [study.sentence for study in studies if study.outcome != "completed"]
-    found.attrs["ranges"] = calibration_ranges(bearing)
-    resolved = to_table(full)
-    found.attrs["inputs"] = {
-        **{name: resolved[name] for name in ("structure", "motions", "ambient", "analysis")},
-        **{"strain": strain, "bearing": to_table(bearing), "sources": bearing.sources},
-        "bounds": [to_table(model) for model in bounds],
-    }
-    return found
+    return rows
 
 
 def _demanded(study: EarthquakeResult) -> pd.DataFrame:

@@ -31,7 +31,7 @@ class Table:
     keys : int
         Leading columns that say what a row is.
     marked : frozenset of (row, column)
-        Cells beyond what the bearing was tested at; drawn with a mark.
+        Cells outside the calibration range; drawn with a mark.
     note : str
         Below the table: what marks and symbols mean.
     failed : frozenset of int
@@ -61,7 +61,7 @@ class Table:
         ]
 
     def numeric(self) -> set[int]:
-        """Return the columns that hold numbers for the most part: they stand at the right."""
+        """Return the columns that mostly contain numbers, which are aligned at the right."""
         found = set()
         for place, column in enumerate(self.columns):
             values = [row[place] for row in self.rows if column.text(row[place])]
@@ -71,7 +71,7 @@ class Table:
 
 
 def is_number(value: Any) -> bool:
-    """Return whether a value is a number; yes and no are none."""
+    """Return whether a value is a number; booleans do not count."""
     number = isinstance(value, int | float | np.integer | np.floating)
     return number and not isinstance(value, bool | np.bool_)
 
@@ -96,7 +96,7 @@ def make_table(
         Stored numbers, a row each.
     names : iterable of str or Quantity, optional
         Columns, in order; those that the frame does not have are left out. All by default. A
-        `Quantity` whose `name` is a column stands for that column where one place differs.
+        `Quantity` whose `name` is a column overrides the register for that column.
     caption : str
         What the table holds.
     keys : int

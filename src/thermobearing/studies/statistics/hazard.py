@@ -35,7 +35,8 @@ STEP = 0.02  # of the logarithm of intensity, at most, in the integral
 MOST_STEPS = 10_000
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # of Gauss, in each step
 TOO_LATE = 0.01  # probability of going beyond at the least intensity of a hazard curve
-TOO_EARLY = 0.05  # of the rate, that intensities beyond the last one may add
+# Share of the rate above which intensities beyond the last point of the curve give a warning.
+TOO_EARLY = 0.05
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,7 @@ class Rate:
     high: float
     family: Floats  # of each bootstrap sample
     notes: tuple[str, ...] = ()  # sentences on what the ends of the hazard curve leave out
-    groups: int = 0  # that the bootstrap draws from; 0 where it does not matter
+    groups: int = 0  # motions that the bootstrap draws from; 0 where it does not matter
 
     @property
     def return_period(self) -> float:
@@ -211,7 +212,7 @@ class ClimateFragility:
         used = [(float(s), part) for s, part in zip(shares, parts, strict=True) if s > 0.0]
         object.__setattr__(self, "_used", used)
         object.__setattr__(self, "groups", used[0][1].groups)
-        # A curve of nothing or of all is one, too.
+        # Curves where no run or every run exceeds the capacity are valid.
         known = all(part.outcome != "not_rising" for _, part in used)
         object.__setattr__(self, "_known", known)
 
@@ -226,7 +227,7 @@ class ClimateFragility:
         return np.asarray(sum(s * part.estimate.probability(at) for s, part in self._used))
 
     def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
-        """Return that of every bootstrap sample."""
+        """Return the exceedance probability for each bootstrap sample."""
         parts = self._used
         return np.asarray(sum(share * part.family(intensity, drawn=drawn) for share, part in parts))
 
