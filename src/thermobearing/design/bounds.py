@@ -105,7 +105,8 @@ def bounds_study(
         motion: " ".join(dict.fromkeys(" ".join(texts).split()))
         for motion, texts in coupled.groupby("motion")["beyond_tested"]
     }
-    found = pd.DataFrame(_compared(*(_demanded(study) for study in studies), ambient, left))
+    bounded, many = (_demanded(study) for study in studies)
+    found = pd.DataFrame(_compared(bounded, many, ambient, left))
     found.attrs["tested_range"] = studies[1].tested_range.to_dict("records")
     found.attrs["structure"] = full.structure.name
     found.attrs["ended"] = [study.outcome for study in studies if study.outcome != "completed"]
