@@ -74,10 +74,10 @@ def test_it_reaches_the_lead_and_the_resolved_case() -> None:
 
 
 NOTHING = [
-    ("shen-lhdr-specimen", {}, ["finite-plate", "half-space", "published", "leave it out"]),
+    ("shen-lhdr-specimen", {}, ["finite-plate", "half-space", "published", "omit it"]),
     ("shen-lhdr-specimen", {"model": "temperature-blind"}, ["finite-plate"]),
     ("shen-lhdr-specimen", {"model": "adiabatic"}, ['model "adiabatic" has no clock']),
-    ("shen-lhdr-specimen", {"model": "single-temperature"}, ["has no clock; leave it out"]),
+    ("shen-lhdr-specimen", {"model": "single-temperature"}, ["has no clock; omit it"]),
     ("shen-hdr-specimen", {"scheme": "published"}, ["needs a bearing with lead", "has none"]),
 ]
 

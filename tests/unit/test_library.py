@@ -221,6 +221,6 @@ def test_a_file_reads_back_and_is_not_written_over(tmp_path: Path) -> None:
 def test_assignment_says_what_to_do_instead() -> None:
     bearing = tb.load_bearing(SPECIMEN)
     with pytest.raises(
-        tb.InputError, match=r"layer_stiffness: records are frozen.*changed_bearing"
+        tb.InputError, match=r"layer_stiffness: records are immutable.*changed_bearing"
     ):
         bearing.hysteresis.layer_stiffness = 40.0

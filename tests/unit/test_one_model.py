@@ -81,7 +81,7 @@ def test_a_bearing_by_name_file_and_record(take: Callable[[Any], Any], tmp_path:
 @pytest.mark.parametrize(
     ("given", "pieces"),
     [
-        ("shen-hdr-brige", ['no bearing is called "shen-hdr-brige"', HDR]),
+        ("shen-hdr-brige", ['no bearing is named "shen-hdr-brige"', HDR]),
         (Path("nowhere.toml"), ["nowhere.toml", "no such file"]),
         (3, ["= 3"]),
     ],

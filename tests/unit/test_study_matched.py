@@ -198,7 +198,7 @@ def test_what_does_not_fit_is_named_and_nothing_is_left(tmp_path: Path) -> None:
 
 def test_words_are_refused_before_anything_is_made(tmp_path: Path, fits: "Counter[str]") -> None:
     (tmp_path / "thesis.tex").write_text("years of work")
-    with pytest.raises(OutputError, match=r"holds .*thesis\.tex"):
+    with pytest.raises(OutputError, match=r"contains .*thesis\.tex"):
         run_study(matched(), tmp_path, jobs=1)
     with pytest.raises(InputError, match="shard"):
         run_study(matched(), tmp_path / "out", shard="3/2")

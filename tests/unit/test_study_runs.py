@@ -161,7 +161,7 @@ def test_another_version_is_refused(small_done: Path, monkeypatch: pytest.Monkey
 
 def test_directories_of_others_are_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("years of work")
-    with pytest.raises(OutputError, match=r"holds thesis\.tex"):
+    with pytest.raises(OutputError, match=r"contains thesis\.tex"):
         run_study(small_study(), tmp_path, jobs=1)
     with pytest.raises(InputError, match=r"not the directory of a study: no manifest\.json"):
         study_status(tmp_path)

@@ -244,7 +244,7 @@ def test_bad_words(tmp_path: Path, words: list[Any], pieces: list[str]) -> None:
             ["strains: give at least one"],
         ),
         (lambda: _chosen_cycles([]), ["cycles = []"]),
-        (lambda: _chosen_cycles([1.5]), ["whole numbers"]),  # type: ignore[list-item]
+        (lambda: _chosen_cycles([1.5]), ["integers"]),  # type: ignore[list-item]
         (lambda: scaled_bearing(HDR, 0.0), ["factor = 0.0"]),
         (lambda: scaled_bearing(HDR, float("nan")), ["factor"]),
         (lambda: scaled_bearing(HDR, "half"), ["factor = 'half'"]),  # type: ignore[arg-type]

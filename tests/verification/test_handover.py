@@ -132,7 +132,7 @@ def test_a_damaged_state_in_a_case_is_told(tmp_path: Path) -> None:
         ({"layer_hysteretic": ["900 mm"] * 3}, "layer_hysteretic reaches 900 mm"),
         ({"displacement": "3 mm"}, "does not add up"),
         ({"layer_virgin": [7.0] * 3}, "at most 1"),
-        ({"force": None}, "a part of the state is missing: force"),
+        ({"force": None}, "missing: force"),
     ):
         broken = {k: v for k, v in (state | change).items() if v is not None}
         with pytest.raises(tb.InputError, match=piece):

@@ -105,7 +105,7 @@ def test_parameters_of_a_fit_leave_the_table_alone() -> None:
         ({"coldest": 0.0}, "give both coldest and warmest"),
         ({"coldest": 10.0, "warmest": 0.0}, "coldest must be below warmest"),
         ({"temperatures": [0.0, 1.0]}, "a table needs temperatures, elastic and hysteretic"),
-        ({"temperatures": [1.0, 0.0], "elastic": [1.0, 1.0], "hysteretic": [1.0, 1.0]}, "grow"),
+        ({"temperatures": [1.0, 0.0], "elastic": [1.0, 1.0], "hysteretic": [1.0, 1.0]}, "increase"),
         ({"temperatures": [0.0, 1.0], "elastic": [1.0], "hysteretic": [1.0, 1.0]}, "equally long"),
         ({"temperatures": [0.0, 1.0], "elastic": [1.0, 0.0], "hysteretic": [1.0, 1.0]}, "0.001"),
     ],
@@ -126,7 +126,7 @@ def test_extrapolation_is_said() -> None:
     cold = tb.run("shen-hdr-specimen", test, [-30.0, 0.0])
     (said,) = of_the_law(cold.warnings)
     assert "identified at -20 to 34 degC" in said
-    assert "in 1 run, where rubber layers are at -30.0 to " in said
+    assert "in 1 run, where rubber layers reach -30.0 to " in said
     assert "(-30 degC)" in said
     assert cold.summary()["warnings"] == cold.warnings
     layers, time = cold["rubber_temperature"].values[0], cold.time(0)
@@ -137,7 +137,7 @@ def test_extrapolation_is_said() -> None:
     blind = tb.run("shen-hdr-specimen", test, -30.0, model="temperature-blind")
     assert of_the_law(blind.warnings) == []
     warm = tb.run("shen-hdr-specimen", test, 32.0)
-    assert "in 1 run, where rubber layers are at 32.0 to " in of_the_law(warm.warnings)[0]
+    assert "in 1 run, where rubber layers reach 32.0 to " in of_the_law(warm.warnings)[0]
 
 
 def test_a_table_in_a_file(tmp_path: Path) -> None:

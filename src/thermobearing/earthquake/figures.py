@@ -5,42 +5,50 @@ Of an analysis with many motions the first few are shown; the table has them all
 """
 
 import copy
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
-from thermobearing.earthquake.measures import GOVERNING
+from thermobearing.earthquake.panels import (
+    DISPLACEMENT,
+    FORCE,
+    STRAIN,
+    TIME_BINS,
+    Cell,
+    comparison_figure,
+    comparison_loops,
+    grid,
+    list_moments,
+    part_names,
+    profile_panel,
+    select_part,
+    strong_part,
+    yield_point,
+)
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.earthquake.tables import INNER, SINGLE, run_keys
-from thermobearing.model.earlier import REFERENCE
 from thermobearing.quantities.register import quantity
 from thermobearing.results import drawing
-from thermobearing.results.profiles import MOST_PROFILES, ProfilePanel, draw_profile_panels
+from thermobearing.results.profiles import draw_profile_panels
 
 MOST_COLUMNS = 4
-TIME_BINS = 900  # points of a history are thinned to two per bin
 LINES: dict[str, Any] = {"": "-", "rt": "-", "pd": "--"}
 MODES = {"": "", "rt": "real time", "pd": "pseudo-dynamic"}
 MODE_LOOKS: dict[str, drawing.Look] = {
     "rt": {"color": "#CC3311"},
     "pd": {"color": "#0077BB", "linestyle": "--"},
 }
-STRAIN, FORCE, DISPLACEMENT = "shear strain [%]", "force [kN]", "displacement [mm]"
 PANEL, LOOP_PANEL, SPEED_PANEL = (2.9, 2.4), (3.0, 2.7), (4.2, 2.3)  # width, height [inch]
 KJ, MN_M = 1e-3, 1e-3
 WIDER = 0.8  # of its width: each line that lies below another
 NOTE_ROOM = 0.12  # of the height of a panel, for the values that are printed in it
-FIRST, LAST = 0.05, 0.95  # of the Arias intensity
-MARGIN = 0.2  # of the strong part, on both sides: the answer of the structure comes later
 THIN, THICK = 0.6, 1.7  # lines of the outer and of the innermost layer
 TOTAL = ("bearing_force", "total force", "#b5b5b5")
 SHARES = (
@@ -70,8 +78,6 @@ SHOWN = {  # columns of the table of runs: label
 }
 SPREAD = 0.5  # of the room of a temperature that its dots take
 MEAN = 0.36  # half the length of the line at a mean
-QUARTERS = 4
-Cell = tuple[Axes, Any, Any]  # a panel, what its row and what its column stand for
 Draw = Callable[[Axes, int], None]
 
 
@@ -146,7 +152,7 @@ class EarthquakeFigures(drawing.Figures):
         """Return the runs of the first motion: rows are bearings, columns ambient temperatures."""
         motion = self._motions[0]
         heads = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
-        figure, cells = _grid(
+        figure, cells = grid(
             self._title(f"{what}, {motion}"), size, self._bearings, self._ambients, labels,
             heads=heads, sides=self._bearings, share=share, zero=zero,
         )  # fmt: skip
@@ -180,7 +186,7 @@ class EarthquakeFigures(drawing.Figures):
         about = part_names(self._data)
         title = self._title(what, motions=True) + (f" ({about})" if about else "")
         motions = self._motions[:MOST_COLUMNS]
-        figure, cells = _grid(
+        figure, cells = grid(
             title, PANEL, self._bearings, motions, labels, heads=motions, sides=self._bearings,
             share="col",
         )  # fmt: skip
@@ -241,7 +247,7 @@ class EarthquakeFigures(drawing.Figures):
         figure, cells = self._by_motion(title, ("time [s]", y), draw, ax, **look)
         for panel, bearing, motion in cells:
             runs = self._runs_of(bearing=bearing, motion=motion)
-            panel.set_xlim(*_strong_part(self._data, self._runs_of(motion=motion), name))
+            panel.set_xlim(*strong_part(self._data, self._runs_of(motion=motion), name))
             for run in runs:
                 values = factor * self._values(name, run)
                 if np.isfinite(values).all():
@@ -286,7 +292,7 @@ class EarthquakeFigures(drawing.Figures):
         looks = dict(zip(self._bearings, colours, strict=True))
         title = self._title("largest loop of one bearing", motions=True)
         sides = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
-        figure, cells = _grid(
+        figure, cells = grid(
             title, LOOP_PANEL, self._ambients, motions, (DISPLACEMENT, FORCE), heads=motions,
             sides=sides, zero=True,
         )  # fmt: skip
@@ -349,7 +355,7 @@ class EarthquakeFigures(drawing.Figures):
         figure, cells = view._by_motion(what, labels, draw, ax, sizes="pier_rotation_max")
         for panel, bearing, motion in cells:
             runs = view._runs_of(bearing=bearing, motion=motion)
-            found = [_yield_point(view._data, run) for run in runs]
+            found = [yield_point(view._data, run) for run in runs]
             for point in [point for point in found if point is not None][:1]:
                 rotation, moment = 1e3 * point[0], MN_M * point[1]
                 look: drawing.Look = {"color": drawing.GREY, "linewidth": 0.8, "linestyle": "--"}
@@ -375,14 +381,14 @@ class EarthquakeFigures(drawing.Figures):
                     rows.append((bearing, name))
         motions = self._motions[:MOST_COLUMNS]
         title = self._title("rise of the temperature in one bearing", motions=True)
-        figure, cells = _grid(
+        figure, cells = grid(
             title, (2.9, 2.1), rows, motions, ("time [s]", "rise [K]"), heads=motions,
             sides=[f"{bearing}\n{name}" for bearing, name in rows], share=False,
         )  # fmt: skip
         highest = {"rubber": 0.0, "lead": 0.0}
         for ax, (bearing, name), motion in cells:
             self._rise(ax, name, self._runs_of(bearing=bearing, motion=motion))
-            ax.set_xlim(*_strong_part(self._data, self._runs_of(motion=motion)))
+            ax.set_xlim(*strong_part(self._data, self._runs_of(motion=motion)))
             highest[name] = max(highest[name], ax.get_ylim()[1])
         for ax, (_, name), _ in cells:  # one scale for all rubber and one for all lead
             ax.set_ylim(-0.04 * highest[name], (1.0 + NOTE_ROOM) * highest[name])
@@ -426,7 +432,7 @@ class EarthquakeFigures(drawing.Figures):
         labels = ("time in the laboratory [s]", "speed [mm/s]")
         title = self._title(f"loading speed of the specimen, {motion}")
         rows, columns = self._bearings, self._run_modes
-        figure, cells = _grid(title, SPEED_PANEL, rows, columns, labels, share="col")
+        figure, cells = grid(title, SPEED_PANEL, rows, columns, labels, share="col")
         clock = "bearing_clock" if "bearing_clock" in self._data else "time"
         for ax, bearing, mode in cells:
             runs = self._runs_of(bearing=bearing, motion=motion)
@@ -613,11 +619,11 @@ class EarthquakeFigures(drawing.Figures):
             if label in chosen:
                 shown.append(str(chosen[label].iloc[0]))
                 chosen = chosen[chosen[label] == shown[-1]]
-        moments = _moments(data["time"].values[chosen.index.to_numpy()], times)
+        moments = list_moments(data["time"].values[chosen.index.to_numpy()], times)
         bearings = list(dict.fromkeys(chosen["bearing"]))
         chosen = chosen.sort_values("ambient_degC", kind="stable")
         drawn = [
-            _profile_panel(data, int(run), f"{bearing}, " if len(bearings) > 1 else "", moments)
+            profile_panel(data, int(run), f"{bearing}, " if len(bearings) > 1 else "", moments)
             for bearing in bearings
             for run in chosen.index[chosen["bearing"] == bearing]
         ]
@@ -653,224 +659,3 @@ class EarthquakeFigures(drawing.Figures):
             found["comparison"] = partial(comparison_figure, compared)
             found["comparison_loops"] = partial(comparison_loops, compared)
         return found
-
-
-def _grid(
-    title: str,
-    size: tuple[float, float],
-    rows: Sequence[Any],
-    columns: Sequence[Any],
-    labels: tuple[str, str],
-    *,
-    heads: list[str] | None = None,
-    sides: list[str] | None = None,
-    share: bool | Literal["row", "col"] = True,
-    zero: bool = False,
-) -> tuple[Figure, list[Cell]]:
-    """Return a figure and its panels, each with what its row and its column stand for.
-
-    `size` is that of a panel [inch]; `labels` are of the axes; `zero` draws lines through zero.
-    """
-    count = len(columns)
-    inches = (max(size[0] * count, 5.0) + 0.6, size[1] * len(rows) + 1.0)
-    figure, axes = drawing.panels(len(rows), count, inches, title, share=share)
-    for k, ax in enumerate(axes):
-        last, first = k // count == len(rows) - 1, k % count == 0
-        drawing.name_axes(ax, labels[0] if last else "", labels[1] if first else "")
-        for line in (ax.axhline, ax.axvline) if zero else ():
-            line(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
-    if heads is not None:
-        drawing.head_grid(axes, heads, sides or [])
-    return figure, [(ax, rows[k // count], columns[k % count]) for k, ax in enumerate(axes)]
-
-
-def part_names(dataset: xr.Dataset) -> str:
-    """Return which line and pier tables and histories show; empty where there is one of each."""
-    if "line" not in dataset.coords:
-        return ""
-    names = {part: str(dataset.attrs[part]) for part in ("line", "pier")}
-    labels = [n if n.lower().startswith(part) else f"{part} {n}" for part, n in names.items()]
-    return ", ".join(labels)
-
-
-def select_part(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
-    """Return the dataset whose peaks, and histories where it has them, are those of one part.
-
-    `part` is "pier" or "line"; `name` None stands for the one whose histories the dataset holds.
-    InputError: no part has that name; the nearest is named.
-    """
-    several = "line" in dataset.coords
-    name = dataset.attrs.get(part) if name is None else name
-    if name is None or (name == dataset.attrs.get(part) and not several):
-        return dataset
-    dimension = "line" if part == "line" else "pier_part"
-    names = [str(one) for one in dataset[dimension].values] if several else []
-    known = names or [str(dataset.attrs.get(part, ""))]
-    if name not in names:
-        raise InputError(f'{part} = "{name}": no {part} has that name{nearest(str(name), known)}')
-    own = dataset.sel({dimension: name}, drop=True)
-    if part == "pier":
-        histories = ("displacement", "rotation", "moment")
-        changed = {f"pier_{one}": own[f"pier_part_{one}"] for one in histories}
-        changed |= {key: own[of] for key, of in GOVERNING.items() if key.startswith("pier_")}
-    else:
-        way = own["line_displacement_max"]
-        per_mm = own["line_strain_max"] / way.where(way > 0.0)
-        changed = {
-            "bearing_strain": own["line_displacement"] * per_mm,
-            "bearing_strain_max": own["line_strain_max"],
-        }
-    kept = {key: value.variable for key, value in changed.items()}
-    return dataset.assign(kept).assign_attrs({part: name})
-
-
-def _strong_part(data: xr.Dataset, runs: Sequence[int], name: str = "") -> tuple[float, float]:
-    """Return start and end [s] of what is shown of some runs of one motion.
-
-    From 5 to 95 % of the Arias intensity and a fifth more on both sides, with the largest value
-    of the history `name`; the full time without a ground acceleration.
-    """
-    starts, ends, lasts = [], [], []
-    for run in runs:
-        time = data["time"].values[run].astype(float)
-        kept = np.isfinite(time)
-        time, ground = time[kept], data["ground_acceleration"].values[run][kept].astype(float)
-        if not len(time):
-            continue
-        growth = np.cumsum(ground**2)
-        first, last = time[0], time[-1]
-        if growth[-1] > 0.0:
-            first, last = time[np.searchsorted(growth, [FIRST * growth[-1], LAST * growth[-1]])]
-        room = MARGIN * (last - first)
-        values = data[name].values[run][kept] if name else ground[:0]
-        known = bool(name) and np.isfinite(values).all()
-        at = [time[int(np.abs(values).argmax())]] if known else []
-        starts += [place - room for place in [first, *at]]
-        ends += [place + room for place in [last, *at]]
-        lasts.append(time[-1])
-    if not lasts:
-        return 0.0, 1.0
-    return max(0.0, min(starts)), min(max(lasts), max(ends))
-
-
-def _yield_point(data: xr.Dataset, run: int) -> tuple[float, float] | None:
-    """Return rotation [rad] and moment [kN m] at which the hinge yields; None without one.
-
-    The moment is that of the elastic branch, on which the hinge is up to its first yielding.
-    """
-    ductility = float(data["pier_ductility"][run])
-    if not np.isfinite(ductility) or ductility <= 0.0:
-        return None
-    rotation = float(data["pier_rotation_max"][run]) / ductility
-    path = data["pier_rotation"].values[run].astype(float)
-    path = path[np.isfinite(path)]
-    beyond = np.abs(path) > rotation
-    elastic = slice(0, int(beyond.argmax()) if beyond.any() else len(path))
-    place = int(np.abs(path[elastic]).argmax()) if len(path[elastic]) else 0
-    if not path[place]:
-        return None
-    return rotation, rotation * float(data["pier_moment"][run, place]) / path[place]
-
-
-def _moments(time: Floats, times: Sequence[float] | None) -> list[float]:
-    """Return the given times, or quarters of the longest run [s]."""
-    longest = float(np.nanmax(time))
-    if times is None:
-        return [longest * (k + 1) / QUARTERS for k in range(QUARTERS)]
-    faults = [f"times: {t} s is not in 0 to {longest:g} s" for t in times if not 0 <= t <= longest]
-    if not 1 <= len(times) <= MOST_PROFILES:
-        faults.append(f"times: {len(times)} given; 1 to {MOST_PROFILES} can be shown")
-    if faults:
-        raise InputError(faults, "profiles()")
-    return [float(t) for t in times]
-
-
-def _profile_panel(data: xr.Dataset, run: int, whose: str, moments: list[float]) -> ProfilePanel:
-    """Return profiles of one run at the kept steps nearest to the times."""
-    mine = data.isel(run=run)
-    time = mine["time"].values
-    stack = mine.isel(cell=np.isfinite(mine["depth"].values))
-    stack.attrs["half_stack"] = data.attrs["half_stack"]
-    lead = mine["lead_temperature"].values
-    lines: list[tuple[int, Floats, float | None]] = []
-    for number, moment in enumerate(moments):
-        if moment > np.nanmax(time) * (1.0 + 1e-6):  # a run that ended early
-            continue
-        row = int(np.nanargmin(np.abs(time - moment)))
-        core = float(lead[row]) if np.isfinite(lead[row]) else None
-        lines.append((number, stack["temperature"].values[row].astype(float), core))
-    ambient = float(mine["ambient"])
-    return ProfilePanel(f"{whose}{drawing.degrees(ambient)}", ambient, stack, lines)
-
-
-COMPARISON_SIZE = (3.1, 2.3)  # of one panel [inch]
-BLACK: drawing.Look = {"color": "#000000", "linewidth": 1.6}
-LOOP_LOOKS = {REFERENCE: BLACK, SINGLE: {"color": "#EE7733", "linewidth": 0.9}}
-
-
-def comparison_figure(results: dict[str, EarthquakeResult]) -> Figure:
-    """Return the inner layer in time, all models over each other (Fig. 4.13, 5.16)."""
-    names = [name for name in results if name != REFERENCE]
-    colours = drawing.ordered_colours(len(names), "turbo")
-    looks = {REFERENCE: BLACK} | {
-        name: {"color": colour, "linewidth": 0.9}
-        for name, colour in zip(names, colours, strict=True)
-    }
-
-    def _draw(ax: Axes, name: str, run: int) -> None:
-        values = results[name].places(run)[INNER]
-        time = results[name]["time"].values[run][: len(values)]
-        kept = drawing.thin(values, TIME_BINS)
-        ax.plot(time[kept], values[kept], **looks[name])
-
-    what = "temperature of the inner layer"
-    return _compare(results, looks, _draw, what, ("time [s]", "temperature [°C]"), share=False)
-
-
-def comparison_loops(results: dict[str, EarthquakeResult]) -> Figure:
-    """Return loops of the multi-layer model and of a single temperature (Fig. 4.11, 5.9, 5.12)."""
-    return _compare_single(results, "loops", ("bearing_strain", "bearing_force"), (STRAIN, FORCE))
-
-
-def comparison_strains(results: dict[str, EarthquakeResult]) -> Figure:
-    """Return strains of the multi-layer model and of a single temperature (Fig. 5.10, 5.13)."""
-    return _compare_single(results, "strain", ("time", "bearing_strain"), ("time [s]", STRAIN))
-
-
-def _compare_single(
-    results: dict[str, EarthquakeResult], what: str, names: tuple[str, str], labels: tuple[str, str]
-) -> Figure:
-    """Return the multi-layer model and a single temperature in the plane of two histories."""
-
-    def _draw(ax: Axes, name: str, run: int) -> None:
-        data = results[name].dataset
-        kept = np.isfinite(data["time"].values[run])
-        path = (quantity(one).shown(data[one].values[run, kept].astype(float)) for one in names)
-        ax.plot(*path, **LOOP_LOOKS[name])
-
-    return _compare(results, LOOP_LOOKS, _draw, f"{what} of one bearing", labels)
-
-
-def _compare(
-    results: dict[str, EarthquakeResult],
-    looks: dict[str, drawing.Look],
-    draw: Callable[[Axes, str, int], None],
-    what: str,
-    labels: tuple[str, str],
-    share: bool = True,
-) -> Figure:
-    """Return a row for each bearing, a column for each temperature; `draw` draws each model."""
-    panels = EarthquakeFigures(results[REFERENCE])
-    runs: dict[str, dict[tuple[Hashable, ...], int]] = {n: run_keys(results[n]) for n in looks}
-    keys = list(run_keys(results[REFERENCE]))
-    modes = panels._result.modes
-
-    def _draw_models(ax: Axes, run: int) -> None:
-        for name in looks if modes[run] == modes[0] else ():
-            if keys[run] in runs[name]:
-                draw(ax, name, runs[name][keys[run]])
-
-    what = f"{what}, {modes[0]}" if modes[0] else what
-    figure = panels._by_bearing(what, COMPARISON_SIZE, labels, _draw_models, share=share)
-    drawing.legend_below(figure, [Line2D([], [], label=k, **look) for k, look in looks.items()])
-    return figure

@@ -16,7 +16,8 @@ from thermobearing.cyclic.reported import (
     model_assumptions,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
-from thermobearing.earthquake.figures import EarthquakeFigures, part_names, select_part
+from thermobearing.earthquake.figures import EarthquakeFigures
+from thermobearing.earthquake.panels import part_names, select_part
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.tables import balance_table, cold_ratios
 from thermobearing.model.earlier import BLIND
