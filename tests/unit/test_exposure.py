@@ -15,6 +15,7 @@ from thermobearing.bearing.exposure import Exposure, exposed, exposed_bilinear
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.toml import to_toml
 from thermobearing.cli import app
+from thermobearing.commands.options import exposure_given
 from thermobearing.core.types import Rubber
 from thermobearing.cyclic.case import load_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
@@ -224,3 +225,6 @@ def test_files_and_the_command_line(tmp_path: Path) -> None:
         failed = CliRunner().invoke(app, ["cyclic", str(case), "--exposure", bad])
         assert failed.exit_code == 2, bad
         assert "exposure" in failed.output or "stifness" in failed.output
+    for words in (["source"], ["stiffness=1.2", "strength=1", "stiffness=1.3", "source=x"]):
+        with pytest.raises(tb.InputError, match="--exposure"):
+            exposure_given(words)

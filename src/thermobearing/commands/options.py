@@ -17,6 +17,7 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, ge
 
 import typer
 
+from thermobearing.border.errors import InputError
 from thermobearing.commands.common import (
     MODEL,
     REPORT,
@@ -85,7 +86,11 @@ EXPOSURE = Annotated[
 
 def exposure_given(words: Sequence[str] | None) -> dict[str, Any] | None:
     """Return the table `exposure` from the words of its option; None without."""
-    form = "a key and a number, such as stiffness=1.3"
+    form = "each key once, with a number, such as stiffness=1.3"
+    names = [word.partition("=")[0].strip() for word in words or ()]
+    for word, name in zip(words or (), names, strict=True):
+        if "=" not in word or names.count(name) > 1:
+            raise InputError(f'--exposure "{word}": give {form}')
     return values_by_name(words, "--exposure", form, texts=["source"]) or None
 
 
