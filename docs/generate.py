@@ -213,11 +213,11 @@ def counts_table() -> str:
 
 def quantities_table() -> str:
     """Return all quantities of tables and CSV files, from the register."""
-    from thermobearing.quantities.register import _register
+    from thermobearing.quantities.register import registered_quantities
 
     rows = [
         [f"`{row.name}`", row.head, row.stored, row.meaning.replace("|", "\\|")]
-        for row in sorted(_register().values(), key=lambda row: row.name)
+        for row in sorted(registered_quantities().values(), key=lambda row: row.name)
         if row.stored
     ]
     return table(["column", "head", "unit", "meaning"], rows)

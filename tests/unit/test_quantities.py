@@ -10,7 +10,7 @@ from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import make_table
 from thermobearing.results.screen import show_table
 
-ROWS = register._register()
+ROWS = register.registered_quantities()
 
 
 def test_factors_are_those_of_the_units() -> None:
@@ -62,6 +62,19 @@ def test_marks_and_failed_runs(capsys: pytest.CaptureFixture[str]) -> None:
     assert table.failed == {1}
     show_table(table)
     assert "300!" in capsys.readouterr().out
+
+
+def test_a_key_with_one_value_is_stated_in_the_caption() -> None:
+    frame = pd.DataFrame({"bearing": ["x", "x"], "motion": ["a", "b"], "ambient_degC": [-20, -20]})
+    assert make_table(frame, None, "Runs", keys=3).rows == [["a"], ["b"]]
+    caption = make_table(frame, None, "Runs", keys=3).caption
+    assert caption == "Runs (bearing: x; ambient: \N{MINUS SIGN}20 °C)"
+    assert len(make_table(frame, None, keys=3, keep_keys=True).columns) == 3
+    marked = make_table(frame, None, keys=3, marked={"bearing": [True, False]})
+    assert marked.marked == {(0, 0)}
+    one = make_table(frame[:1], None, keys=3)  # one key stays
+    assert one.rows == [["x"]]
+    assert one.keys == 1
 
 
 def test_text_of_numbers() -> None:

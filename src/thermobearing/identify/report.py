@@ -133,7 +133,8 @@ def parameters_table(summary: Row, names: Sequence[str] | None = None) -> Table:
         for key, item in summary["parameters"].items()
     ]
     note = f"Standard errors include those of the values that are not free. {_correlated(summary)}"
-    return make_table(pd.DataFrame(rows), names, "Identified parameters", keys=2, note=note)
+    caption = "Identified parameters"
+    return make_table(pd.DataFrame(rows), names, caption, keys=2, note=note, keep_keys=True)
 
 
 def _relative_error(item: Row) -> float:

@@ -108,7 +108,7 @@ class Quantity:
 
 
 @cache
-def _register() -> Mapping[str, Quantity]:
+def registered_quantities() -> Mapping[str, Quantity]:
     """Return all rows of the register by name."""
     found: dict[str, Quantity] = {}
     for file in sorted(data_path("quantities").iterdir(), key=lambda path: path.name):
@@ -138,7 +138,7 @@ def quantity(name: str, /, **changes: Any) -> Quantity:
     Raises
     ------
     KeyError
-        No such quantity; the register has it not.
+        The register has no such quantity.
 
     Examples
     --------
@@ -147,10 +147,5 @@ def quantity(name: str, /, **changes: Any) -> Quantity:
     >>> quantity("bearing_force_max_kN", head="Peak force", form=".1f").title
     'Peak force [kN]'
     """
-    found = _register()[name]
+    found = registered_quantities()[name]
     return replace(found, **changes) if changes else found
-
-
-def is_registered(name: str) -> bool:
-    """Return whether the register has a quantity of that name."""
-    return name in _register()

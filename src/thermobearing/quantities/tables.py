@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from thermobearing.quantities.register import Quantity, is_registered, quantity
+from thermobearing.quantities.register import Quantity, quantity, registered_quantities
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -86,6 +86,7 @@ def make_table(
     marked: Mapping[str, Sequence[bool]] | None = None,
     note: str = "",
     drop_empty: bool = True,
+    keep_keys: bool = False,
     governing: str = "",
 ) -> Table:
     """Return a table of some columns of a DataFrame, in the words and units of the register.
@@ -100,15 +101,18 @@ def make_table(
     caption : str
         What the table holds.
     keys : int
-        Leading columns that say what a row is; of those that are left.
+        Leading columns that identify a row, counted without the columns that are left out. A key
+        that is the same in all rows is stated in the caption instead of in a column.
     heads : mapping of str to str, optional
         Heads that differ here, by column.
     marked : mapping of str to sequence of bool, optional
-        Whether each row is beyond the tested range, by column.
+        Whether each row is outside the calibration range, by column.
     note : str
         Below the table.
     drop_empty : bool
         Leave out columns without any value.
+    keep_keys : bool
+        Keep keys that are the same in all rows as columns.
     governing : str
         Column whose largest values govern; see `Table`.
 
@@ -133,12 +137,17 @@ def make_table(
             found = item if isinstance(item, Quantity) else _find(frame[name])
             head = (heads or {}).get(name)
             columns.append(replace(found, head=head) if head else found)
+    given = {name: flags for name, flags in (marked or {}).items() if any(flags)}
+    fixed = [] if keep_keys else _fixed_keys(frame, columns[:keys], given)
+    if fixed:
+        caption = _with_fixed_keys(caption, frame, fixed)
+        columns, keys = [c for c in columns if c not in fixed], keys - len(fixed)
     stored = [frame[column.name].tolist() for column in columns]
     shown = [[c.shown(v) for v in values] for c, values in zip(columns, stored, strict=True)]
     places = [column.name for column in columns]
     marks = {
         (row, places.index(name))
-        for name, flags in (marked or {}).items()
+        for name, flags in given.items()
         if name in places
         for row, flag in enumerate(flags)
         if flag
@@ -151,6 +160,26 @@ def make_table(
     return Table(caption, columns, rows, keys, frozenset(marks), note, failed, governing)
 
 
+def _fixed_keys(
+    frame: "pd.DataFrame", keys: Sequence[Quantity], marked: Mapping[str, Sequence[bool]]
+) -> list[Quantity]:
+    """Return the keys with one value in all rows; one key stays, and so do marked columns."""
+    fixed = [key for key in keys if key.name not in marked and frame[key.name].nunique() == 1]
+    fixed = [key for key in fixed if frame[key.name].notna().all()]
+    return fixed[1:] if len(fixed) == len(keys) else fixed
+
+
+def _with_fixed_keys(caption: str, frame: "pd.DataFrame", keys: Sequence[Quantity]) -> str:
+    """Return a caption with the values of keys that have no column."""
+    facts = []
+    for key in keys:
+        value = key.text(key.shown(frame[key.name].iloc[0]))
+        head = key.head if "_" in key.head[:2] else f"{key.head[:1].lower()}{key.head[1:]}"
+        facts.append(f"{head}: {value} {key.unit}".rstrip())
+    text = "; ".join(facts)
+    return f"{caption} ({text})" if caption else f"{text[:1].upper()}{text[1:]}"
+
+
 def _is_empty(column: "pd.Series[Any]") -> bool:
     return bool((column.isna() | (column.astype(object) == "")).all())
 
@@ -158,6 +187,6 @@ def _is_empty(column: "pd.Series[Any]") -> bool:
 def _find(column: "pd.Series[Any]") -> Quantity:
     """Return the row of the register, or a column of words under its own name."""
     name = str(column.name)
-    if is_registered(name) or column.dtype.kind in "iufc":
+    if name in registered_quantities() or column.dtype.kind in "iufc":
         return quantity(name)
     return Quantity(name.replace("_", " ").capitalize(), name=name)
