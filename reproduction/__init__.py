@@ -1,4 +1,4 @@
-"""Shen (2023) again: its tables, figures and statements from our data files and code alone.
+"""Reproduction of the tables, figures and statements of Shen (2023) from our data files and code.
 
-A program of its own beside the package: `python -m reproduction --help`.
+It is a separate program next to the package: `python -m reproduction --help`.
 """

@@ -1,6 +1,6 @@
 """Statements of Shen (2023), the rules that judge them, and the changes that turn a verdict.
 
-`data/chapter-3.toml` and the files beside it have a table for each; docs/files.md says what a row
+`data/chapter-3.toml` and the files next to it have a table for each; docs/files.md says what a row
 has. No verdict is in a file: every run computes it. A row that breaks becomes a row with its
 reason, and the others go on.
 
@@ -260,7 +260,7 @@ def _compared(rule: Comparison, margins: Floats, numbers: Floats) -> Verdict:
             counts = f"{numbers.item():.4g} {rule.unit}".rstrip()
         return Verdict(CONTRADICTED, f"{CONTRADICTED}: {counts}")
     if 2 * good < total:
-        return Verdict(CLOSE, f"{CLOSE}: too close to tell ({counts})")
+        return Verdict(CLOSE, f"{CLOSE}: too close to decide ({counts})")
     return Verdict(HOLDS, HOLDS + (f" ({counts})" if good < total else ""))
 
 
@@ -484,7 +484,7 @@ def rule_words(rule: Rule) -> str:
     'above 1 kN'
     """
     if isinstance(rule, NeedsTestData):
-        return "the source's measurements"
+        return "measurements of Shen (2023)"
     if isinstance(rule, Within):
         printed = ", ".join(map(_number_words, np.atleast_1d(np.asarray(rule.value, dtype=float))))
         near = f"{rule.per_cent:g} %" if rule.per_cent else f"{rule.absolute:g} {rule.unit}".strip()

@@ -1,4 +1,4 @@
-"""Equations of the print that are wrong, typed as they are printed: functions of expressions.
+"""Misprinted equations of Shen (2023), evaluated as printed: functions of expressions.
 
 Heat of one cell: a bearing as warm as the air, in which nothing moves, has to stay as it is.
 """
@@ -38,7 +38,7 @@ def _beta(runs: Runs, bearing: str, thickness: float) -> float:
 
 
 def _end_and_rubber(runs: Runs) -> tuple[float, float, float]:
-    """Of the cells of an end plate beta, beside rubber gamma_AB and gamma_BA (Eq. 4.19)."""
+    """Return beta of an end plate cell, and gamma_AB and gamma_BA next to rubber (Eq. 4.19)."""
     stack = build_stack(runs.bearing(HDR), half=True)
     end, rubber = stack.part.index("end_plate"), stack.part.index("rubber")
     k, dx = stack.conductivity, stack.thickness

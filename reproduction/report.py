@@ -83,8 +83,8 @@ QUESTION = (
 )
 READING = (
     "Every verdict is computed from a rule and numbers; none is typed.",
-    "Statements are of chapters 3 to 6; what chapter 7 repeats of them and what the print has "
-    "wrong (a row says what would be true if the print were) are counted apart.",
+    "The statements are those of chapters 3 to 6. Repetitions in chapter 7 and misprints (the row "
+    "states the corrected value) are counted separately.",
     "*Not decidable without the motion*: the accelerograms are not free to ship, and another "
     "stand-in of the same spectrum (waves 2, 3 and 3, 1 for 1, 2) turns the verdict, either way.",
     "*Within 1 %*: comparisons closer than 1 % count neither for nor against; fewer than half of "
@@ -374,7 +374,7 @@ def _cells(table: pd.DataFrame) -> list[list[Any]]:
 
 def _slips_table(table: pd.DataFrame) -> Table:
     """Changes in per cent: of a chain against the row above, of a slip alone against the first."""
-    columns = [Quantity("Bearing"), Quantity("Slips"), Quantity("What the print does")]
+    columns = [Quantity("Bearing"), Quantity("Slips"), Quantity("What the published scheme does")]
     columns += [Quantity(SHORT[key], "%", ".1f") for key in QUANTITIES]
     chosen = ["bearing", "kind", "means", *(f"{key}{CHANGE}" for key in QUANTITIES)]
     words = {"chain": "on top of those above", "alone": "alone"}

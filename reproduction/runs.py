@@ -49,7 +49,7 @@ class Parameter(Strict):
 
 
 class Printed(Strict):
-    """A number of the print that no bearing or structure has, its unit, and where it stands."""
+    """A printed number that no bearing or structure file has, with its unit and place."""
 
     value: Annotated[float, Field(ge=-1e12, le=1e12)]
     unit: str

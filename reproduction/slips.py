@@ -47,7 +47,7 @@ STRAIN, MOTION = 2.5, "jra-ii-i-1"
 QUANTITIES = {
     "inner_layer_K": "rise of the inner layer, 250 %, five cycles [K]",
     "lead_K": "rise of the lead, the same [K]",
-    "steel_at_lead_K": "rise of the end plate beside rubber or sealing plate, the same [K]",
+    "steel_at_lead_K": "rise of the end plate next to rubber or sealing plate, the same [K]",
     "force_kN": "force of the fifth cycle, the same [kN]",
     "energy_kN_mm": "energy of the five cycles [kN mm]",
     "bridge_inner_layer_K": "rise of the inner layer, bridge, II-I-1 [K]",
@@ -260,7 +260,7 @@ CAPTION = (
     "Slips of the printed heat scheme, one by one: change of the rise of the inner layer, of the "
     "rise of the lead, of the force in the fifth cycle and of the energy (five cycles of 250 % at "
     "-20 degC, specimens), and of the pier's ductility (bridge, II-I-1, -20 degC), against the "
-    "conservative scheme. Predictions; the source has no such figure."
+    "conservative scheme. These are predictions; Shen (2023) has no such figure."
 )
 SHOWN = {
     "inner_layer_K": "inner layer",
@@ -287,7 +287,8 @@ ROOM = 2.4  # of the largest bar, for the numbers beside the bars
 
 def draw_slips(rows: list[SlipRow]) -> Figure:
     """Draw bars of both bearings for each slip, one panel for each quantity."""
-    figure, axes = panels(1, len(SHOWN), (WIDEST, 3.6), "Slips of the print, one by one")
+    title = "Deviations of the published scheme, one by one"
+    figure, axes = panels(1, len(SHOWN), (WIDEST, 3.6), title)
     places = {name: -float(k) for k, name in enumerate([*SLIPS, ALL])}
     for ax, (quantity, name) in zip(axes, SHOWN.items(), strict=True):
         names = [SHORT.get(key, key) if ax is axes[0] else "" for key in places]

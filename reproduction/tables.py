@@ -1,4 +1,4 @@
-"""The tables of Shen (2023), each printed number beside ours.
+"""The tables of Shen (2023): each printed number compared with ours.
 
 `data/tables.toml` has what is printed. Ours is a key of a data file, or is computed by an
 expression, or there is a reason why not. A row that breaks says so in its last column.
@@ -30,7 +30,7 @@ class PrintedRow(Strict):
     """A row of a table, and where ours comes from.
 
     `printed` has a value for each column of the table, "" where nothing is printed; `data` is a key
-    in the files of the table, `factor` makes the unit of the print of it; `computed` is an
+    in the files of the table, `factor` converts it to the printed unit; `computed` is an
     expression; `why` says that there is neither; `note` how it prints, and what ours is.
     """
 
@@ -82,7 +82,7 @@ def all_tables(runs: Runs) -> dict[str, pd.DataFrame]:
 
 
 def compare_table(table: PrintedTable, runs: Runs) -> pd.DataFrame:
-    """Return one table: each printed number beside ours."""
+    """Return one table with each printed number and ours."""
     rows = [cell for row in table.row for cell in _cells(table, row, runs)]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 

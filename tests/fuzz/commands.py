@@ -67,7 +67,7 @@ IDENTIFY: dict[str, Values] = {
     "--evaluations": some("40"), "--loss": some("huber", "linear"), "--predict": some("0"),
 }  # fmt: skip
 VALIDATE: dict[str, Values] = {
-    "--beside": some(*NAMES), "--model": some("adiabatic", "lead-alone", "bilinear"),
+    "--compare-with": some(*NAMES), "--model": some("adiabatic", "lead-alone", "bilinear"),
     "--limit": some("K_eq=0.1", "NRMSE=1", "K_eg=1", "h_eq", "h_eq=15 %", "energy=nan"),
 }  # fmt: skip
 HELD_OUT: dict[str, Values] = {

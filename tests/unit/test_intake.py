@@ -86,7 +86,10 @@ def test_the_sidecar_reads_what_was_found(tmp_path: Path) -> None:
     bare = load_test(file)
     assert_allclose(bare.force, history()[2], atol=tol.FOUR_DECIMALS)
     (found,) = tb.take_in(file).files
-    assert command("intake", file, "--beside", "--no-figures", "-o", tmp_path / "a/b/out")[0] == 0
+    assert (
+        command("intake", file, "--write-sidecars", "--no-figures", "-o", tmp_path / "a/b/out")[0]
+        == 0
+    )
     for path in (file, tmp_path / "a/b/out/sidecars/lab.toml"):
         record = load_test(path)
         assert_allclose(record.displacement, history()[1], atol=tol.FOUR_DECIMALS)
@@ -111,7 +114,7 @@ def test_a_sidecar_that_is_there_wins_and_stays(tmp_path: Path) -> None:
     kept = 'ambient = "5 degC"\nflip_force = false\n[columns]\nforce = "T3 [°C]"\n'
     kept += '[units]\nforce = "kN"\n'
     file.with_suffix(".toml").write_text(kept, encoding="utf-8")
-    status, shown = command("intake", file, "--beside", "-o", tmp_path / "out")
+    status, shown = command("intake", file, "--write-sidecars", "-o", tmp_path / "out")
     assert status == 2
     assert "exists; correct it" in shown
     assert not (tmp_path / "out").exists()
@@ -175,7 +178,9 @@ def test_bad_files(tmp_path: Path, content: str | bytes, told: str) -> None:
 
 def test_a_recorded_history_reads_the_sidecar(tmp_path: Path) -> None:
     file = laboratory(tmp_path / "lab.csv")
-    assert command("intake", file, "--beside", "--no-figures", "-o", tmp_path / "out")[0] == 0
+    assert (
+        command("intake", file, "--write-sidecars", "--no-figures", "-o", tmp_path / "out")[0] == 0
+    )
     case = tmp_path / "case.toml"
     case.write_text(
         f'bearing = "{BEARING}"\nambient = ["0 degC"]\n[test]\n'

@@ -54,7 +54,7 @@ ANALYSES, LABORATORY, OFFICE, FILES = (
     "Design",
     "Library and files",
 )
-INPUT, TEST, MODEL, SEARCH, RESULT = ("What", "Test", "Model", "Search", "Result")
+INPUT, TEST, MODEL, SEARCH, RESULT = ("Input", "Test", "Model", "Search", "Result")
 REPORT = "Report"
 
 FEW_LETTERS = {"dt"}  # no word of a sentence, like those with an underscore
@@ -338,7 +338,8 @@ def _progress_bar(console: Console) -> Progress:
 
 
 WIDTH, MOST = 100, 200  # letters of a line where COLUMNS does not say, and at most
-EARLIER_OPTIONS = {"--force": "--overwrite"}  # the same option in earlier versions, and now
+# Options of earlier versions, and their present names (that which the command has).
+EARLIER_OPTIONS = {"--force": ["--overwrite"], "--beside": ["--compare-with", "--write-sidecars"]}
 
 
 class _WithHelp:
@@ -376,11 +377,12 @@ class Command(_WithHelp, typer.core.TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse, with options of earlier versions by their present names, and a warning."""
+        known = {word for parameter in self.params for word in parameter.opts}
         for k, word in enumerate(args):
-            if word in EARLIER_OPTIONS:
-                args[k] = EARLIER_OPTIONS[word]
-                message = f"thermobearing: warning: {word} is deprecated; use {args[k]}"
-                typer.echo(message, err=True)
+            present = known.intersection(EARLIER_OPTIONS.get(word, ()))
+            if present:
+                (args[k],) = present
+                typer.echo(f"thermobearing: warning: {word} is deprecated; use {args[k]}", err=True)
         parsed: list[str] = super().parse_args(ctx, args)
         return parsed
 
@@ -423,7 +425,7 @@ class Group(_WithHelp, typer.core.TyperGroup):
 app = typer.Typer(
     name="thermobearing",
     cls=Group,
-    help="Rubber isolation bearings in the cold: heat conduction coupled to hysteresis.",
+    help="Rubber isolation bearings at low temperature: heat conduction coupled to hysteresis.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",  # or units in brackets vanish from the help

@@ -41,9 +41,9 @@ SHORT = "strain cycles wave speed frequency period rest"  # of a test in a few w
         "cyclic.case:Case",
         "bearing ambient rig",
         INPUT,
-        bearing="|What is tested: a library name or a TOML file.",
-        ambient="|Ambient temperatures [degC], in [-100, 100]; each is a run; may be repeated.",
-        rig="|Limits of a test rig, its name or file; a warning says which a run exceeds.",
+        bearing="|Bearing: library name or TOML file.",
+        ambient="|Ambient temperature [degC], in [-100, 100]; one run for each.",
+        rig="|Test rig (name or file); a warning names the limits that a run exceeds.",
     ),
     fields("cyclic.protocol:cyclic_test", SHORT, TEST),
     fields("cyclic.protocol:CyclicTest", "dt", TEST),
@@ -52,7 +52,7 @@ SHORT = "strain cycles wave speed frequency period rest"  # of a test in a few w
         "cyclic.case:Analysis",
         "keep_every",
         RESULT,
-        keep_every="|Keep every n-th step; turning points are kept besides; 1 by default.",
+        keep_every="|Keep every n-th step and all turning points; 1 by default.",
     ),
     examples="cyclic --bearing shen-lhdr-specimen --ambient -20 --ambient 23 -o my-run\n"
     "cyclic --strain 1.75 --wave sine --frequency 0.5 --cycles 11",
@@ -60,7 +60,8 @@ SHORT = "strain cycles wave speed frequency period rest"  # of a test in a few w
 )
 def _cyclic(
     case: Annotated[
-        Path | None, typer.Argument(help="Case file; without one, Table 3.4 on the HDR specimen.")
+        Path | None,
+        typer.Argument(help="Case file; by default the test of Table 3.4 on the HDR specimen."),
     ],
     given: dict[str, Any],
     exposure: EXPOSURE,
@@ -69,13 +70,13 @@ def _cyclic(
         bool,
         option(
             "--complete-histories",
-            help="Write every kept step, not turning points and 200 points a cycle.",
+            help="Write every kept step, instead of turning points and 200 points per cycle.",
             panel=RESULT,
         ),
     ],
     end: Ending,
 ) -> Answer:
-    """Displacement-controlled cyclic test of a bearing, heat and hysteresis coupled."""
+    """Run a displacement-controlled cyclic test of a bearing."""
     from thermobearing.cyclic.case import load_case, make_case
     from thermobearing.cyclic.comparison import compare_models
     from thermobearing.cyclic.dataset import expected_size
@@ -108,11 +109,11 @@ def _cyclic(
     panel=ANALYSES,
 )
 def _sequence(
-    case: Annotated[Path, typer.Argument(help="Case file, see docs/files.md.")],
+    case: Annotated[Path, typer.Argument(help="Case file with the parts of the sequence.")],
     given: dict[str, Any],
     end: Ending,
 ) -> Answer:
-    """Hybrid and cyclic tests and rests, one after the other on one specimen."""
+    """Run hybrid tests, cyclic tests and rests in sequence on one specimen."""
     from thermobearing.sequences.case import load_sequence_case
     from thermobearing.sequences.run import run_sequence
 

@@ -22,32 +22,37 @@ from thermobearing.commands.options import command, fields, option
 @command(
     app,
     "design",
-    fields("earthquake.case:EarthquakeCase", "structure motions", motions="--motion"),
+    fields(
+        "earthquake.case:EarthquakeCase",
+        "structure motions",
+        motions="--motion|Ground motion: library name or file.",
+    ),
     fields(
         "design.case:DesignCase",
         "start compound compound_kind weight ambient peaks tolerance",
-        compound="|G8, G10 or G12; G8 by default.",
-        compound_kind="--compound-kind --kind|HDR or HDR-S; HDR by default.",
+        compound="|Rubber: G8 (default), G10 or G12.",
+        compound_kind="--compound-kind --kind|Kind of the rubber: HDR (default) or HDR-S.",
     ),
     examples="design --motion jra-ii-i-1 --compound G10 -o design",
     panel=OFFICE,
 )
 def _design(
     case: Annotated[
-        Path | None, typer.Argument(help="Case file; without one, the bridge of section 6.2.")
+        Path | None,
+        typer.Argument(help="Case file; by default the bridge of section 6.2 of Shen (2023)."),
     ],
     given: dict[str, Any],
     group: Annotated[
         list[str] | None,
         option(
             "--group",
-            help="Bearing lines of one size, with commas; may be repeated.",
+            help="Bearing lines of equal size, separated by commas. May be repeated.",
             metavar="LINE,LINE",
         ),
     ],
     end: Ending,
 ) -> Answer:
-    """Size isolation bearings: assume a displacement, size, analyse, compare, repeat."""
+    """Size isolation bearings: assume a displacement, size, analyse, compare, and repeat."""
     from thermobearing.bearing.library import load_bearing
     from thermobearing.design.case import load_design_case, make_design_case
     from thermobearing.design.result import print_head, print_round
@@ -75,20 +80,20 @@ def _design(
     fields(
         "earthquake.case:EarthquakeCase",
         "bearings motions structure",
-        bearings="--bearing",
-        motions="--motion",
+        bearings="--bearing|Bearing: library name or TOML file.",
+        motions="--motion|Ground motion: library name or file.",
     ),
     fields(
         "design.bounds:bounds_study",
         "ambient strain",
-        ambient="|Temperatures of the coupled model [degC]; may be repeated.",
-        strain="|Shear strain of the bilinear models; 1.75 by default.",
+        ambient="|Ambient temperature of the coupled model [degC].",
+        strain="|Shear strain at which the bilinear models are equivalent; 1.75 by default.",
     ),
     examples="bounds --bearing shen-hdr-bridge --ambient -20",
     panel=OFFICE,
 )
 def _bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> Answer:
-    """Is a bounding analysis good enough? Two bilinear bounds against the coupled model."""
+    """Compare a bounds analysis (two bilinear models) with the coupled model."""
     from thermobearing.design.bounds import BEARINGS
     from thermobearing.design.run import run_bounds
 
@@ -105,13 +110,13 @@ def _bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> Answe
     fields(
         "design.run:run_factors",
         "reference temperatures strains period speed",
-        temperatures="--temperature|Ambient [degC], in [-60, 60], -40 to 40 in steps of 10 by "
-        "default; may be repeated.",
-        strains="--strain|Shear strain, in [0.1, 3], 1 and 1.75 by default; may be repeated.",
+        temperatures="--temperature|Ambient temperature [degC], in [-60, 60]; -40 to 40 in steps "
+        "of 10 by default.",
+        strains="--strain|Shear strain, in [0.1, 3]; 1 and 1.75 by default.",
         reference="--reference-temperature --reference|Reference temperature [degC]; that of the "
         "bearing's rubber by default.",
-        period="|Period of the sine [s], in [0.2, 1000]; 2 by default.",
-        speed="|Mean speed [mm/s] instead of the period.",
+        period="|Period of the sinusoidal test [s], in [0.2, 1000]; 2 by default.",
+        speed="|Mean speed [mm/s], instead of the period.",
     ),
     examples="lambda shen-hdr-bridge --strain 1.75 -o factors",
     panel=OFFICE,
@@ -119,19 +124,25 @@ def _bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> Answe
 def _lambda(
     bearing: Annotated[
         list[str],
-        typer.Argument(help="Name or TOML file; several (a posterior) make bands."),
+        typer.Argument(
+            help="Library name or TOML file; several bearings (of a posterior) give bands."
+        ),
     ],
     given: dict[str, Any],
     posterior: Annotated[
         Path | None,
-        option(help="posterior.csv of identify: a band of its samples.", metavar="FILE"),
+        option(help="File posterior.csv of `identify`, whose samples give a band.", metavar="FILE"),
     ],
-    scale: Annotated[bool, option("--scale", help="Add sizes 1/6 and 1.")],
+    scale: Annotated[
+        bool, option("--scale", help="Compute the factors at the scales 1/6 and 1 too.")
+    ],
     end: Ending,
-    cycles: Annotated[str, option(help="3, 1-3, 2-11, all-but-first, or as 2,3,4.")] = "1-3",
-    samples: Annotated[int, option(help="Number of samples of the posterior.")] = 20,
+    cycles: Annotated[
+        str, option(help="Cycles to average: 3, 1-3, 2-11, all-but-first, or a list such as 2,3,4.")
+    ] = "1-3",
+    samples: Annotated[int, option(help="Number of samples taken from the posterior.")] = 20,
 ) -> Answer:
-    """Temperature factors from the coupled model: K_eq, Q_d, K_d, h_eq, energy; and bounds."""
+    """Compute temperature factors of K_eq, Q_d, K_d, h_eq and energy, and their bounds."""
     from thermobearing.bearing.library import load_bearing
     from thermobearing.design.factors import PRESETS
     from thermobearing.design.run import run_factors

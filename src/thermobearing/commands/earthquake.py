@@ -29,7 +29,7 @@ from thermobearing.commands.options import (
 
 LABORATORY = "Laboratory"
 CaseFile = Annotated[
-    Path | None, typer.Argument(help="Case file; without one, the default analysis.")
+    Path | None, typer.Argument(help="Case file; without one, the default analysis is run.")
 ]
 FIXED_BASE = Annotated[
     bool, option("--fixed-base", help="Leave out the springs of the foundation.", panel=INPUT)
@@ -38,8 +38,8 @@ INPUTS = fields(
     "earthquake.case:EarthquakeCase",
     "bearings motions ambient weather structure duration rig",
     INPUT,
-    bearings="--bearing|Name or TOML file; may be repeated.",
-    motions="--motion|Name or file; may be repeated.",
+    bearings="--bearing|Bearing: library name or TOML file.",
+    motions="--motion|Ground motion: library name or file.",
 )
 ANALYSIS = fields(
     "earthquake.case:EarthquakeAnalysis",
@@ -65,7 +65,7 @@ def _bridge(
     compare: COMPARE,
     end: Ending,
 ) -> Answer:
-    """A bridge pier on isolation bearings in earthquakes, at several temperatures."""
+    """Analyse a structure on isolation bearings in earthquakes, at several temperatures."""
     given |= {"fixed_base": fixed_base or None, "exposure": exposure_given(exposure)}
     return _analyse("bridge", case, given, compare, end)
 
@@ -87,7 +87,7 @@ def _hybrid(
     compare: COMPARE,
     end: Ending,
 ) -> Answer:
-    """A hybrid test, simulated: a specimen in the loop with a calculated pier."""
+    """Simulate a hybrid test: a bearing specimen coupled to a calculated pier."""
     from thermobearing.border.schema import overridden
     from thermobearing.earthquake.case import Laboratory
 
@@ -122,14 +122,14 @@ def _analyse(
     return end.save(result, target)
 
 
-HELP = "Structures: built in, or drawn and checked before they are shaken."
+HELP = "List and examine structures."
 structures = typer.Typer(cls=Group, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
 app.add_typer(structures, name="structures", rich_help_panel=FILES)
 
 
 @command(structures, "list", examples="structures list")
 def _list() -> Answer:
-    """The built-in structures."""
+    """List the built-in structures."""
     from thermobearing.structure.model import list_structures, load_structure
 
     names = list_structures()
@@ -144,18 +144,20 @@ def _list() -> Answer:
     fields(
         "structure.result:examine_structure",
         "mass damping",
-        mass="|consistent (default) or published.",
-        damping="|modal, rayleigh, element, none or source; by default that of the structure.",
+        mass="|Mass matrix: consistent (default) or published.",
+        damping="|Damping: modal, rayleigh, element, none or source; by default the structure's.",
     ),
     examples="structures show pier-p1 -o pier",
 )
 def _show(
-    structure: Annotated[str, typer.Argument(help="Name or TOML file.", metavar="NAME/FILE")],
+    structure: Annotated[
+        str, typer.Argument(help="Library name or TOML file.", metavar="NAME/FILE")
+    ],
     given: dict[str, Any],
     fixed_base: FIXED_BASE,
     end: Printed,
 ) -> Answer:
-    """Parts, periods, damping and mode shapes; with -o a drawing of the model too."""
+    """Show parts, periods, damping and mode shapes of a structure; with -o also draw it."""
     from thermobearing.structure.result import examine_structure
 
     end.check()

@@ -1,4 +1,4 @@
-"""What is built in, a look at a file, a new bearing, and reports of results."""
+"""List what is built in, check files, create bearings, and write reports of results."""
 
 import re
 from pathlib import Path
@@ -28,7 +28,7 @@ MEASURED = re.compile(r"(?<!not )\bmeasured\b")
 
 @command(app, "list", examples="list", panel=FILES)
 def _list() -> Answer:
-    """What is built in."""
+    """List the built-in bearings, compounds, structures, rigs and motions."""
     from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
     from thermobearing.bearing.compound import list_compounds, load_compound
     from thermobearing.bearing.library import list_bearings, load_bearing
@@ -62,12 +62,14 @@ def _list() -> Answer:
 
 @command(app, "check", examples="check bearing.toml", panel=FILES)
 def _check(
-    file: Annotated[Path, typer.Argument(help="A bearing, a compound, a case, or any other TOML.")],
+    file: Annotated[
+        Path, typer.Argument(help="TOML file of a bearing, a compound, a case or any other input.")
+    ],
 ) -> Answer:
-    """Validate a file without running it, and say what was understood.
+    """Validate a file without running it, and summarize its content.
 
-    Numbers that usual bearings do not have are warnings: units, signs. Of a bearing also what its
-    heat cells cost in accuracy, by a short test on it.
+    Values outside the usual range cause warnings, since their unit or sign may be wrong. For a
+    bearing, a short test estimates the error of its heat cells.
     """
     from thermobearing.commands.check import cells_facts, check_file
     from thermobearing.results.screen import print_facts, print_warnings
@@ -86,6 +88,8 @@ def _check(
         "bearing.new:new_bearing",
         "compound layers shim plan diameter end_plate sealing_plate lead cores confined "
         "end_spreading",
+        compound="|Compound: library name, or TOML file of a compound or of a bearing.",
+        plan='|Length in the direction of motion and width, "1000x1000mm"; or give --diameter.',
     ),
     examples="new pier-3 --compound natural-rubber --plan 1000x1000mm --layers 20x8mm --shim 3mm "
     "--lead 180mm",
@@ -100,7 +104,7 @@ def _new(
     overwrite: Overwrite,
     quiet: Annotated[bool, option("-q", "--quiet", help="Print nothing.")],
 ) -> Answer:
-    """Make a bearing from a compound and its sizes, and write it as a TOML file."""
+    """Derive a bearing from a compound and its dimensions, and write it as a TOML file."""
     from thermobearing.bearing.library import save_bearing
     from thermobearing.bearing.new import new_bearing
     from thermobearing.bearing.plausible import implausible
@@ -156,14 +160,14 @@ def _rows(unmeasured: dict[str, str]) -> str:
 
 @command(app, "report", examples="report pier --title number=B12-7 --title revision=B", panel=FILES)
 def _report(
-    directory: Annotated[Path, typer.Argument(help="Result directory of any command.")],
+    directory: Annotated[Path, typer.Argument(help="Result directory of an analysis.")],
     title: Title,
     template: Template,
-    no_pdf: Annotated[bool, option("--no-pdf", help="The HTML page alone.", panel=REPORT)],
+    no_pdf: Annotated[bool, option("--no-pdf", help="Write the HTML page only.", panel=REPORT)],
     xlsx: Workbook,
     quiet: Quiet,
 ) -> Answer:
-    """Write report.html and report.pdf of a result into its directory; nothing is run again."""
+    """Write report.html and report.pdf of a saved result into its directory."""
     from thermobearing.report.title import title_given
     from thermobearing.reporting import make_report
 

@@ -33,8 +33,8 @@ LIMITS = Annotated[
     list[str] | None,
     option(
         "--limit",
-        help="Largest relative error of K_eq, h_eq (0.15 each), energy, force, temperature or "
-        "NRMSE, of tests that are not fitted; may be repeated.",
+        help="Largest relative error of K_eq, h_eq (0.15 each by default), energy, force, "
+        "temperature or NRMSE in a validation test. May be repeated.",
         metavar="QUANTITY=NUMBER",
     ),
 ]
@@ -43,17 +43,17 @@ FIT_OPTIONS = (
         "identify.case:bearing_of",
         "start",
         INPUT,
-        start="--bearing --start|Geometry, fixed values.|NAME/FILE",
+        start="--bearing --start|Bearing with geometry, materials and fixed parameters.|NAME/FILE",
     ),
     fields(
         "identify.case:IdentifyCase",
         "free assumed one_temperature temperatures",
         INPUT,
-        free="|Free parameters, such as K_r,d_y or n_T=2.4*m_T.|KEY,KEY",
-        assumed="|Relative standard uncertainty of what is not free, such as "
-        "materials.side_film=0.1 or sigma_Y=0; may be repeated.|KEY=NUMBER",
-        one_temperature="|Free m_T and n_T of --free though all tests are at one temperature.",
-        temperatures="|Calibrate to the thermocouples too.",
+        free="|Parameters to calibrate, such as K_r,d_y or n_T=2.4*m_T.|KEY,KEY",
+        assumed="|Relative standard uncertainty of a parameter that is not calibrated, such as "
+        "materials.side_film=0.1 or sigma_Y=0.|KEY=NUMBER",
+        one_temperature="|Calibrate m_T and n_T of --free even if all tests have one temperature.",
+        temperatures="|Calibrate to the measured temperatures too.",
     ),
     fields(
         "identify.records.treatment:to_be_treated",
@@ -61,36 +61,36 @@ FIT_OPTIONS = (
         INPUT,
         ambient_uncertainty="|Standard uncertainty of the ambient temperature of every test [K]; "
         "0.5 by default.|KELVIN",
-        despike="|Take spikes out of all tests before the fit.",
-        detrend="|Take the drift of zero out of all tests: of force, displacement or both.|SIGNAL",
+        despike="|Remove spikes from all tests.",
+        detrend="|Remove the drift of the zero from all tests: force, displacement or both.|SIGNAL",
     ),
     fields(
         "identify.case:IdentifyCase",
         "method polish seed starts evaluations loss",
         SEARCH,
-        method="|least-squares (default), krill-herd or differential-evolution.",
-        polish="|End with least squares; the default.",
+        method="|Search: least-squares (default), krill-herd or differential-evolution.",
+        polish="|Finish with least squares (default).",
         seed="|Seed of all random numbers; 0 by default.",
-        starts="|Starting points of least squares, 1 to 100; 3 by default.",
-        evaluations="|Budget of the other methods; 2000 by default.",
-        loss="|linear (default), soft_l1, huber or cauchy.",
+        starts="|Number of starting points of least squares, 1 to 100; 3 by default.",
+        evaluations="|Number of model evaluations of the other methods; 2000 by default.",
+        loss="|Loss function: linear (default), soft_l1, huber or cauchy.",
     ),
     fields(
         "identify.uncertainty.posterior:forecast",
         "posterior ambients",
-        posterior="|Sample the posterior (needs emcee).",
-        ambients="--predict|Ambient temperature [degC] to predict a band at; may be repeated.",
+        posterior="|Sample the posterior distribution (requires emcee).",
+        ambients="--predict|Ambient temperature [degC] at which a prediction band is computed.",
     ),
     fields(
         "validate.run:cross_validate",
         "hold_out folds",
-        hold_out="|Test to validate the fit with, not fitted; may be repeated.|FILE",
-        folds="|Hold every test out once, in so many groups; then fit to all of them.",
+        hold_out="|Test that is used for validation only.|FILE",
+        folds="|Number of groups for cross-validation; then all tests are calibrated together.",
     ),
     fields(
         "identify.case:IdentifyCase",
         "accept_poor",
-        accept_poor="|Write the bearing of a poor calibration (status 4) unmarked.",
+        accept_poor="|Write the bearing of a poor calibration (status 4) without a mark.",
     ),
 )
 
@@ -105,14 +105,17 @@ FIT_OPTIONS = (
 def _identify(
     tests: TESTS,
     from_start: Annotated[
-        bool, option("--from-start", help="Begin at the bearing's own values.", panel=INPUT)
+        bool,
+        option(
+            "--from-start", help="Start from the parameters in the bearing's file.", panel=INPUT
+        ),
     ],
     given: dict[str, Any],
-    check: Annotated[bool, option("--check", help="Only look the tests over; written with -o.")],
+    check: Annotated[bool, option("--check", help="Only check the tests, without a calibration.")],
     limit: LIMITS,
     end: Ending,
 ) -> Answer:
-    """Identify a bearing's parameters from cyclic tests, with their uncertainty."""
+    """Calibrate the parameters of a bearing to cyclic tests, with their uncertainty."""
     from thermobearing.identify.case import bearing_of
     from thermobearing.identify.records.record import load_test
     from thermobearing.identify.records.treatment import to_be_treated
@@ -229,20 +232,24 @@ def _look_over(records: "list[TestRecord]", bearing: "Bearing | None", end: Endi
     panel=LABORATORY,
 )
 def _validate(
-    bearing: Annotated[str, typer.Argument(help="Bearing: a name or a TOML file.")],
+    bearing: Annotated[str, typer.Argument(help="Bearing: library name or TOML file.")],
     tests: TESTS,
     beside: Annotated[
         list[str] | None,
-        option(help="Another bearing to compare with; may be repeated.", metavar="NAME/FILE"),
+        option(
+            "--compare-with",
+            help="Another bearing for comparison. May be repeated.",
+            metavar="NAME/FILE",
+        ),
     ],
     model: Annotated[
         list[str] | None,
-        option(help="multi-layer (default) or an earlier model; may be repeated."),
+        option(help="Model: multi-layer (default) or an earlier one. May be repeated."),
     ],
     limit: LIMITS,
     end: Ending,
 ) -> Answer:
-    """Validate a bearing with tests it was not fitted to; nothing is fitted."""
+    """Validate a bearing with tests that were not used in its calibration."""
     from thermobearing.bearing.library import as_bearing
     from thermobearing.validate.run import check_limits, validate_bearing
 

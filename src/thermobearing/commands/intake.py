@@ -15,7 +15,7 @@ from thermobearing.commands.options import command, option
 @command(
     app,
     "intake",
-    examples="intake cold.xlsx warm.csv --bearing mine.toml -o looked",
+    examples="intake cold.xlsx warm.csv --bearing mine.toml -o imported",
     panel=LABORATORY,
 )
 def _intake(
@@ -26,26 +26,25 @@ def _intake(
     bearing: Annotated[
         str | None,
         option(
-            help="Plan area [mm2] and rubber thickness [mm], for the plausibility of strains and "
-            "stresses.",
+            help="Bearing (name or file) whose plan area and rubber thickness are used to check "
+            "strains and stresses.",
             metavar="NAME/FILE",
         ),
     ],
     beside: Annotated[
         bool,
         option(
-            "--beside",
-            help="Also write each sidecar next to its file; existing ones are never replaced.",
+            "--write-sidecars",
+            help="Write each sidecar next to its file too; existing ones are never replaced.",
         ),
     ],
     end: Printed,
 ) -> Answer:
-    """Look at laboratory files: columns, units, blocks, rests, spikes, drift, ambient [degC].
+    """Import laboratory files: detect columns, units, blocks, pauses, spikes and drift.
 
-    Writes a picture and a TOML sidecar for each file, to be corrected and kept; identify,
-    validate, measure and recorded steps of cyclic cases read it. Unreadable files are reported
-    and skipped (exit status 2). For example:
-    `thermobearing intake cold.xlsx warm.csv --bearing shen-hdr-specimen -o looked`
+    For each file a figure and a TOML sidecar are written. Correct the sidecar where necessary;
+    identify, validate, measure and recorded steps of cyclic cases read it. Unreadable files are
+    reported and skipped (exit status 2).
     """
     from thermobearing.intake.run import take_in
 
@@ -58,23 +57,23 @@ def _intake(
 @command(app, "measure", examples="measure test.csv --bearing shen-hdr-specimen", panel=LABORATORY)
 def _measure(
     file: Annotated[
-        Path, typer.Argument(help="Displacement and force: CSV, text, .xlsx, or a TOML sidecar.")
+        Path,
+        typer.Argument(help="Displacement and force: CSV, text or .xlsx file, or TOML sidecar."),
     ],
     bearing: Annotated[
         str,
         option(
             "--bearing",
-            help="Library name or TOML file: plan area and rubber thickness.",
+            help="Bearing (name or file) that provides plan area and rubber thickness.",
             metavar="NAME/FILE",
         ),
     ],
     end: Printed,
 ) -> Answer:
-    """Equivalent modulus, damping and energy of each cycle of a measured history.
+    """Measure the equivalent modulus, the damping and the energy of each cycle of a test.
 
-    For example: `thermobearing measure test.csv --bearing shen-hdr-specimen`. Units come from the
-    titles of the columns or from the sidecar; docs/theory.md defines the measures. With
-    `-o DIR` the table and a picture of the loops are written.
+    Units are read from the titles of the columns or from the sidecar; docs/theory.md defines the
+    measures. With `-o DIR` the table and a figure of the loops are written.
     """
     from thermobearing.bearing.library import load_bearing
     from thermobearing.cyclic.tables import measured_table

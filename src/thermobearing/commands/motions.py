@@ -1,4 +1,4 @@
-"""`thermobearing motions`: what is built in, a look at a record, motions that fit a spectrum."""
+"""List, examine and generate ground motions."""
 
 from typing import Annotated, Any
 
@@ -8,33 +8,33 @@ from thermobearing.border.errors import InputError
 from thermobearing.commands.common import FILES, Answer, Ending, Group, app, with_progress
 from thermobearing.commands.options import command, fields
 
-HELP = "Ground motions: built in, read, made to fit a spectrum."
+HELP = "List, examine and generate ground motions."
 motions = typer.Typer(cls=Group, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
 app.add_typer(motions, name="motions", rich_help_panel=FILES)
 
-RECORD = Annotated[str, typer.Argument(help="A record, or the name of a built-in motion.")]
-READING = "unit dt component trust_unit"  # what a file does not say
+RECORD = Annotated[str, typer.Argument(help="File of a record, or name of a built-in motion.")]
+READING = "unit dt component trust_unit"  # what a file may not state
 READ = fields(
     "motions.readers:read_motion",
     READING,
-    unit="|Unit of the acceleration (g, gal, m/s2, cm/s2, mm/s2), if the file does not say.",
-    dt="|Time step [s], if the file does not say.",
-    component="|Name such as NS, or number from 1, if the file holds several.",
-    trust_unit="|Accept a size that is implausible for the unit.",
+    unit="|Unit of the acceleration (g, gal, m/s2, cm/s2 or mm/s2), if the file has none.",
+    dt="|Time step [s], if the file has none.",
+    component="|Component, by name (NS) or number from 1, if the file has several.",
+    trust_unit="|Accept a peak acceleration that is implausible for the unit.",
 )
 EXAMINED = fields(
     "motions.run:examine_motion",
     "kind ground baseline high_pass",
     kind="--type|Type of the standard spectrum: I or II.",
     ground="|Ground of the standard spectrum: I, II or III.",
-    baseline="|Correct the base line.",
-    high_pass="|Filter below this frequency [Hz] besides.",
+    baseline="|Correct the baseline.",
+    high_pass="|Corner frequency of an additional high-pass filter [Hz].",
 )
 
 
 @command(motions, "list", examples="motions list")
 def _list() -> Answer:
-    """The built-in motions: stand-ins that fit the standard spectra of Level 2."""
+    """List the built-in motions, which fit the standard spectra of Level 2."""
     from thermobearing.motions.library import list_motions, load_motion
     from thermobearing.motions.record import MM_S2_PER_GAL
 
@@ -46,7 +46,7 @@ def _list() -> Answer:
 
 
 def _examine(file: str, given: dict[str, Any], end: Ending, command: str) -> Answer:
-    """Print a look at a record, and save it where an output directory is given."""
+    """Examine a motion, and save the result where an output directory is given."""
     from thermobearing.motions.library import load_motion
     from thermobearing.motions.run import examine_motion
 
@@ -57,7 +57,7 @@ def _examine(file: str, given: dict[str, Any], end: Ending, command: str) -> Ans
 
 @command(motions, "show", READ, EXAMINED, examples="motions show record.csv --unit gal -o record")
 def _show(file: RECORD, given: dict[str, Any], end: Ending) -> Answer:
-    """Size, duration and ends of a motion; with -o its histories, spectra and figures."""
+    """Show the measures of a motion; with -o also write histories, spectra and figures."""
     return _examine(file, given, end, "motions show")
 
 
@@ -69,12 +69,12 @@ def _show(file: RECORD, given: dict[str, Any], end: Ending) -> Answer:
     fields(
         "motions.run:examine_motion",
         "damping",
-        damping="|Ratio of critical damping; 0.05 by default.",
+        damping="|Damping ratio; 0.05 by default.",
     ),
     examples="motions spectrum jra-ii-i-1 --type II --ground I",
 )
 def _spectrum(file: RECORD, given: dict[str, Any], end: Ending) -> Answer:
-    """Response spectrum of a motion, compared with a standard one (5 % damping)."""
+    """Compute the response spectrum of a motion and compare it with a standard spectrum."""
     return _examine(file, given, end, "motions spectrum")
 
 
@@ -84,20 +84,20 @@ def _spectrum(file: RECORD, given: dict[str, Any], end: Ending) -> Answer:
     fields(
         "motions.run:make_motion_case",
         "kind ground seed record dt zone_factor unit component trust_unit",
-        kind="--type|I (long) or II (pulse-like); II by default.",
-        ground="|I (hard), II or III (soft); I by default.",
+        kind="--type|Type of the standard spectrum: I (long) or II (pulse-like, default).",
+        ground="|Ground of the standard spectrum: I (hard, default), II or III (soft).",
         seed="|Seed of the random phases; 1 by default.",
-        record="--from|Keep the phases of this record or motion.",
+        record="--from|Record or motion whose phases are kept.",
         dt="|Time step [s]; 0.01 by default.",
-        zone_factor="|Factor c_z of the region; 1 by default.",
-        unit="|Unit of the acceleration, if the file does not say.",
-        component="|Name such as NS, or number from 1, if the file holds several.",
-        trust_unit="|Accept a size that is implausible for the unit.",
+        zone_factor="|Regional factor c_z; 1 by default.",
+        unit="|Unit of the acceleration, if the file has none.",
+        component="|Component, by name (NS) or number from 1, if the file has several.",
+        trust_unit="|Accept a peak acceleration that is implausible for the unit.",
     ),
     examples="motions make --type II --ground I --seed 7 -o motion",
 )
 def _make(given: dict[str, Any], end: Ending) -> Answer:
-    """A motion that fits a standard spectrum: from a seed, or from the phases of a record."""
+    """Generate a motion that fits a standard spectrum, from a seed or from a record."""
     from thermobearing.motions.run import make_motion_case, run_motion
 
     if "record" not in given and {"unit", "component", "trust_unit"} & set(given):

@@ -36,48 +36,59 @@ def option(*words: str, help: str, panel: str | None = None, **more: Any) -> Any
     return typer.Option(*words, help=help, rich_help_panel=panel, **more)
 
 
-AsJson = Annotated[bool, option("--json", help="Last line of output is JSON.", panel=RESULT)]
-Quiet = Annotated[bool, option("-q", "--quiet", help="No progress bar, no tables.", panel=RESULT)]
-Overwrite = Annotated[
-    bool, option("--overwrite", help="Replace an earlier result directory.", panel=RESULT)
+AsJson = Annotated[
+    bool, option("--json", help="Print a summary as JSON on the last line.", panel=RESULT)
 ]
+Quiet = Annotated[
+    bool, option("-q", "--quiet", help="Print neither progress nor tables.", panel=RESULT)
+]
+Overwrite = Annotated[bool, option("--overwrite", help="Replace existing results.", panel=RESULT)]
 Title = Annotated[
     list[str] | None,
     option(
         "--title",
-        help="Title block of the report: project, structure, client, author, number, date, "
-        "revision or logo (a file); may be repeated.",
+        help="Entry of the title block of the report: project, structure, client, author, number, "
+        "date, revision or logo (an image file). May be repeated.",
         metavar="KEY=VALUE",
         panel=REPORT,
     ),
 ]
 Template = Annotated[
     Path | None,
-    option("--template", help="Markdown that orders the report.", metavar="FILE", panel=REPORT),
+    option(
+        "--template",
+        help="Markdown file with the order of the report.",
+        metavar="FILE",
+        panel=REPORT,
+    ),
 ]
 Workbook = Annotated[bool, option("--xlsx", help="Write report.xlsx.", panel=REPORT)]
 # Fields of `Printed`, and of `Ending` besides.
 RESULT_OPTIONS = {
     "output": Annotated[
-        Path | None, option("-o", "--output", help="Result directory.", panel=RESULT)
+        Path | None, option("-o", "--output", help="Directory for the results.", panel=RESULT)
     ],
     "overwrite": Overwrite,
     "no_figures": Annotated[bool, option("--no-figures", help="Draw no figures.", panel=RESULT)],
     "quiet": Quiet,
 }
 REPORT_OPTIONS = {
-    "report": Annotated[bool, option("--report", help="Write report.html and .pdf.", panel=REPORT)],
+    "report": Annotated[
+        bool, option("--report", help="Write report.html and report.pdf.", panel=REPORT)
+    ],
     "workbook": Workbook,
     "title": Title,
     "template": Template,
 }
-COMPARE = Annotated[bool, option("--compare", help="Compare with earlier models.", panel=MODEL)]
+COMPARE = Annotated[
+    bool, option("--compare", help="Compare the result with earlier models.", panel=MODEL)
+]
 EXPOSURE = Annotated[
     list[str] | None,
     option(
         "--exposure",
-        help="Factor for long cold and age: stiffness=1.3, strength=1.2 and source=WORDS, each an "
-        "option of its own.",
+        help="Factor for long exposure to cold and for ageing: stiffness=1.3, strength=1.2 or "
+        "source=TEXT, one option for each.",
         metavar="KEY=VALUE",
         panel=MODEL,
     ),
@@ -239,7 +250,7 @@ def _options_from(each: Fields) -> Iterator[tuple[str, Any]]:
         text = said or _help_of(item, key, choices, default)
         if several:
             value = list[kind] | None  # type: ignore[valid-type]
-            text = text if said else f"{text} May be repeated."
+            text = f"{text} May be repeated."
         metavar = called or ("NAME/FILE" if named and not choices else None)
         yield key, Annotated[value, option(*flags, help=text, panel=each.panel, metavar=metavar)]
 

@@ -26,9 +26,10 @@ if TYPE_CHECKING:
     from thermobearing.studies.run.engine import Status
 
 DIRECTORY = Annotated[Path, typer.Argument(help="Directory of the study.", metavar="DIR")]
-HELP = "Parameter studies: `study STUDY.toml -o DIR` runs or resumes one."
+HELP = "Run and evaluate parameter studies: `study STUDY.toml -o DIR` runs or resumes one."
 RUN = "run"
-WHERE, HOW = "Study", "How"
+DEMAND = "|Demand parameter, a column of the table; pier ductility by default."
+WHERE, HOW = "Study", "Execution"
 
 
 class _Study(Group):
@@ -53,10 +54,10 @@ app.add_typer(studies, name="study", rich_help_panel=ANALYSES)
         "studies.run.engine:run_study",
         "jobs executor address shard",
         HOW,
-        jobs="|Number of processes; one a core by default.",
-        executor="|process (default) or dask.",
-        address="|Address of Dask's scheduler, tcp://HOST:8786.",
-        shard="|Every n-th part from the i-th, i/n, for batch systems.",
+        jobs="|Number of processes; by default one for each core.",
+        executor="|Executor: process (default) or dask.",
+        address="|Address of the Dask scheduler, tcp://HOST:8786.|ADDRESS",
+        shard="|Part i/n of the study, for batch systems: every n-th chunk from the i-th.",
     ),
     examples="study run p1.toml -o p1 --jobs 8\nstudy run p1.toml --dry-run",
 )
@@ -64,20 +65,25 @@ def _run(
     study: Annotated[Path, typer.Argument(help="Study file.", metavar="STUDY.toml")],
     output: Annotated[
         Path | None,
-        option("-o", "--output", help="Directory, new or where this study was begun.", panel=WHERE),
+        option(
+            "-o",
+            "--output",
+            help="Directory of the study, new or with an interrupted study.",
+            panel=WHERE,
+        ),
     ],
     dry_run: Annotated[
         bool,
         option(
             "--dry-run",
-            help="Number of runs, time and size that are expected; nothing is written.",
+            help="Print the expected number of runs, time and size; write nothing.",
             panel=WHERE,
         ),
     ],
     given: dict[str, Any],
     quiet: Quiet,
 ) -> Answer:
-    """Run or resume a study."""
+    """Run or resume a parameter study."""
     from thermobearing.studies.definition.case import load_study
     from thermobearing.studies.run.engine import check_start, run_study
 
@@ -97,7 +103,7 @@ def _run(
 
 @command(studies, "status", examples="study status p1")
 def _status(directory: DIRECTORY) -> Answer:
-    """How far it is, and why runs failed; looks only, whoever is writing there."""
+    """Show the progress of a study and the reasons of failed runs."""
     from thermobearing.studies.run.engine import study_status
 
     found = study_status(directory)
@@ -114,7 +120,7 @@ def _table(
     ],
     overwrite: Overwrite,
 ) -> Answer:
-    """All runs that are done as one file, a row each."""
+    """Export all completed runs as a file with one row for each."""
     from thermobearing.studies.store import Store, write_table
 
     found = Store(directory).table()
@@ -130,16 +136,20 @@ def _table(
     fields(
         "studies.result:Asked",
         "demand capacity hazard weather method failed",
-        capacity="|Capacity in the unit of the demand; fragility needs it.",
-        hazard="|Hazard curve of the site: a file.",
-        weather="|Hourly weather of the site: file or climate.",
+        demand=DEMAND,
+        capacity="|Capacity in the unit of the demand; required for fragility.",
+        hazard="|File with the hazard curve of the site.",
+        weather="|Hourly weather of the site: a file or a climate.",
+        method="|Method of the fragility: stripes (default), ida or cloud.",
+        failed="|Failed runs: left-out (default), or collapse to count them as collapses.",
     ),
     examples="study figures p1 --hazard site.csv --capacity 4",
 )
 def _figures(directory: DIRECTORY, given: dict[str, Any], quiet: Quiet) -> Answer:
-    """Draw demand, IDA curves, fragility, annual rates and shares of variance into DIR/figures.
+    """Draw demand, IDA curves, fragility, annual rates and variance contributions.
 
-    The settings are kept in DIR/question.toml; `thermobearing report DIR` uses the same.
+    The figures are written into DIR/figures. The settings are stored in DIR/question.toml, which
+    `thermobearing report DIR` reads too.
     """
     from thermobearing.results.directory import FIGURES
     from thermobearing.studies.result import asked_over, keep_asked, kept_asked, study_result
@@ -158,13 +168,13 @@ def _figures(directory: DIRECTORY, given: dict[str, Any], quiet: Quiet) -> Answe
 @command(
     studies,
     "worst",
-    fields("studies.result:Asked", "demand"),
+    fields("studies.result:Asked", "demand", demand=DEMAND),
     examples="study worst p1",
 )
 def _worst(
     directory: DIRECTORY,
     given: dict[str, Any],
-    count: Annotated[int, option(help="How many.", min=1)] = 10,
+    count: Annotated[int, option(help="Number of runs to list.", min=1)] = 10,
 ) -> Answer:
     """List the worst runs and one example of each failure mode, with the command to repeat each."""
     from thermobearing.results.screen import say, show_table
@@ -185,7 +195,7 @@ def _repeat(
     run: Annotated[int, typer.Argument(help="Number of the run.", metavar="RUN", min=0)],
     end: Printed,
 ) -> Answer:
-    """Carry out one run of a study again with everything kept, as `bridge` does."""
+    """Repeat one run of a study with all histories, as `bridge` does."""
     from thermobearing.studies.definition.case import load_study
     from thermobearing.studies.run.engine import repeat_run
     from thermobearing.studies.store import STUDY

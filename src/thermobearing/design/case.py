@@ -37,23 +37,23 @@ class DesignCase(Strict):
     structure, motions : the bridge, and the earthquakes it is designed for.
     compound, compound_kind : rubber, and which of its curves: "HDR" or "HDR-S".
     start : first displacement u_B [mm], in [1, 2000].
-    weight : vertical load on one bearing [kN], in [0.1, 1e6]; by default the weight of what the
-        lines carry, in equal parts on all their bearings.
+    weight : vertical load on one bearing [kN], in [0.1, 1e6]; by default an equal part of the
+        weight that the lines carry.
     line_groups : bearing lines that get one size; lines that no group names are grouped by their
         count and by what they stand on (the ground or a pier). None of a structure with one line.
     stiffness_ratio : ratio K_2 / K_1 of the bilinear model, in [0.001, 0.99].
     effective_displacement_factor : factor c_B of u_Be = c_B u_B, in [0.01, 1] (0.7 is said to be
         usual for Level 2; unverified).
-    tolerance : of convergence, found over assumed displacement, relative, in [1e-6, 0.1]
-        (Shen (2023) stops at 10 %).
+    tolerance : relative convergence tolerance of the displacement, in [1e-6, 0.1] (Shen (2023)
+        uses 10 %).
     most_rounds : of the loop, 1 to 200.
     dt : largest time step [s], in [1e-6, 0.1].
     mass : "consistent" or "published".
     sizing : rules of plan and layers.
     equal : names of layered bearings that are to be scaled to the same K_B.
-    ambient : temperatures at which layered bearings are checked [degC], in [-100, 100].
-    peaks : what counts under several motions: "mean" over the motions of a group, or the largest
-        where it has fewer than three, and of the groups the largest; or "largest" of all motions
+    ambient : temperature at which layered bearings are checked [degC], in [-100, 100].
+    peaks : peak response to several motions: "mean" of a group of motions (the largest of fewer
+        than three), and the largest of all groups; or "largest" of all motions
         (data/design/peaks.toml).
     """
 

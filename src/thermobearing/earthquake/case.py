@@ -326,8 +326,8 @@ class Laboratory(Strict):
 
     Attributes
     ----------
-    mode : "rt" runs in real time; in "pd" the actuator moves at `speed`, and the specimen lives on
-        that slower clock; with both, every combination makes two runs.
+    mode : "rt" is a test in real time; in "pd" (pseudo-dynamic) the actuator moves at `speed`,
+        and the time of the specimen is longer. With both, every combination is run twice.
     speed : speed of the actuator in "pd" [mm/s], in [1e-3, 1e4].
     delay : delay of the actuator [s], in [0, 1].
     force_noise : standard deviation of the measured force [kN], in [0, 1e5].
@@ -359,10 +359,11 @@ class Stepping(Strict):
     Attributes
     ----------
     dt : largest time step [s], in [1e-6, 0.1].
-    method : "average-acceleration", "linear-acceleration" or "predictor-corrector"; of a hybrid
-        test by default the last.
-    mass : "consistent" or "published".
-    damping : "modal", "rayleigh", "element", "none" or "source"; by default that of the structure.
+    method : time integration: "average-acceleration", "linear-acceleration" or
+        "predictor-corrector" (default of a hybrid test).
+    mass : mass matrix: "consistent" or "published".
+    damping : kind of damping: "modal", "rayleigh", "element", "none" or "source"; by default that
+        of the structure.
     """
 
     dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=0.1)] = 0.005
@@ -397,12 +398,12 @@ class EarthquakeCase(Strict):
     Attributes
     ----------
     command : "bridge", or "hybrid" with a specimen in the loop.
-    structure : structure on the bearings: name, TOML file, or table.
-    bearings, motions : one or more each: name, file, or table.
-    ambient : temperatures of the air and of the bearings at the start [degC], in [-100, 100].
-    weather : file with time and temperature, a table or EPW, that ends when the earthquake begins,
-        instead of `ambient`. Faces and sides of the bearings then have other defaults.
-    duration : motions are cut to this [s], in [0.001, 1e6]; by default their full length.
+    structure : structure on bearings: library name, TOML file, or table.
+    bearings, motions : one or several: library name, file, or table.
+    ambient : ambient temperature, also that of the bearings at the start [degC], in [-100, 100].
+    weather : file of time and temperature (a table or EPW) until the earthquake begins, instead of
+        `ambient`. Faces and sides of the bearings then have other defaults.
+    duration : largest duration of the motions [s], in [0.001, 1e6]; by default their full length.
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
     initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
@@ -411,7 +412,7 @@ class EarthquakeCase(Strict):
     sources : of the numbers of bearings, structure and rig, by name and dotted key, where their
         own files have some;
         for documents only.
-    rig : limits of the test rig, its name or file; a warning says which a run exceeds.
+    rig : test rig (name or file); a warning names the limits that a run exceeds.
     """
 
     command: Command

@@ -222,7 +222,7 @@ class Intakes(Result):
         there = [str(path) for path in targets if path.exists()]
         if there or len(set(targets)) < len(targets):
             first = there[0] if there else str(targets[0])
-            raise OutputError(f"{first}: exists; correct it, or omit --beside")
+            raise OutputError(f"{first}: exists; correct it, or omit --write-sidecars")
         written = super().save(directory, overwrite=overwrite, figures=figures)
         for item, path in zip(self.files, targets, strict=False):
             _put(path, item._sidecar_text(path.parent))

@@ -62,24 +62,24 @@ class ModelOptions(Strict):
 
     Attributes
     ----------
-    model : "multi-layer" (default), or an earlier model to compare with.
-    scheme : "conservative" (default) or "published" heat scheme.
-    integrator : "exact" (default) or "euler" integration of Z.
-    hardening : "printed" (default, Eq. 4.34), or "monotone": the same where d and Z have the same
-        sign (the loading branch), with unloading on which the force never increases.
-    small_loops : "published" (Eq. 4.35; a small reversal does not return to the force at which it
-        began) or "closed" (it does); by default that of the bearing, "published" unless its file
-        sets another.
-    heat_source : "work" (Eq. 4.22) or "dissipation"; by default dissipation for natural rubber
-        (LRB), whose elastic work is recovered, and work for the others.
-    lead_ends : how lead passes heat to steel: "finite-plate" (default: plates of finite
-        thickness, shims as fins) or "half-space" (Eq. 5.4-5.5, with surface_ratio and clock),
-        which the published scheme and the earlier models use.
-    clock : for lead on a half-space: the diffusivity that makes t+ of Eq. 5.6 dimensionless, "lead"
-        as published or "steel" (Kalpakidis & Constantinou 2009); by default that of the bearing;
-        if it has none, lead with the published scheme and steel with the conservative one.
-    stack : "auto" (default) models the upper half if both faces are alike, else the full height;
-        "half" or "full".
+    model : "multi-layer" (default), or an earlier model for comparison.
+    scheme : scheme of heat conduction: "conservative" (default) or "published".
+    integrator : integration of Z: "exact" (default) or "euler".
+    hardening : form of the hardening term: "printed" (default, Eq. 4.34) or "monotone", which is
+        equal to it during loading and never lets the force increase during unloading.
+    small_loops : law of small reversals: "published" (Eq. 4.35: the force does not return to the
+        value at the reversal) or "closed" (it does); by default that of the bearing's file, or
+        "published".
+    heat_source : heat in the rubber: "work" (Eq. 4.22) or "dissipation"; by default dissipation for
+        natural rubber (LRB), whose elastic work is recovered, otherwise work.
+    lead_ends : heat flow from lead to steel: "finite-plate" (default: plates of finite thickness,
+        shims as fins) or "half-space" (Eq. 5.4-5.5, with surface_ratio and clock), which the
+        published scheme and the earlier models use.
+    clock : diffusivity that makes t+ of Eq. 5.6 dimensionless for lead on a half-space: "lead" (as
+        published) or "steel" (Kalpakidis & Constantinou 2009); by default that of the bearing's
+        file, or lead with the published scheme and steel with the conservative one.
+    stack : modelled height: "auto" (default: the upper half if both faces are equal, otherwise the
+        full height), "half" or "full".
     upper_face, lower_face : heat exchange of the end faces; eta_B = 2 by default.
     side : heat exchange of the side; None for the film of the bearing's materials without cover.
         With a weather file, faces and side have other defaults, see `outdoors`.

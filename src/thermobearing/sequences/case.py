@@ -110,7 +110,7 @@ class SequenceCase(Strict):
     command : "sequence".
     name : for titles.
     bearing : the specimen: a name, a TOML file, or a table.
-    ambient : ambient temperature [degC], in [-100, 100]; a part may have another. The specimen
+    ambient : ambient temperature [degC], in [-100, 100]; a part may have its own. The specimen
         starts at that of the first part.
     parts : each a table with `part`, "hybrid", "cyclic" or "rest"; at most 50.
     between : action of the rig after each part: "unloaded" (default): it returns to zero force,
