@@ -21,9 +21,12 @@ from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.run.engine import run_study
 from thermobearing.studies.run.shard import COMPLETED
 from thermobearing.studies.statistics.demand import OUTCOME, counted
-from thermobearing.studies.statistics.fragility import Fragility, fragility_curves
+from thermobearing.studies.statistics.fragility import (
+    Fragility,
+    combine_curves,
+    fragility_curves,
+)
 from thermobearing.studies.statistics.hazard import (
-    ClimateFragility,
     Hazard,
     Rate,
     annual_rate,
@@ -71,14 +74,15 @@ class Answer(NamedTuple):
     """Of one bearing and limit: curves by temperature, and over the climate."""
 
     curves: dict[float, Fragility]
-    climate: ClimateFragility
+    climate: Fragility
+    shares: np.ndarray  # of the time, of each temperature
 
     def rates(self) -> dict[str, Rate]:
         """How often a year, by what the temperature is taken to be."""
         parts = {
-            "23 degC": ClimateFragility({WARM: self.curves[WARM]}, np.ones(1)),
+            "23 degC": self.curves[WARM],
             "climate": self.climate,
-            "-20 degC": ClimateFragility({COLD: self.curves[COLD]}, np.ones(1)),
+            "-20 degC": self.curves[COLD],
         }
         return {name: annual_rate(part, SITE) for name, part in parts.items()}
 
@@ -105,8 +109,8 @@ def answers(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> dict[tuple
                 method="ida",
                 failed=limit.failed,
             )
-            climate = ClimateFragility(curves, shares_of_time(list(curves), warmth[bearing]))
-            found[bearing, limit.told] = Answer(curves, climate)
+            shares = shares_of_time(list(curves), warmth[bearing])
+            found[bearing, limit.told] = Answer(curves, combine_curves(curves, shares), shares)
     return found
 
 
@@ -139,12 +143,16 @@ def _years(rate: Rate) -> str:
 
 def parts_table(found: dict[tuple[str, str], Answer]) -> list[str]:
     """What each temperature adds to the rate at which the pier yields."""
-    parts = {name: found[name, LIMITS[0].told].climate.rates(SITE) for name in LAYERED}
+    parts = {}
+    for name in LAYERED:
+        curves, _, share = found[name, LIMITS[0].told]
+        rates = share * [annual_rate(curve, SITE).rate for curve in curves.values()]
+        parts[name] = {"share": share, "part": np.where(share > 0.0, rates, 0.0) / rates.sum()}
     what = {"share": "share of the time", "part": "share of the times that the pier yields"}
     columns = [(key, name) for key in what for name in LAYERED]
     heads = " | ".join(f"{what[key]}, {BEARINGS[name]}" for key, name in columns)
     rows = [f"| temperature of the rubber | {heads} |", "|---" * (1 + len(columns)) + "|"]
-    for k, degrees in enumerate(parts[LAYERED[0]]["temperature_degC"]):
+    for k, degrees in enumerate(found[LAYERED[0], LIMITS[0].told].curves):
         shares = " | ".join(f"{100 * parts[name][key][k]:.1f} %" for key, name in columns)
         rows.append(f"| {degrees:g} degC | {shares} |")
     return rows

@@ -290,7 +290,6 @@ REST_OF_LEAD_ELEMENTS = 0.02  # of the difference: 0.015 measured
 
 # --- Studies -------------------------------------------------------------------------------
 LIKELIEST = 1e-6  # another search stops at 1e-10 of its own; its likelihood is flat to 1e-8
-PROFILE = 1e-3  # of the drop: 240 rays, and a search inside a search
 LEAST_COVERAGE = 0.83  # of bands of 95 %: bootstrap 0.92, less three deviations of 80 repetitions
 LEAST_COVERAGE_OF_FEW = 0.88  # with a dozen motions; plain percentiles 0.75 to 0.90
 LEAST_COVERAGE_OF_RATIOS = 0.85  # classes take some of the share

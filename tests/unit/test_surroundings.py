@@ -189,9 +189,10 @@ def test_a_climate_beside_levels_counts_the_temperature_of_the_rubber() -> None:
     factors |= {"motion": "jra-ii-i-1", "ambient": ["-20 degC", "20 degC"]}
     study = make_study(table | {"factors": factors}, "test")
     rows = pd.DataFrame({"bearing": factors["bearing"]})
-    asked = Question(temperatures=weather)
+    question = Question()
+    question._temperatures = weather
     layered, bilinear = (
-        asked._rubber(StudyResult(rows.iloc[[k]], study, {})) for k in range(len(rows))
+        StudyResult(rows.iloc[[k]], study, {}, question=question)._rubber() for k in range(2)
     )
     known = tb.bearing_weather("shen-hdr-bridge", weather, side=Side(film=25.0))
     np.testing.assert_array_equal(layered, known["rubber_degC"])

@@ -1,23 +1,21 @@
 """Fragility curves, annual rates and shares of variance against known answers."""
 
-from typing import Any
-
 import numpy as np
 import pandas as pd
 import pytest
 from scipy.optimize import minimize
-from scipy.stats import binom, chi2, linregress, norm, qmc
+from scipy.stats import binom, linregress, norm, qmc
 from scipy.stats import sobol_indices as of_scipy
 
 from tests import tolerances
 from thermobearing.studies.statistics.fragility import (
     Fragility,
     Method,
+    combine_curves,
     fragility_curve,
     fragility_curves,
 )
 from thermobearing.studies.statistics.hazard import (
-    ClimateFragility,
     Hazard,
     Rate,
     annual_rate,
@@ -60,24 +58,6 @@ def test_stripes_of_exact_shares_give_the_curve_itself() -> None:
     assert 1.0 / found.slope[0] == pytest.approx(0.3, rel=tolerances.LIKELIEST)
 
 
-def test_ends_by_profile_likelihood_are_where_it_has_dropped() -> None:
-    beyond = np.array([0, 2, 8, 21, 26, 33, 38])
-    found = fragility_curve(of_counts(beyond, 40), "drift", 1.0, "im", band="profile", level=0.9)
-
-    def best_with(median: float) -> float:
-        def unlikely(p: np.ndarray) -> float:
-            share = norm.cdf(np.log(LEVELS / median) / np.exp(p[0]))
-            return -float(binom.logpmf(beyond, 40, share).sum())
-
-        return -float(minimize(unlikely, [-1.0], method="Nelder-Mead", options={"xatol": 1e-8}).fun)
-
-    top = best_with(found.median)
-    row = found.row()
-    for end in (row["median_low"], row["median_high"]):
-        drop = 2.0 * (top - best_with(end))
-        assert drop == pytest.approx(chi2.ppf(0.9, 1), rel=tolerances.PROFILE)
-
-
 def experiment(method: Method, rng: np.random.Generator) -> tuple[pd.DataFrame, float]:
     if method == "stripes":
         beyond = rng.binomial(40, norm.cdf(np.log(LEVELS / MEDIAN) / DISPERSION))
@@ -91,23 +71,14 @@ def experiment(method: Method, rng: np.random.Generator) -> tuple[pd.DataFrame, 
     return pd.DataFrame({"im": im, "drift": drift}), (1.0 / 1.5) ** (1.0 / 1.2)
 
 
-@pytest.mark.parametrize(
-    ("method", "band"),
-    [
-        ("stripes", "bootstrap"),
-        ("stripes", "profile"),
-        ("ida", "bootstrap"),
-        ("cloud", "bootstrap"),
-    ],
-)
-def test_bands_hold_the_truth_as_often_as_they_say(method: Method, band: Any) -> None:
+@pytest.mark.parametrize("method", ["stripes", "ida", "cloud"])
+def test_bands_hold_the_truth_as_often_as_they_say(method: Method) -> None:
     rng = np.random.default_rng({"stripes": 11, "ida": 21, "cloud": 14}[method])
     at = np.array([0.5, 1.0, 1.5])
     held = np.zeros(5)
     for seed in range(TIMES):
         table, median = experiment(method, rng)
-        how: dict[str, Any] = {"method": method, "band": band, "samples": 119, "seed": seed}
-        found = fragility_curve(table, "drift", 1.0, "im", **how)
+        found = fragility_curve(table, "drift", 1.0, "im", method=method, samples=119, seed=seed)
         row, (low, high) = found.row(), found.band_at(at)
         truth = norm.cdf(np.log(at / MEDIAN) / DISPERSION)
         held[:3] += (low <= truth) & (truth <= high)
@@ -306,7 +277,7 @@ def test_none_beyond_is_bounded_as_by_clopper_and_pearson() -> None:
     assert found.outcome == "none_beyond"
     assert found.band_at(2.0)[1][0] == pytest.approx(1.0 - 0.025 ** (1.0 / 12.0), rel=0.01)
     site = Hazard(np.array([0.01, 100.0]), np.array([1e4, 1e-4]))
-    rate = annual_rate(ClimateFragility({20.0: found}, np.ones(1)), site)
+    rate = annual_rate(found, site)
     assert (rate.rate, rate.groups) == (0.0, 12)
     median = found.row()["median_low"]
     assert found.row()["median_high"] == np.inf
@@ -324,8 +295,7 @@ def lognormal(median: float, dispersion: float, others: int = 1) -> Fragility:
     spread = np.linspace(-0.1, 0.1, others)
     estimate = Estimate(Curves(place, slope), Curves(place + spread, np.repeat(slope, others)))
     counts = pd.DataFrame({"im": [1.0], "runs": [1], "beyond": [0]})
-    settings = ("drift", "im", 1.0, estimate, "bootstrap", 0.95, 1, counts, 0, 0)
-    return Fragility("", "stripes", *settings)  # type: ignore[arg-type]
+    return Fragility("", "stripes", "drift", "im", 1.0, [(1.0, estimate)], 0.95, 1, counts, 0, 0)
 
 
 def power_law(exponent: float, ends: tuple[float, float] = (1e-3, 1e4), points: int = 9) -> Hazard:
@@ -402,14 +372,11 @@ def test_climate_is_the_mean_of_its_temperatures() -> None:
         23.0: lognormal(2.0, 0.3, 5),
         40.0: lognormal(9.0, 0.3, 5),
     }
-    climate = ClimateFragility(parts, np.array([0.25, 0.75, 0.0]))
+    climate = combine_curves(parts, [0.25, 0.75, 0.0])
     hazard = power_law(2.0)
     rate = annual_rate(climate, hazard).rate
     exact = 0.25 * closed_form(1.6, 0.4, 1e-2, 2.0) + 0.75 * closed_form(2.0, 0.3, 1e-2, 2.0)
     assert rate == pytest.approx(exact, rel=tolerances.HAZARD)
-    table = climate.rates(hazard)
-    assert table["part"].sum() == pytest.approx(1.0)
-    assert (table["share"] * table["rate"]).sum() == pytest.approx(rate)
 
 
 def test_shares_of_time_keep_the_mean() -> None:

@@ -134,7 +134,7 @@ def _table(
     studies,
     "figures",
     fields(
-        "studies.result:Asked",
+        "studies.result:Question",
         "demand capacity hazard weather method failed",
         demand=DEMAND,
         capacity="|Capacity in the unit of the demand; required for fragility.",
@@ -152,12 +152,17 @@ def _figures(directory: DIRECTORY, given: dict[str, Any], quiet: Quiet) -> Answe
     `thermobearing report DIR` reads too.
     """
     from thermobearing.results.directory import FIGURES
-    from thermobearing.studies.result import asked_over, keep_asked, kept_asked, study_result
+    from thermobearing.studies.result import (
+        change_question,
+        load_question,
+        save_question,
+        study_result,
+    )
 
-    asked = asked_over(kept_asked(directory), given)
-    result = study_result(directory, asked.question())
+    question = change_question(load_question(directory), given)
+    result = study_result(directory, question)
     files = result.plot.save_all(directory / FIGURES)
-    keep_asked(directory, asked)
+    save_question(directory, question)
     if not quiet:
         result.show()
         for file in files:
@@ -168,7 +173,7 @@ def _figures(directory: DIRECTORY, given: dict[str, Any], quiet: Quiet) -> Answe
 @command(
     studies,
     "worst",
-    fields("studies.result:Asked", "demand", demand=DEMAND),
+    fields("studies.result:Question", "demand", demand=DEMAND),
     examples="study worst p1",
 )
 def _worst(

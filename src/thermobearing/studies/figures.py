@@ -1,8 +1,7 @@
 """Figures of a study."""
 
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -14,10 +13,10 @@ from thermobearing.report.content import words
 from thermobearing.results import drawing
 from thermobearing.results.profiles import COLOURS
 from thermobearing.studies.definition.designs import AMBIENT
-from thermobearing.studies.result import Question, StudyResult
+from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics.demand import counted, describe_all, equal_classes
 from thermobearing.studies.statistics.fragility import FRACTILES, Fragility, Ida
-from thermobearing.studies.statistics.hazard import ClimateFragility, Hazard, Rate
+from thermobearing.studies.statistics.hazard import Hazard, Rate
 
 NAMES = {"ambient_degC": "ambient temperature", "hour": "hour of the weather"}
 
@@ -37,6 +36,11 @@ def find_unit(column: str) -> str:
     return "" if "." in column else words(column)[1]
 
 
+def limit_words(result: StudyResult) -> str:
+    """Return the capacity with its unit: "250 mm"."""
+    return f"{result.capacity:g} {find_unit(result.demand_name)}".strip()
+
+
 def _title(column: str) -> str:
     unit = find_unit(column)
     return f"{column_words(column)} [{unit}]" if unit else column_words(column)
@@ -53,9 +57,8 @@ def _legend(figure: Figure, ax: Axes) -> None:
     drawing.legend_below(figure, handles)
 
 
-def _draw_demand(
-    found: pd.DataFrame, demand: str, across: str, by: Sequence[str], note: str, capacity: float
-) -> Figure:
+def _draw_demand(found: pd.DataFrame, result: StudyResult, across: str, note: str) -> Figure:
+    demand, by, capacity = result.demand_name, result.things, result.question.capacity or np.nan
     groups = found.groupby(list(by), sort=False, observed=True) if by else [((), found)]
     cells = [(label, rows) for label, rows in groups]
     columns = min(len(cells), MOST_COLUMNS)
@@ -105,13 +108,10 @@ def _level_colours(names: list[Any]) -> list[str]:
 
 
 def draw_fragility(
-    curves: Mapping[Any, Fragility], climate: ClimateFragility | None = None, title: str = ""
+    curves: Mapping[Any, Fragility], climate: Fragility | None, title: str
 ) -> Figure:
     """Draw the probability of exceedance against intensity; that over the climate in black."""
     some = next(iter(curves.values()))
-    unit = find_unit(some.demand)
-    capacity = f"{some.capacity:g} {unit}".strip()
-    title = title or f"fragility, {column_words(some.demand)} beyond {capacity}"
     figure, (ax,) = drawing.panels(1, 1, (5.6, 4.2), title)
     at = np.concatenate([curve.counts[curve.intensity].to_numpy() for curve in curves.values()])
     im = np.linspace(0.0, FRAGILITY_ROOM * float(at.max()), POINTS + 1)[1:]
@@ -139,15 +139,13 @@ def draw_fragility(
     return figure
 
 
-def _curve(
-    ax: Axes, curve: Fragility | ClimateFragility, im: Any, colour: str, filled: bool, label: str
-) -> None:
+def _curve(ax: Axes, curve: Fragility, im: Any, colour: str, filled: bool, label: str) -> None:
     low, high = curve.band_at(im)
     if filled:
         ax.fill_between(im, low, high, color=colour, alpha=0.13, linewidth=0)
     else:
         ax.plot(im, low, im, high, color=colour, linewidth=0.6, linestyle=":")
-    wide = 1.8 if isinstance(curve, ClimateFragility) else 1.4
+    wide = 1.8 if len(curve.parts) > 1 else 1.4
     ax.plot(im, curve.probability(im), color=colour, linewidth=wide, label=label)
 
 
@@ -287,72 +285,68 @@ def _draw_variance(found: pd.DataFrame, demand: str) -> Figure:
 
 
 class StudyFigures(drawing.Figures):
-    """Figures of a study; those of a single bearing of `result.select(bearing=...)`.
+    """Figures of a study, of the question of the result.
 
-    Each takes a `Question` (demand, capacity, hazard), that of the result by default.
+    The figures of fragility need a result of one bearing: `result.select(bearing=...)`.
     """
 
     _result: StudyResult
 
-    def demand(self, asked: Question | None = None, across: str = AMBIENT) -> Figure:
-        """Draw fractiles of a demand along the temperature; a panel a bearing."""
-        result, asked = self._result, asked or self._result.asked
-        demand = asked.chosen_demand(result)
-        found = result.demand(demand, across, failed=asked.failed)
-        note = counted(result.table, demand, asked.failed).sentence
-        return _draw_demand(found, demand, across, result.things, note, asked.capacity or np.nan)
+    def demand(self, across: str = AMBIENT) -> Figure:
+        """Draw fractiles of the demand against the temperature; a panel for each bearing."""
+        result = self._result
+        found = result.demand(across=across, failed=result.question.failed)
+        return _draw_demand(found, result, across, _count_sentence(result))
 
-    def ida(self, asked: Question | None = None) -> Figure:
-        """Draw curves of single motions scaled up, with their fractiles."""
-        result, asked = self._result, asked or self._result.asked
-        found = result.ida(asked.chosen_demand(result), failed=asked.failed)
-        return _draw_ida(found, asked.capacity or np.nan)
+    def ida(self) -> Figure:
+        """Draw IDA curves of single motions with their fractiles."""
+        question = self._result.question
+        return _draw_ida(self._result.ida(failed=question.failed), question.capacity or np.nan)
 
-    def fragility(self, asked: Question | None = None) -> Figure:
-        """Draw fragility curves of each temperature, and over the climate."""
-        asked = asked or self._result.asked
-        curves, climate = asked.chosen_curves(self._result)
-        return draw_fragility(curves, climate, self._title("fragility", asked))
+    def fragility(self) -> Figure:
+        """Draw the fragility curves of each temperature and over the climate."""
+        return draw_fragility(*self._result.find_curves(), self._title("fragility"))
 
-    def rates(self, asked: Question | None = None) -> Figure:
-        """Draw hazard curve and annual rates."""
-        result, asked = self._result, asked or self._result.asked
-        _, rates = asked.chosen_rates(result)
-        assert asked.hazard is not None  # else the line above has raised
-        title = self._title("annual rate", asked)
-        note = counted(result.table, asked.chosen_demand(result), asked.failed).sentence
-        return draw_rates(asked.hazard, rates, title, find_unit(result.intensity), note)
+    def rates(self) -> Figure:
+        """Draw the hazard curve and the annual rates of exceedance."""
+        result = self._result
+        _, rates = result.find_rates()
+        assert result.question.hazard is not None  # else the line above has raised
+        hazard, unit = result.question.hazard._curve(), find_unit(result.intensity)
+        return draw_rates(hazard, rates, self._title("annual rate"), unit, _count_sentence(result))
 
-    def variance(self, asked: Question | None = None) -> Figure:
-        """Draw the share of each factor in the variance of a demand."""
-        demand = (asked or self._result.asked).chosen_demand(self._result)
-        return _draw_variance(self._result.variance(demand), demand)
+    def variance(self) -> Figure:
+        """Draw the share of each factor in the variance of the demand."""
+        return _draw_variance(self._result.variance(), self._result.demand_name)
 
-    def _title(self, what: str, asked: Question) -> str:
-        demand = asked.chosen_demand(self._result)
-        limit = f"{asked.chosen_capacity(self._result):g} {find_unit(demand)}".strip()
-        names = self._result.table["bearing"].unique()
+    def _title(self, what: str) -> str:
+        result = self._result
+        names = result.table["bearing"].unique()
         of = f", {names[0]}" if len(names) == 1 else ""
-        return f"{what}, {column_words(demand)} beyond {limit}{of}"
+        return f"{what}, {column_words(result.demand_name)} above {limit_words(result)}{of}"
 
-    def draw_all(self, asked: Question | None = None) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure that this study has, by name of its file."""
-        result, asked = self._result, asked or self._result.asked
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return a function for each figure that this study has, by name of its file."""
+        result, question = self._result, self._result.question
         found: dict[str, Callable[[], Figure]] = {}
         if AMBIENT in result.factors:
-            found["demand"] = partial(self.demand, asked)
+            found["demand"] = self.demand
         if result.has_variance:
-            found["variance"] = partial(self.variance, asked)
-        if asked.hazard is not None:
-            asked.chosen_capacity(result)
+            found["variance"] = self.variance
+        if question.hazard is not None:
+            result.capacity  # noqa: B018 - it raises without one
         for name, part in result.parts().items():
             own = StudyFigures(part)
             ending = f"-{name}" if name else ""
             if part.has_ida:
-                found[f"ida{ending}"] = partial(own.ida, asked)
-            if asked.capacity is None or part.table[part.intensity].nunique() < 2:
+                found[f"ida{ending}"] = own.ida
+            if question.capacity is None or part.table[part.intensity].nunique() < 2:
                 continue
-            found[f"fragility{ending}"] = partial(own.fragility, asked)
-            if asked.hazard is not None:
-                found[f"rates{ending}"] = partial(own.rates, asked)
+            found[f"fragility{ending}"] = own.fragility
+            if question.hazard is not None:
+                found[f"rates{ending}"] = own.rates
         return found
+
+
+def _count_sentence(result: StudyResult) -> str:
+    return counted(result.table, result.demand_name, result.question.failed).sentence

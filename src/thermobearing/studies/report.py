@@ -1,4 +1,4 @@
-"""Tables and document of a study."""
+"""Tables and report of a parameter study."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -15,52 +15,50 @@ from thermobearing.report.pieces import Pieces, ReportFigure
 from thermobearing.report.words import counted, joined, number, tidy
 from thermobearing.results.saved import SavedResult
 from thermobearing.studies.definition.designs import AMBIENT
-from thermobearing.studies.figures import StudyFigures, column_words, find_unit
-from thermobearing.studies.result import Question, StudyResult
+from thermobearing.studies.figures import StudyFigures, column_words, find_unit, limit_words
+from thermobearing.studies.result import StudyResult
 from thermobearing.studies.run.engine import count_failures, failures_table
 from thermobearing.studies.statistics.hazard import Rate
 from thermobearing.studies.store import label_plan
 
 UNKNOWN = (
-    "The table of runs does not have the ranges that the bearings were tested in; a run that is "
-    "repeated in full does."
+    "The table of runs does not contain the calibration ranges of the bearings; repeat a run to "
+    "see them."
 )
 MOST_LEVELS = 12  # that are named
 RATE_UNITS = dict.fromkeys(["rate", "rate_low", "rate_high"], "1/year")
 RATE_UNITS |= {"return_period_years": "year"}
-IN_CAPTION = ["method", "capacity", "left_out", "collapsed"]  # not in a table of curves
+IN_CAPTION = ["method", "capacity", "left_out", "collapsed", "sentence"]  # not in a table of curves
 CAPTIONS = {
-    "demand": "Demand against temperature: median with its band, fractiles of the runs.",
+    "demand": "Demand against temperature: median with its band, and fractiles of the runs.",
     "variance": "Share of each factor in the variance of the demand.",
-    "ida": "Incremental dynamic analysis: a line a motion, fractiles of the demand.",
-    "fragility": "Probability of exceedance of the capacity, with bands.",
+    "ida": "Incremental dynamic analysis: a line for each motion, and fractiles of the demand.",
+    "fragility": "Probability of exceedance of the capacity, with confidence bands.",
     "rates": "Hazard curve, and annual rate of exceedance of the capacity.",
 }
 
 
 def build_pieces(result: Any) -> Pieces:
-    """Return everything that the document of a study says."""
+    """Return the content of the report of a study."""
     if isinstance(result, SavedResult):
         return pieces_of_saved(result)
-    asked: Question = result.asked
-    demand = asked.chosen_demand(result)
     hourly = result.study.factors.ambient.hourly
+    counted_as = "left out" if result.question.failed == "left-out" else "counted as collapse"
     return Pieces(
         command="study",
         title=f"Study {result.study.name}",
-        question=_question(result, asked),
-        answer=answer(result, asked),
+        question=_scope(result),
+        answer=answer(result),
         inputs=input_tables(result),
-        tables=result_tables(result, asked)
-        | {"worst": worst_table(result, result.worst(by=demand))},
-        figures=_figures(result, asked),
+        tables=result_tables(result) | {"worst": worst_table(result, result.worst())},
+        figures=_figures(result),
         validity_unknown=UNKNOWN,
         assumptions=[
-            f"Failed runs {'are left out' if asked.failed == 'left-out' else 'count as collapse'} "
-            f"wherever {column_words(demand)} is counted.",
-            "Bands are of 95 %, if nothing else is said: of fragility and rates from a studentised "
-            "bootstrap that draws motions again with all their runs.",
-            "Every run begins with a bearing that was not moved before.",
+            f"Failed runs are {counted_as} in all statistics of the "
+            f"{column_words(result.demand_name)}.",
+            "Bands have 95 % confidence unless another value is given; those of fragility and "
+            "rates come from a studentised bootstrap that resamples motions with all their runs.",
+            "Every run begins with an unscragged bearing.",
             *([heat_flow(to_table(result.study.case.analysis), [])] if hourly else []),
         ],
         warnings=[tidy(text) for text in result.warnings],
@@ -72,42 +70,36 @@ def build_pieces(result: Any) -> Pieces:
     )
 
 
-def _question(result: StudyResult, asked: Question) -> str:
-    words = column_words(asked.chosen_demand(result))
-    runs = (
-        f"{counted(result.runs, 'run')} that differ in {joined(map(column_words, result.factors))}"
-    )
-    if asked.capacity is None:
-        return f"How does {words} spread over {runs}?"
-    often = " how often a year," if asked.hazard is not None else ""
-    limit = _limit(result, asked)
-    return f"How likely,{often} and at which temperature does {words} exceed {limit}, by {runs}?"
+def _scope(result: StudyResult) -> str:
+    words = column_words(result.demand_name)
+    factors = joined(map(column_words, result.factors))
+    runs = f"{counted(result.runs, 'run')} that differ in {factors}"
+    if result.question.capacity is None:
+        return f"Distribution of the {words} over {runs}."
+    rates = "" if result.question.hazard is None else " and annual rate"
+    return f"Probability{rates} of a {words} above {limit_words(result)}, from {runs}."
 
 
-def _limit(result: StudyResult, asked: Question) -> str:
-    return f"{asked.capacity:g} {find_unit(asked.chosen_demand(result))}".strip()
-
-
-def answer(result: StudyResult, asked: Question) -> list[str]:
-    """Return sentences on runs, failures, demand in the cold and warm, and annual rates."""
-    demand = asked.chosen_demand(result)
+def answer(result: StudyResult) -> list[str]:
+    """Return sentences on runs, failures, demand at both ends of the temperature, and rates."""
+    demand = result.demand_name
     lost = f"; {counted(result.failed, 'run')} failed" if result.failed else ""
     planned = int(result.manifest.get("runs", result.runs))
-    done = f"All {planned} runs are done" if result.runs == planned else result.warnings[0]
+    done = f"All {planned} runs are complete" if result.runs == planned else result.warnings[0]
     found = [f"{done}{lost}."]
     parts = {f"{name}: " if name else "": part for name, part in result.parts().items()}
     if AMBIENT in result.factors:
         unit = f" {find_unit(demand)}".rstrip()
         for of, part in parts.items():
-            rows = part.demand(demand, by=(), failed=asked.failed).to_dict("records")
+            rows = part.demand(by=(), failed=result.question.failed).to_dict("records")
             ends = " and ".join(
                 f"{number(row['0.5'])}{unit} at {number(row[AMBIENT])} °C"
                 for row in (rows[0], rows[-1])
             )
-            found.append(f"{of}the median of {column_words(demand)} is {ends}.")
-    if asked.hazard is not None:
+            found.append(f"{of}the median of the {column_words(demand)} is {ends}.")
+    if result.question.hazard is not None:
         for of, part in parts.items():
-            curves, rates = asked.chosen_rates(part)
+            curves, rates = part.find_rates()
             row = part.rates_table(curves, rates).iloc[-1]
             text = f"{of}{_temperature(row['name'])}: {_period(rates[row['name']])}"
             warm = _temperature(list(curves)[-1])
@@ -121,12 +113,12 @@ def answer(result: StudyResult, asked: Question) -> list[str]:
 
 
 def _period(rate: Rate) -> str:
-    """Return how often a capacity is exceeded, in years with the band, or a bound."""
+    """Return the return period with its band, or a bound."""
     if np.isnan(rate.rate):
-        return "there is no curve; see the tables"
+        return "there is no fragility curve; see the tables"
     if rate.rate == 0.0:
-        bound = f"{1.0 / rate.high:.3g} years" if rate.high > 0.0 else "the hazard curve says"
-        return f"no run goes beyond the capacity: exceeded less often than once in {bound}"
+        bound = f": the return period is at least {1.0 / rate.high:.3g} years"
+        return f"no run exceeds the capacity{bound if rate.high > 0.0 else ''}"
     last = f" to {1.0 / rate.low:.3g}" if rate.low > 0.0 else " or more"
     return f"exceeded once in {rate.return_period:.3g} years ({1.0 / rate.high:.3g}{last})"
 
@@ -136,7 +128,7 @@ def _temperature(name: Any) -> str:
 
 
 def input_tables(result: StudyResult) -> dict[str, Table]:
-    """Return the factors that differ between runs, and the design."""
+    """Return the factors that vary, and the design."""
     rows, units = [], _units(result)
     for name in result.factors:
         values = result.table[name]
@@ -150,13 +142,13 @@ def input_tables(result: StudyResult) -> dict[str, Table]:
     design = result.study.design
     chosen = [
         ("kind", design.kind),
-        ("draws of each combination of levels", design.samples or "none"),
+        ("samples of each combination of levels", design.samples or "none"),
         ("seed", design.seed),
         ("arrangement", design.arrangement),
     ]
-    heads = [list(map(Quantity, row)) for row in (("Factor", "Unit", "Values"), ("What", "Value"))]
+    heads = [list(map(Quantity, row)) for row in (("Factor", "Unit", "Values"), ("Key", "Value"))]
     return {
-        "factors": Table("Factors that differ between the runs", heads[0], rows),
+        "factors": Table("Factors that vary between the runs", heads[0], rows),
         "design": Table("Design", heads[1], chosen),
     }
 
@@ -166,27 +158,27 @@ def _units(result: StudyResult) -> dict[str, str]:
     return {name: find_unit(name) or unit.removeprefix("1") for name, (unit, _) in labels.items()}
 
 
-def result_tables(result: StudyResult, asked: Question) -> dict[str, Table]:
+def result_tables(result: StudyResult) -> dict[str, Table]:
     """Return failures, demand, fragility, rates and variance, as far as the study has them."""
-    demand = asked.chosen_demand(result)
+    demand, question = result.demand_name, result.question
     found: dict[str, Table] = {}
     failures = count_failures(result.table)
     if len(failures):
         found["outcomes"] = failures_table(failures)
     if AMBIENT in result.factors:
-        table = result.demand(demand, failed=asked.failed)
+        table = result.demand(failed=question.failed)
         shares = {c: f"{100 * float(c):g} %" for c in map(str, table) if c.startswith("0.")}
         units = dict.fromkeys(["mean", *shares, "median_low", "median_high"], find_unit(demand))
         caption = f"{column_words(demand)} by ambient temperature"
         found["demand"] = _table(table, caption, units=units, heads=shares)
-    if result.table[result.intensity].nunique() > 1 and asked.capacity is not None:
+    if result.table[result.intensity].nunique() > 1 and question.capacity is not None:
         for name, part in result.parts().items():
-            found |= _curves(part, asked, name)
+            found |= _curve_tables(part, name)
     if result.has_variance:
-        table = result.variance(demand)
+        table = result.variance()
         table["factor"] = table["factor"].map(column_words)
         poor = "total" in table and (table["total"] < table["first"]).any()
-        note = "A total index below that of first order is a sampling error: take more samples."
+        note = "A total index below the first-order index is a sampling error: use more samples."
         caption = f"Shares of the variance of the {column_words(demand)}"
         found["variance"] = _table(table, caption, note=note if poor else "")
     return found
@@ -198,35 +190,33 @@ def worst_table(result: StudyResult, worst: pd.DataFrame) -> Table:
     return _table(worst.drop(columns="id"), caption, units=_units(result))
 
 
-def _curves(part: StudyResult, asked: Question, name: str) -> dict[str, Table]:
+def _curve_tables(part: StudyResult, name: str) -> dict[str, Table]:
+    """Return the tables of fragility and rates of one structure and bearing."""
     of, ending = (f", {name}", f"-{name}") if name else ("", "")
-    rates: Mapping[Any, Rate] | None = None
-    if asked.hazard is None:
-        curves = asked.chosen_curves(part)[0]
-    else:
-        curves, rates = asked.chosen_rates(part)
+    hazard = part.question.hazard is not None
+    curves, rates = part.find_rates() if hazard else (part.find_curves()[0], {})
     table = pd.DataFrame([curve.row() for curve in curves.values()])
-    said: dict[str, list[str]] = {}
-    for air, sentence in zip(curves, table["sentence"], strict=True):
-        said.setdefault(sentence, []).append(_temperature(air))
-    air = _head(column_words(AMBIENT))
+    notes: dict[str, list[str]] = {}
+    for level, sentence in zip(curves, table["sentence"], strict=True):
+        notes.setdefault(sentence, []).append(_temperature(level))
+    ambient = _head(column_words(AMBIENT))
     im, unit = column_words(part.intensity), find_unit(part.intensity)
     medians = [end for end in map(str, table) if end.startswith("median")]
     heads = {end: _head(end.replace("median", f"median {im}")) for end in medians}
-    demand = column_words(asked.chosen_demand(part))
+    demand = f"{column_words(part.demand_name)} above {limit_words(part)}"
     found = {
         f"fragility{ending}": _table(
-            table.drop(columns=[*IN_CAPTION, "sentence"]),
-            f"{demand} beyond {_limit(part, asked)}: lognormal fragility by {asked.method}{of}",
+            table.drop(columns=IN_CAPTION),
+            f"{demand}: lognormal fragility by {part.question.method}{of}",
             units=dict.fromkeys(medians, unit),
-            heads=heads | {"name": air},
-            note="; ".join(f"{joined(airs)}: {sentence}" for sentence, airs in said.items()),
+            heads=heads | {"name": ambient},
+            note="; ".join(f"{joined(levels)}: {text}" for text, levels in notes.items()),
         )
     }
-    if rates is not None:
+    if rates:
         rows = part.rates_table(curves, rates)
-        over = f"Times that at {_temperature(list(curves)[-1])}"
-        heads = {"name": air, "in_50_years": "Probability in 50 years"}
+        over = f"Ratio to {_temperature(list(curves)[-1])}"
+        heads = {"name": ambient, "in_50_years": "Probability in 50 years"}
         heads |= {"return_period_years": "Return period", "over_reference": over}
         heads |= {"over_low": f"{over}, low", "over_high": f"{over}, high"}
         found[f"rates{ending}"] = _table(
@@ -252,7 +242,7 @@ def _table(
     heads: Mapping[str, str] | None = None,
     note: str = "",
 ) -> Table:
-    """Return a table, with units and heads that the names of its columns do not have."""
+    """Return a table; `units` and `heads` are those that the names of the columns do not give."""
     columns = [
         Quantity(
             (heads or {}).get(name) or _head(column_words(name)),
@@ -265,9 +255,9 @@ def _table(
     return make_table(frame, columns, f"{caption[:1].upper()}{caption[1:]}", note=note)
 
 
-def _figures(result: StudyResult, asked: Question) -> dict[str, ReportFigure]:
+def _figures(result: StudyResult) -> dict[str, ReportFigure]:
     found = {}
-    for name, draw in StudyFigures(result).draw_all(asked).items():
+    for name, draw in StudyFigures(result).draw_all().items():
         kind, _, of = name.partition("-")
         caption = CAPTIONS[kind] + (f" {of}." if of else "")
         found[name] = ReportFigure(caption, draw=draw, alt=caption)

@@ -1,21 +1,20 @@
-"""Result of a study, and its post-processing options: demand, capacity, hazard (question.toml)."""
+"""Result of a parameter study, and its post-processing options (question.toml)."""
 
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Unpack
 
 import numpy as np
 import pandas as pd
 import tomli_w
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.text_file import write_file
-from thermobearing.border.toml import read_toml
+from thermobearing.border.toml import read_toml, to_table
 from thermobearing.border.units import parse_quantity, with_unit
 from thermobearing.climate.generator import generate_weather, list_climates
 from thermobearing.climate.hourly import Hourly
@@ -44,12 +43,12 @@ from thermobearing.studies.statistics.fragility import (
     Ida,
     Method,
     Options,
+    combine_curves,
     fragility_curve,
     fragility_curves,
     ida_curves,
 )
 from thermobearing.studies.statistics.hazard import (
-    ClimateFragility,
     Hazard,
     Rate,
     annual_rate,
@@ -69,85 +68,6 @@ CLIMATE = "climate"
 FACES = ("upper_face", "lower_face", "side")
 
 
-@dataclass(frozen=True)
-class Question:
-    """Post-processing options of a study, ready for use; `Asked` describes those of a file.
-
-    `temperatures` are hourly weather of the site, which the rubber of each bearing follows, or
-    those of the rubber at equally probable times [degC]; None: no climate but that of the study.
-    """
-
-    demand: str | None = None
-    capacity: float | None = None  # None: no fragility, and no rates
-    method: Method = "stripes"
-    failed: Failed = "left-out"
-    hazard: Hazard | None = None  # None: no rates
-    temperatures: Any = None
-    # Temperatures of the rubber that were found already, by bearing.
-    _followed: dict[tuple[str, ...], Any] = field(default_factory=dict, repr=False, compare=False)
-
-    def chosen_demand(self, result: "StudyResult") -> str:
-        """Return the demand, or that of the result by default."""
-        return self.demand or result.demand_name
-
-    def chosen_capacity(self, result: "StudyResult") -> float:
-        """Return the capacity, which fragility and annual rates need; InputError without one."""
-        if self.capacity is None:
-            raise InputError(
-                f"what is the capacity of {self.chosen_demand(result)}? Fragility and annual rates "
-                "need it: --capacity, or capacity in question.toml (a pier yields at a "
-                "pier_ductility of 1)"
-            )
-        return self.capacity
-
-    def chosen_curves(self, result: "StudyResult") -> tuple[dict[Any, Fragility], Any]:
-        """Return curves of each temperature, and that over the climate or None, of one bearing."""
-        capacity = self.chosen_capacity(result)
-        how: dict[str, Any] = {"demand": self.chosen_demand(result)}
-        how |= {"method": self.method, "failed": self.failed}
-        curves = result.fragilities(capacity, **how)
-        climate: ClimateFragility | Fragility | None = None
-        if not all(isinstance(name, int | float) for name in curves):
-            # The study has drawn its temperatures from a climate.
-            climate = result.fragility(capacity, name=CLIMATE, **how)
-        elif self.temperatures is not None:
-            climate = result.over_climate(curves, self._rubber(result))
-        return curves, climate
-
-    def _rubber(self, result: "StudyResult") -> Any:
-        """Return rubber temperatures; the ambient ones for bilinear or several bearings."""
-        if not isinstance(self.temperatures, Hourly):
-            return self.temperatures
-        names = tuple(sorted({str(name) for name in result.table["bearing"]}))
-        if names not in self._followed:
-            levels = [one for one in result.study.factors.bearing.levels if str(one.name) in names]
-            bearing = levels[0].bearing if isinstance(levels[0], Posterior) else levels[0]
-            followed = self.temperatures.temperature
-            if len(levels) == 1 and isinstance(bearing, Bearing):
-                given, usual = result.study.case.analysis, ModelOptions()
-                options = {
-                    key: getattr(given, key)
-                    for key in FACES
-                    if getattr(given, key) != getattr(usual, key)
-                }
-                weather = bearing_weather(bearing, self.temperatures, **options)
-                followed = weather["rubber_degC"].to_numpy()
-            self._followed[names] = followed
-        return self._followed[names]
-
-    def chosen_rates(self, result: "StudyResult") -> tuple[dict[Any, Fragility], dict[Any, Rate]]:
-        """Return the curves, and the annual rate of each with that over the climate last."""
-        if self.hazard is None:
-            raise InputError("annual rates need a hazard curve")
-        curves, climate = self.chosen_curves(result)
-        rates = result.rates(curves, self.hazard)
-        if isinstance(climate, Fragility):
-            rates |= result.rates({CLIMATE: climate}, self.hazard)
-        elif climate is not None:
-            rates[CLIMATE] = annual_rate(climate, self.hazard)
-        return curves, rates
-
-
 QUESTION = "question.toml"
 Rates = tuple[Annotated[float, in_unit("1/year"), Field(gt=0)], ...]
 Periods = tuple[Annotated[float, in_unit("year"), Field(gt=0)], ...]
@@ -158,9 +78,9 @@ class SiteHazard(Strict):
 
     Attributes
     ----------
-    measure : of the intensity: "PGA", "PGV" or "Sa".
+    measure : intensity measure: "PGA", "PGV" or "Sa".
     intensity : increasing, as text with units.
-    rate : of exceedance, decreasing [1/year]; or
+    rate : annual rate of exceedance, decreasing [1/year]; or
     return_period : increasing [year].
     """
 
@@ -175,25 +95,24 @@ class SiteHazard(Strict):
         return [] if len(both) == 1 else ["give rate, or return_period"]
 
     def _curve(self) -> Hazard:
-        """Return the curve; InputError for what is none."""
         unit = INTENSITY_UNITS[self.measure]
         intensity = [parse_quantity(text, unit) for text in self.intensity]
         rate = self.rate or [1.0 / period for period in self.return_period or ()]
         return Hazard(np.array(intensity), np.array(rate), self.measure)
 
 
-class Asked(Strict):
-    """Post-processing options as in `question.toml`.
+class Question(Strict):
+    """Post-processing options of a study, as in `question.toml`.
 
     Attributes
     ----------
-    demand : column; ductility of the pier by default, or what there is instead.
-    capacity : of the demand, in the unit of its column.
+    demand : column; ductility of the pier by default, or the first demand that exists.
+    capacity : of the demand, in the unit of its column; None: no fragility and no rates.
     method : of fragility: "stripes", "ida" or "cloud".
-    failed : runs that failed are "left-out", or count as "collapse".
-    hazard : in a file it may be the name of another, see `load_hazard`.
-    weather : hourly file of the site, or the name of a climate: how often each temperature of the
-        rubber comes, for studies whose temperatures are levels.
+    failed : failed runs are "left-out", or count as "collapse".
+    hazard : hazard curve; a file may name another file, see `load_hazard`. None: no rates.
+    weather : hourly file of the site, or the name of a climate: the share of the time of each
+        rubber temperature, for studies whose temperatures are levels.
     """
 
     demand: str | None = None
@@ -202,17 +121,16 @@ class Asked(Strict):
     failed: Failed = "left-out"
     hazard: SiteHazard | None = None
     weather: str | None = None
+    # Hourly weather, or rubber temperatures at equally probable times [degC].
+    _temperatures: Any = PrivateAttr(default=None)
+    _rubber: dict[tuple[str, ...], Any] = PrivateAttr(default_factory=dict)  # by bearings
 
-    def question(self) -> Question:
-        """Return the options ready for use; InputError where a file cannot be read."""
-        return Question(
-            demand=self.demand,
-            capacity=self.capacity,
-            method=self.method,
-            failed=self.failed,
-            hazard=None if self.hazard is None else self.hazard._curve(),
-            temperatures=None if self.weather is None else _site_temperatures(self.weather),
-        )
+    @property
+    def temperatures(self) -> Any:
+        """Hourly weather of the site, read once; None without a climate."""
+        if self._temperatures is None and self.weather is not None:
+            self._temperatures = _site_temperatures(self.weather)
+        return self._temperatures
 
 
 def _site_temperatures(weather: str) -> Hourly:
@@ -223,27 +141,28 @@ def _site_temperatures(weather: str) -> Hourly:
     return read_weather(weather)
 
 
-def _make_asked(table: Mapping[str, Any], where: str, folder: Path = Path()) -> Asked:
-    """Return checked options from the table of a file, or of the command line.
+def _make_question(table: Mapping[str, Any], where: str, folder: Path = Path()) -> Question:
+    """Return checked options of a file or of the command line, where None means not given.
 
-    None stands for an option that was not given; `where` names the file in messages, and names of
-    files are relative to `folder`.
+    `where` names the file in messages; the names of files are relative to `folder`.
     """
     given = {name: value for name, value in table.items() if value is not None}
     hazard, weather = given.get("hazard"), given.get("weather")
     if isinstance(hazard, str):
-        given["hazard"] = _of_file(folder / hazard)
+        given["hazard"] = _hazard_table(folder / hazard)
     if isinstance(weather, str) and weather not in list_climates():
         given["weather"] = str((folder / weather).resolve())
-    asked = validated(Asked, given, where)
+    question = validated(Question, given, where)
     try:
-        asked.question()
+        if question.hazard is not None:
+            question.hazard._curve()
+        question.temperatures  # noqa: B018 - the file is read here
     except InputError as error:
         raise InputError(error.lines(), where) from None
-    return asked
+    return question
 
 
-def _of_file(path: Path) -> dict[str, Any]:
+def _hazard_table(path: Path) -> dict[str, Any]:
     faults = []
     for measure, unit in INTENSITY_UNITS.items():
         try:
@@ -259,46 +178,45 @@ def _of_file(path: Path) -> dict[str, Any]:
     raise faults[0]
 
 
-def kept_asked(directory: Path) -> Asked:
+def load_question(directory: Path) -> Question:
     """Return the options in `question.toml` of a study; the defaults without one."""
     file = directory / QUESTION
-    return _make_asked(read_toml(file), str(file), directory) if is_file(file) else Asked()
+    return _make_question(read_toml(file), str(file), directory) if is_file(file) else Question()
 
 
-def keep_asked(directory: Path, asked: Asked) -> None:
-    """Write `question.toml`, so that documents of the directory use the same options."""
-    table = asked.model_dump(exclude_none=True)
-    if asked.hazard is not None:
-        hazard = table["hazard"]
-        for key, unit in (("rate", "1/year"), ("return_period", "year")):
-            if key in hazard:
-                hazard[key] = [with_unit(value, unit) for value in hazard[key]]
-    write_file(directory / QUESTION, tomli_w.dumps(table), overwrite=True)
+def save_question(directory: Path, question: Question) -> None:
+    """Write `question.toml`, so that the reports of the directory use the same options."""
+    write_file(directory / QUESTION, tomli_w.dumps(to_table(question)), overwrite=True)
 
 
-def asked_over(kept: Asked, options: Mapping[str, Any], folder: Path = Path()) -> Asked:
-    """Return options of a directory, with those that are given now over them."""
+def change_question(saved: Question, options: Mapping[str, Any], folder: Path = Path()) -> Question:
+    """Return saved options with the given ones in place of theirs; None means not given."""
     new = {name: value for name, value in options.items() if value is not None}
-    made = _make_asked(new, "options", folder)
-    return kept.model_copy(update={name: getattr(made, name) for name in new})
+    made = _make_question(new, "options", folder)
+    return Question(**(dict(saved) | {name: getattr(made, name) for name in new}))
 
 
 NUMBERS = ("scale", AMBIENT, HOUR)
 
 
 class StudyResult(Result):
-    """Runs of a parameter study, and the statistics of them.
+    """Runs of a parameter study, and their statistics.
 
-    Every figure and table takes failed runs as `failed` says: "left-out", or "collapse"; each
-    reports how they count.
+    All figures and tables treat failed runs as the option `failed` states ("left-out" or
+    "collapse"), and report how many there are.
 
     Attributes
     ----------
-    table : a row a run: factors, outcome, demands.
-    study : that was carried out.
-    manifest : of its directory: versions, input hash.
-    directory : of the study.
-    asked, question : demand, capacity, hazard: of its directory, or the defaults.
+    table : DataFrame
+        A row for each run: factors, outcome, demands.
+    study : Study
+        The definition of the study.
+    manifest : dict
+        Versions and digest of the input, of its directory.
+    directory : Path
+        Directory of the study.
+    question : Question
+        Demand, capacity and hazard curve: those of the directory, or the defaults.
     """
 
     _figures = "StudyFigures"
@@ -312,7 +230,7 @@ class StudyResult(Result):
         question: Question | None = None,
     ) -> None:
         self.table, self.study, self.manifest = table, study, dict(manifest)
-        self.directory, self.asked = Path(directory), question or Question()
+        self.directory, self.question = Path(directory), question or Question()
 
     @property
     def runs(self) -> int:
@@ -355,8 +273,8 @@ class StudyResult(Result):
 
     @property
     def demand_name(self) -> str:
-        """Column of the demand by default: ductility of the pier, or what there is instead."""
-        return ranked_by(self.table)
+        """Column of the demand: that of the question, else ductility of the pier if it exists."""
+        return self.question.demand or ranked_by(self.table)
 
     @property
     def warnings(self) -> list[str]:
@@ -380,13 +298,13 @@ class StudyResult(Result):
         """Return failures, demand, fragility, rates, shares of variance, as far as they exist."""
         from thermobearing.studies.report import result_tables
 
-        return result_tables(self, self.asked)
+        return result_tables(self)
 
     def notes(self) -> list[str]:
         """Return the answer to the question of the study."""
         from thermobearing.studies.report import answer
 
-        return answer(self, self.asked)
+        return answer(self)
 
     def demand(
         self,
@@ -454,7 +372,7 @@ class StudyResult(Result):
             raise InputError(f"no run has {chosen}")
         manifest = {**self.manifest, "runs": int(kept.sum())}
         table = self.table[kept].reset_index(drop=True)
-        return StudyResult(table, self.study, manifest, self.directory, self.asked)
+        return StudyResult(table, self.study, manifest, self.directory, self.question)
 
     def parts(self) -> dict[str, "StudyResult"]:
         """Return a result for each structure and bearing, by name; "" if there is one of each."""
@@ -517,44 +435,98 @@ class StudyResult(Result):
         demand = demand or self.demand_name
         return fragility_curves(table, demand, capacity, self.intensity, by, **options)
 
-    def over_climate(self, curves: Mapping[Any, Fragility], temperatures: Any) -> ClimateFragility:
-        """Return curves of levels of the temperature, by the share of the time that each has.
+    def over_climate(self, curves: Mapping[Any, Fragility], temperatures: Any) -> Fragility:
+        """Return the mean of the curves of temperature levels, each by its share of the time.
 
         Parameters
         ----------
-        curves : of `fragilities`, by temperature.
-        temperatures : of the rubber at equally probable times, see `bearing_weather` [degC].
+        curves : mapping of float to Fragility
+            Those of `fragilities`, by temperature.
+        temperatures : array_like
+            Rubber temperatures at equally probable times, see `bearing_weather` [degC].
 
         Raises
         ------
-        InputError : the curves are not of temperatures.
+        InputError
+            The curves are not those of temperatures.
         """
         if not all(isinstance(name, int | float) for name in curves):
             raise InputError(
-                "these curves are of classes of a drawn temperature: `fragility` of all runs is "
-                "that over its climate"
+                "these curves belong to classes of a drawn temperature: `fragility` of all runs is "
+                "the fragility over its climate"
             )
-        return ClimateFragility(curves, shares_of_time(list(curves), temperatures), CLIMATE)
+        return combine_curves(curves, shares_of_time(list(curves), temperatures), CLIMATE)
 
     def rates(self, curves: Mapping[Any, Fragility], hazard: Hazard) -> dict[Any, Rate]:
         """Return the annual rate of exceedance of the capacity at each temperature.
 
         Parameters
         ----------
-        curves : of `fragilities`.
-        hazard : of the site, in the measure of the study.
+        curves : mapping to Fragility
+            Those of `fragilities`.
+        hazard : Hazard
+            Hazard curve of the site, in the intensity measure of the study.
 
         Raises
         ------
-        InputError : the hazard curve is in another measure.
+        InputError
+            The hazard curve is in another measure.
         """
         measure = self.study.factors.scale.measure
         if hazard.measure in COLUMNS and hazard.measure != measure:
-            raise InputError(f"a hazard curve of {hazard.measure}, and a study of {measure}")
-        return {
-            name: annual_rate(ClimateFragility({name: curve}, np.ones(1)), hazard)
-            for name, curve in curves.items()
-        }
+            raise InputError(
+                f"the hazard curve is in {hazard.measure}, and the study is in {measure}"
+            )
+        return {name: annual_rate(curve, hazard) for name, curve in curves.items()}
+
+    @property
+    def capacity(self) -> float:
+        """The capacity of the question; InputError without one."""
+        if self.question.capacity is None:
+            raise InputError(
+                f"what is the capacity of {self.demand_name}? Fragility and annual rates "
+                "need it: --capacity, or capacity in question.toml (a pier yields at a "
+                "pier_ductility of 1)"
+            )
+        return self.question.capacity
+
+    def find_curves(self) -> tuple[dict[Any, Fragility], Fragility | None]:
+        """Return curves of each temperature of one bearing, and that over the climate, if any."""
+        question = self.question
+        how: dict[str, Any] = {"method": question.method, "failed": question.failed}
+        curves = self.fragilities(self.capacity, **how)
+        if not all(isinstance(name, int | float) for name in curves):
+            # The study has drawn its temperatures from a climate.
+            return curves, self.fragility(self.capacity, name=CLIMATE, **how)
+        if question.temperatures is not None:
+            return curves, self.over_climate(curves, self._rubber())
+        return curves, None
+
+    def find_rates(self) -> tuple[dict[Any, Fragility], dict[Any, Rate]]:
+        """Return the curves, and the annual rate of each; that over the climate is the last."""
+        if self.question.hazard is None:
+            raise InputError("annual rates need a hazard curve")
+        curves, climate = self.find_curves()
+        every = curves if climate is None else {**curves, CLIMATE: climate}
+        return curves, self.rates(every, self.question.hazard._curve())
+
+    def _rubber(self) -> Any:
+        """Return rubber temperatures; ambient ones for a bilinear bearing or several bearings."""
+        weather, known = self.question.temperatures, self.question._rubber
+        if not isinstance(weather, Hourly):
+            return weather
+        names = tuple(sorted({str(name) for name in self.table["bearing"]}))
+        if names not in known:
+            levels = [one for one in self.study.factors.bearing.levels if str(one.name) in names]
+            bearing = levels[0].bearing if isinstance(levels[0], Posterior) else levels[0]
+            known[names] = weather.temperature
+            if len(levels) == 1 and isinstance(bearing, Bearing):
+                given, usual = self.study.case.analysis, ModelOptions()
+                faces = {key: getattr(given, key) for key in FACES}
+                faces = {key: face for key, face in faces.items() if face != getattr(usual, key)}
+                found = bearing_weather(bearing, weather, **faces)
+                known[names] = found["rubber_degC"].to_numpy()
+        return known[names]
 
     def rates_table(
         self, curves: Mapping[Any, Fragility], rates: Mapping[Any, Rate], to: Any = None
@@ -624,6 +596,7 @@ class StudyResult(Result):
         count : number of the worst runs.
         by : column that is ranked; as of `demand` by default.
         """
+        by = by or self.question.demand
         some = worst_runs(self.table, count, by)
         failed = self.table[self.table[OUTCOME] != COMPLETED]
         some += [int(run) for run in failed.groupby(OUTCOME, sort=True, observed=True)["run"].min()]
@@ -673,7 +646,7 @@ def study_result(directory: str | Path, question: Question | None = None) -> Stu
     if len(table) == 0:
         raise InputError("no run is done yet", str(directory))
     ordered = table.sort_values("run", kind="stable").reset_index(drop=True)
-    question = question or kept_asked(store.directory).question()
+    question = question or load_question(store.directory)
     return StudyResult(
         ordered, load_study(store.directory / STUDY), store.manifest, directory, question
     )

@@ -11,8 +11,11 @@ Three of the field's estimators of a lognormal curve, each with bands:
   Jalayer, Ebrahimian, Miano, Manfredi & Sezen (2017, Earthquake Eng. Struct. Dyn. 46(15):
   2639-2663).
 
-Bands: studentised bootstrap over motions, its percentiles as they are, or profile likelihood
-(stripes of independent runs). Where no motion goes beyond, they are bounds by Clopper & Pearson.
+Bands are those of a studentised bootstrap over motions. Where no motion exceeds the capacity, they
+are the bounds by Clopper & Pearson.
+
+Over a climate the fragility is the mean of the curves of some temperatures, each by its share of
+the time (total probability): the temperature is independent of the size of an earthquake.
 
 Incremental dynamic analysis has curves of demand against intensity, their fractiles (16, 50 and
 84 %, demand given intensity) and the intensity at which a curve first reaches a capacity:
@@ -21,7 +24,7 @@ Vamvatsikos, D., Cornell, C.A. (2002), Earthquake Engineering and Structural Dyn
 a spline; it begins at zero.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, get_args
 
@@ -58,9 +61,8 @@ from thermobearing.studies.statistics.likelihood import (
 
 FRACTILES = (0.16, 0.5, 0.84)
 Method: TypeAlias = Literal["stripes", "ida", "cloud"]
-Band: TypeAlias = Literal["bootstrap", "percentile", "profile"]
 MOTION = "motion"
-NONE_BEYOND = "none_beyond"
+NONE_BEYOND, NOT_RISING = "none_beyond", "not_rising"
 
 
 class IdaCurve(NamedTuple):
@@ -183,35 +185,39 @@ def _ida(runs: Counted, values: Floats, demand: str, intensity: str, by: Sequenc
 
 @dataclass(frozen=True)
 class Fragility:
-    """A fragility curve with what it was made of."""
+    """A fragility curve, or the mean of the curves of several temperatures."""
 
-    name: str  # of the curve, such as "-20 degC"; may be empty
-    method: Method  # "stripes", "ida" or "cloud"
+    name: str  # of the curve, such as "-20"; may be empty
+    method: Method
     demand: str  # names of the columns
     intensity: str
     capacity: float  # of the demand, in the unit of its column
-    # the curve, and those of the bootstrap or on the edge of the likelihood region
-    estimate: Estimate
-    band: Band  # "bootstrap", "percentile" or "profile"
+    # curves with their shares of the time: one, or that of each temperature that occurs
+    parts: Sequence[tuple[float, Estimate]]
     level: float  # confidence of the bands, a share in (0, 1)
-    runs: int  # how many the curve is made of
-    counts: pd.DataFrame  # for each intensity `runs` and `beyond`; of many intensities in classes
-    left_out: int  # how many runs failed and are left out, or count as collapse
+    runs: int
+    counts: pd.DataFrame  # for each intensity `runs` and `beyond`; many intensities in classes
+    left_out: int  # number of failed runs that are left out, or count as collapse
     collapsed: int
 
     @property
+    def estimate(self) -> Estimate:
+        """The curve; that of the first temperature of several."""
+        return self.parts[0][1]
+
+    @property
     def sentence(self) -> str:
-        """How runs that failed count."""
+        """How many runs failed and how they count."""
         return describe_all(self.runs + self.left_out, self.left_out, self.collapsed)
 
     @property
     def outcome(self) -> str:
-        """The word "completed", or why there is no curve, such as "none_beyond"."""
+        """The word "completed", or why there is no lognormal curve, such as "none_beyond"."""
         return self.estimate.outcome
 
     @property
     def median(self) -> float:
-        """Intensity at which half of the runs go beyond (of those that did not collapse)."""
+        """Intensity at which half of the runs exceed the capacity (of those without collapse)."""
         return float(np.exp(self.estimate.best.place[0])) if self.estimate.known else np.nan
 
     @property
@@ -220,60 +226,58 @@ class Fragility:
         return float(1.0 / self.estimate.best.slope[0]) if self.estimate.known else np.nan
 
     def probability(self, intensity: Any) -> Floats:
-        """Return the probability of exceedance at intensities; NaN where there is no curve."""
-        at = np.atleast_1d(np.asarray(intensity, dtype=float))
-        if not self.estimate.known:
-            return np.full(len(at), np.nan)
-        return self.estimate.probability(at)
+        """Return the probability of exceedance at intensities.
 
-    def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
-        """Return that of every curve that the band is made of: shape (curves, intensities).
-
-        With `drawn` the curves are those of the bootstrap as it drew them, of which ratios of
-        curves are made.
+        It is 0 where no run exceeded the capacity, 1 where all did, and NaN where the share does
+        not rise with the intensity.
         """
         at = np.atleast_1d(np.asarray(intensity, dtype=float))
-        return ((drawn and self.estimate.drawn) or self.estimate).probabilities(at)
+        if any(one.outcome == NOT_RISING for _, one in self.parts):
+            return np.full(len(at), np.nan)
+        return np.asarray(sum(share * one.probability(at) for share, one in self.parts))
 
-    @property
-    def groups(self) -> int:
-        """Number of motions that the bootstrap draws from; 0 where it does not matter."""
-        return self.estimate.groups
+    def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
+        """Return the probabilities of all curves of the band: shape (curves, intensities).
+
+        With `drawn` the curves are those that the bootstrap drew, for ratios of curves.
+        """
+        at = np.atleast_1d(np.asarray(intensity, dtype=float))
+        each = ((share, (drawn and one.drawn) or one) for share, one in self.parts)
+        return np.asarray(sum(share * one.family(at) for share, one in each))
 
     def ends(self, values: Floats) -> tuple[Floats, Floats]:
-        """Return the ends of the band of what was computed from each curve of `family`."""
-        if self.outcome not in (COMPLETED, NONE_BEYOND) or len(values) == 0:
+        """Return the ends of the band of a number that was computed from each curve of `family`."""
+        if any(one.outcome == NOT_RISING for _, one in self.parts):
             nothing = np.full(values.shape[1:], np.nan)
             return nothing, nothing
-        if self.band == "profile":
-            return values.min(axis=0), values.max(axis=0)
         return percentiles(values, self.level)
 
     def band_at(self, intensity: Any) -> tuple[Floats, Floats]:
-        """Return the ends of the band of the probability, at each intensity by itself."""
+        """Return the ends of the band of the probability at each intensity."""
         return self.ends(self.family(intensity))
 
     def row(self) -> dict[str, Any]:
-        """Return the parameters with their bands, as a row of a table."""
+        """Return the parameters of a lognormal curve with their bands, as a row of a table."""
         others = self.estimate.others
-        low, high = self.ends(np.exp(np.minimum(others.place, 700.0))[:, None])
-        with np.errstate(divide="ignore"):
-            least, most = self.ends((1.0 / others.slope)[:, None])
-        if not self.estimate.known:
-            least = most = np.array([np.nan])
-        if self.outcome == NONE_BEYOND:
-            high = np.array([np.inf])
+        low = high = least = most = np.nan
+        if self.outcome in (COMPLETED, NONE_BEYOND):
+            places = self.ends(np.exp(np.minimum(others.place, 700.0))[:, None])
+            low, high = (float(end[0]) for end in places)
+            high = high if high < np.exp(700.0) and self.estimate.known else np.inf
+        if self.estimate.known:
+            with np.errstate(divide="ignore"):
+                least, most = (float(end[0]) for end in self.ends((1.0 / others.slope)[:, None]))
         flat = 0.5 / FLAT
         return {
             "name": self.name,
             "method": self.method,
             "capacity": self.capacity,
             "median": self.median,
-            "median_low": float(low[0]),
-            "median_high": float(high[0]) if high[0] < np.exp(700.0) else np.inf,
+            "median_low": low,
+            "median_high": high,
             "dispersion": self.dispersion,
-            "dispersion_low": float(least[0]),
-            "dispersion_high": np.inf if most[0] >= flat else float(most[0]),
+            "dispersion_low": least,
+            "dispersion_high": np.inf if most >= flat else most,
             "runs": self.runs,
             "beyond": int(self.counts["beyond"].sum()),
             "left_out": self.left_out,
@@ -281,6 +285,31 @@ class Fragility:
             "outcome": self.outcome,
             "sentence": self.estimate.sentence or self.sentence,
         }
+
+
+def combine_curves(
+    curves: Mapping[float, Fragility], shares: Any, name: str = "climate"
+) -> Fragility:
+    """Return the mean of the curves of some temperatures, each by its share of the time.
+
+    The curves must be those of `fragility_curves`, whose bootstrap draws the same motions.
+    """
+    each, shares = list(curves.values()), np.asarray(shares, dtype=float)
+    if len(shares) != len(each) or (shares < 0.0).any() or abs(shares.sum() - 1.0) > 1e-9:
+        raise InputError("each temperature needs a share of the time; their sum must be 1")
+    if len({len(curve.estimate.others.place) for curve in each}) > 1:
+        raise InputError("the curves of a climate need the same number of bootstrap samples")
+    used = zip(shares.tolist(), each, strict=True)
+    counts = pd.concat([curve.counts for curve in each])
+    return replace(
+        each[0],
+        name=name,
+        parts=[(share, curve.estimate) for share, curve in used if share > 0.0],
+        runs=sum(curve.runs for curve in each),
+        counts=counts.groupby(each[0].intensity, as_index=False).sum(),
+        left_out=sum(curve.left_out for curve in each),
+        collapsed=sum(curve.collapsed for curve in each),
+    )
 
 
 class Options(TypedDict, total=False):
@@ -305,18 +334,15 @@ def fragility_curve(
     capacity: float,
     intensity: str,
     *,
-    band: Band = "bootstrap",
     name: str = "",
     **options: Unpack[Options],
 ) -> Fragility:
     """Return a fragility curve from a table of runs; the column `outcome` marks failed ones.
 
-    The `demand` is compared with the `capacity` in its unit, against the `intensity` > 0. `band` is
-    "bootstrap" (studentised, right with a dozen motions too), "percentile" (of the same bootstrap:
-    too narrow with fewer than 40 motions), or "profile" (stripes of independent runs only).
+    The `demand` is compared with the `capacity` in its unit, against the `intensity` > 0.
     """
-    draw, how = _resample(table, {**DEFAULTS, **options})
-    return _fragility(table, draw, name, demand, capacity, intensity, band, **how)
+    draw, how = _resample(table, options)
+    return _fragility(table, draw, (name, demand, capacity, intensity), **how)
 
 
 def fragility_curves(
@@ -329,10 +355,10 @@ def fragility_curves(
 ) -> dict[Any, Fragility]:
     """Return a fragility curve for each value of a column, such as each ambient temperature.
 
-    The bootstrap draws the same motions for all of them, so that differences and ratios of what
-    they lead to have bands too.
+    The bootstrap draws the same motions for all curves, so that differences and ratios of their
+    results have bands too.
     """
-    draw, how = _resample(table, {**DEFAULTS, **options})
+    draw, how = _resample(table, options)
     labels = np.asarray(column(table, by), dtype=object)
     values = list(dict.fromkeys(labels.tolist()))
     if all(isinstance(value, int | float) for value in values):
@@ -343,14 +369,15 @@ def fragility_curves(
         name = f"{value:g}" if isinstance(value, float) else str(value)
         what = name, demand, capacity, intensity
         try:
-            found[value] = _fragility(table[mine], draw.of(mine), *what, "bootstrap", **how)
+            found[value] = _fragility(table[mine], draw.of(mine), what, **how)
         except InputError as error:
             raise InputError(error.problems, f"{by} = {name}") from None
     return found
 
 
-def _resample(table: pd.DataFrame, options: dict[str, Any]) -> tuple[Draw, dict[str, Any]]:
+def _resample(table: pd.DataFrame, given: Options) -> tuple[Draw, dict[str, Any]]:
     """Return the bootstrap of options, and the other options."""
+    options = {**DEFAULTS, **given}
     groups = options.pop("groups")
     labels = table[groups].tolist() if groups is not None and groups in table else None
     draw = Draw.of_labels(labels, len(table), options.pop("samples"), options.pop("seed"))
@@ -360,54 +387,44 @@ def _resample(table: pd.DataFrame, options: dict[str, Any]) -> tuple[Draw, dict[
 def _fragility(
     table: pd.DataFrame,
     draw: Draw,
-    name: str,
-    demand: str,
-    capacity: float,
-    intensity: str,
-    band: Band,
+    what: tuple[str, str, float, str],
     *,
     method: Method,
     failed: Failed,
     curves: Sequence[str],
     level: float,
 ) -> Fragility:
+    name, demand, capacity, intensity = what
     check_level(level)
     if not (np.isfinite(capacity) and capacity > 0.0):
-        raise InputError(f"capacity = {capacity:g} is not above 0")
+        raise InputError(f"capacity = {capacity:g} must be greater than 0")
     if method not in get_args(Method):
-        raise InputError(f'method is "stripes", "ida" or "cloud", not {method!r}')
-    if band not in get_args(Band):
-        raise InputError(f'band is "bootstrap", "percentile" or "profile", not {band!r}')
-    if band == "profile" and method != "stripes":
-        raise InputError(f'band = "profile" is of stripes; of {method} take "bootstrap"')
+        raise InputError(f'method must be "stripes", "ida" or "cloud", not {method!r}')
     runs = counted(table, demand, failed)
     at = positive(runs.table, intensity)
     if len(np.unique(at)) < 2:
         raise InputError(
-            f"all runs have {intensity} = {at[0]:g}: a curve needs two intensities at least"
+            f"all runs have {intensity} = {at[0]:g}: a curve needs at least two intensities"
         )
     draw = draw.of(runs.kept)
     beyond = runs.demand >= capacity
     if method == "stripes":
-        estimate = stripes(at, beyond, draw, level if band == "profile" else None)
+        estimate = stripes(at, beyond, draw)
     elif method == "cloud":
         if (runs.demand <= 0.0).any():
-            raise InputError(f'column "{demand}" has values that have no logarithm')
+            raise InputError(f'column "{demand}" has values without a logarithm (0 or less)')
         estimate = cloud(at, runs.demand, capacity, draw)
     else:
         ida = _ida(runs, at, demand, intensity, curves)
         own = draw.groups[[curve.first for curve in ida.curves]]
         estimate = incremental(ida.crossings(capacity), own, draw)
-    if band == "bootstrap":
-        estimate = _studentised(estimate, draw, at, level)
     return Fragility(
         name=name,
         method=method,
         demand=demand,
         intensity=intensity,
         capacity=capacity,
-        estimate=estimate,
-        band=band,
+        parts=[(1.0, _studentised(estimate, draw, at, level))],
         level=level,
         runs=len(runs.table),
         counts=counts(at, beyond, intensity),

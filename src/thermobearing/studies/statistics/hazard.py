@@ -9,20 +9,15 @@ fragility it is
 
 the closed form of Cornell, C.A. (1996), Calculating building seismic performance reliability: a
 basis for multi-level design norms, 11th World Conference on Earthquake Engineering, paper 2122.
-
-Over a climate the fragility is the mean of the curves at some temperatures, each by its share of
-the time (total probability): the temperature of the day of an earthquake is independent of its
-size.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
@@ -135,7 +130,7 @@ class Rate:
         return float(-np.expm1(-self.rate * years))
 
 
-def annual_rate(curve: "Fragility | ClimateFragility", hazard: Hazard) -> Rate:
+def annual_rate(curve: Fragility, hazard: Hazard) -> Rate:
     """Return the annual rate of exceedance of a capacity: fragility and hazard integrated.
 
     Earthquakes beyond the last intensity of the hazard curve count with the probability there,
@@ -166,7 +161,7 @@ def annual_rate(curve: "Fragility | ClimateFragility", hazard: Hazard) -> Rate:
             f"than {100.0 * TOO_EARLY:g} % to the rate"
         )
     least = float(low[0]) if rate != 0.0 else 0.0
-    return Rate(rate, least, float(high[0]), family, tuple(notes), curve.groups)
+    return Rate(rate, least, float(high[0]), family, tuple(notes), curve.estimate.groups)
 
 
 def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, float]:
@@ -186,81 +181,6 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
         return float(each[-1]), np.nan, np.nan
     low, high = percentiles(known[:, None], widened(level, rate.groups))
     return float(each[-1]), float(low[0]), float(high[0])
-
-
-@dataclass(frozen=True)
-class ClimateFragility:
-    """Fragility over all temperatures of a site; `Fragility` describes the methods."""
-
-    parts: Mapping[float, Fragility]  # curve of each temperature [degC], from `fragilities`
-    shares: Floats  # of the time, of each; their sum is 1
-    name: str = "climate"  # of the climate
-    groups: int = field(init=False, default=0)  # that the bootstrap draws from
-    _used: list[tuple[float, Fragility]] = field(init=False, repr=False)  # share and curve
-    _known: bool = field(init=False, repr=False)  # every temperature that occurs has a curve
-
-    def __post_init__(self) -> None:
-        parts = list(self.parts.values())
-        shares = np.asarray(self.shares, dtype=float)
-        object.__setattr__(self, "shares", shares)
-        if len(shares) != len(parts) or (shares < 0.0).any() or abs(shares.sum() - 1.0) > 1e-9:
-            raise InputError("needs a share of the time for each temperature, 1 together")
-        if any(part.band != "bootstrap" for part in parts):
-            raise InputError('curves of a climate need bands by "bootstrap", of the same motions')
-        if len({len(part.estimate.others.place) for part in parts}) > 1:
-            raise InputError("curves of a climate need equally many bootstrap samples")
-        used = [(float(s), part) for s, part in zip(shares, parts, strict=True) if s > 0.0]
-        object.__setattr__(self, "_used", used)
-        object.__setattr__(self, "groups", used[0][1].groups)
-        # Curves where no run or every run exceeds the capacity are valid.
-        known = all(part.outcome != "not_rising" for _, part in used)
-        object.__setattr__(self, "_known", known)
-
-    def probability(self, intensity: Any) -> Floats:
-        """Return the probability of exceedance; NaN where a temperature has no curve.
-
-        A temperature at which no run went beyond counts with 0, one at which all did with 1.
-        """
-        at = np.atleast_1d(np.asarray(intensity, dtype=float))
-        if not self._known:
-            return np.full(len(at), np.nan)
-        return np.asarray(sum(s * part.estimate.probability(at) for s, part in self._used))
-
-    def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
-        """Return the exceedance probability for each bootstrap sample."""
-        parts = self._used
-        return np.asarray(sum(share * part.family(intensity, drawn=drawn) for share, part in parts))
-
-    def ends(self, values: Floats) -> tuple[Floats, Floats]:
-        """Return the ends of the band of what was computed from each curve of `family`."""
-        if not self._known:
-            nothing = np.full(values.shape[1:], np.nan)
-            return nothing, nothing
-        return percentiles(values, self._used[0][1].level)
-
-    def band_at(self, intensity: Any) -> tuple[Floats, Floats]:
-        """Return the ends of the band of the probability, at each intensity by itself."""
-        return self.ends(self.family(intensity))
-
-    @property
-    def sentence(self) -> str:
-        """How runs that failed count, and which temperatures have no curve."""
-        said = list(dict.fromkeys(part.sentence for _, part in self._used))
-        said += [f"{p.name}: {p.estimate.sentence}" for _, p in self._used if p.estimate.sentence]
-        return "; ".join(said)
-
-    def rates(self, hazard: Hazard) -> pd.DataFrame:
-        """Return the annual rate at each temperature, and its part of the total."""
-        rows = []
-        for (temperature, part), share in zip(self.parts.items(), self.shares, strict=True):
-            found = annual_rate(ClimateFragility({temperature: part}, np.ones(1)), hazard)
-            row = {"temperature_degC": temperature, "share": share, "rate": found.rate}
-            rows.append({**row, "rate_low": found.low, "rate_high": found.high})
-        table = pd.DataFrame(rows)
-        used = table["share"] > 0.0
-        total = (table["share"] * table["rate"])[used].sum(skipna=False)
-        table["part"] = np.where(used, table["share"] * table["rate"] / total, 0.0)
-        return table
 
 
 def shares_of_time(levels: Sequence[float], temperatures: Any) -> Floats:

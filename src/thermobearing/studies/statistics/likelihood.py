@@ -1,6 +1,6 @@
-"""The estimators behind a fragility curve: stripes, capacities of single motions, a cloud.
+"""Estimators of a fragility curve: stripes, capacities of single motions, a cloud.
 
-Each gives the curve, and that of every bootstrap sample; `fragility` has the sources.
+Each returns the curve and those of all bootstrap samples; `fragility` cites the methods.
 
 The likelihood of z of n runs beyond a capacity at each of some intensities is that of Baker
 (2015), Eq. 11: binomial terms with P = Phi(ln(im/theta)/beta). With slope b = 1/beta and intercept
@@ -29,7 +29,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.special import chdtri, expit, log_expit, log_ndtr, ndtr, ndtri
+from scipy.special import expit, log_expit, log_ndtr, ndtr, ndtri
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats, Ints
@@ -44,8 +44,6 @@ FLAT = 1e-6  # slope of a curve that does not rise
 UNREACHED = 0.6  # dispersion that bounds a capacity that no motion reached; chosen
 ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
 STEEPEST = 3.0  # dispersion of an estimate over that of a bootstrap curve; chosen, as of 6 motions
-RAYS = 240  # on which the edge of a likelihood region is looked for
-BISECTIONS = 30
 SAME = 1e-12  # logarithms that differ by less are the same but for rounding
 MOST_STRIPES = 200  # more intensities are put into so many classes, equally filled
 MORE_BETWEEN = (
@@ -245,41 +243,6 @@ def unreached(largest: Floats, shares: Floats) -> Curves:
     return Curves(np.interp(np.log(shares), none, place), np.full(len(shares), 1.0 / UNREACHED))
 
 
-def _likelihood_edge(im: Floats, yes: Floats, no: Floats, best: Curves, drop: float) -> Curves:
-    """Return curves on the edge of the region where the log-likelihood is lower by `drop`.
-
-    The region is convex, so that the largest and smallest value of a number on its edge are the
-    ends of the interval by profile likelihood of that number (half of a chi-squared quantile with
-    one degree of freedom as `drop`: Venzon & Moolgavkar 1988, Applied Statistics 37: 87-94).
-    """
-    x = np.log(im) - best.place[0]
-    b = float(best.slope[0])
-    _, _, _, _, bend_up, bend_down = _terms(b * x, "probit")
-    weight = yes * bend_up + no * bend_down
-    bend = np.array(
-        [[weight.sum(), (weight * x).sum()], [(weight * x).sum(), (weight * x**2).sum()]]
-    )
-    # Where the region is an ellipse its edge is at sqrt(2 drop) on every ray.
-    turned = np.linalg.inv(np.linalg.cholesky(bend)).T
-    angle = np.linspace(0.0, 2.0 * np.pi, RAYS, endpoint=False)
-    ray = turned @ np.array([np.cos(angle), np.sin(angle)])
-    least = _likelihood(b * x, yes, no) - drop
-
-    def _inside(far: Floats) -> Bools:
-        score = (far * ray[0])[:, None] + (b + far * ray[1])[:, None] * x
-        return np.asarray(_likelihood(score, yes, no) >= least)
-
-    near, far = np.zeros(RAYS), np.full(RAYS, np.sqrt(2.0 * drop))
-    while (still := _inside(far)).any():
-        near, far = np.where(still, far, near), np.where(still, 2.0 * far, far)
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (near + far)
-        still = _inside(middle)
-        near, far = np.where(still, middle, near), np.where(still, far, middle)
-    slope = np.maximum(b + near * ray[1], FLAT)
-    return Curves(best.place[0] - near * ray[0] / slope, slope)
-
-
 def _fit_capacities(
     reached: Floats, at: Floats, weight_reached: Floats, weight_at: Floats
 ) -> Curves:
@@ -336,16 +299,16 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
 
 @dataclass(frozen=True)
 class Estimate:
-    """A curve, and what its band is made of."""
+    """A curve, and the curves that its band is made of."""
 
-    best: Curves  # the likeliest curve
-    others: Curves  # those of the bootstrap, or on the edge of the likelihood region
-    # logistic curves of the share of collapse, of both; None without
+    best: Curves  # the most likely curve
+    others: Curves  # of the bootstrap
+    # logistic curves of the probability of collapse, of both; None without
     collapse: Curves | None = None
     collapses: Curves | None = None
     outcome: str = COMPLETED  # "completed", or why there is no curve
-    sentence: str = ""  # likewise, and what to try
-    # the same with the curves of the bootstrap as it drew them, where `others` are pivots
+    sentence: str = ""  # the same in words, and what to try
+    # the estimate with the curves as the bootstrap drew them, where `others` are pivots
     drawn: "Estimate | None" = None
     groups: int = 0  # that the bootstrap draws from; 0 where it does not matter
 
@@ -355,11 +318,11 @@ class Estimate:
         return self.outcome == COMPLETED
 
     def probability(self, intensity: Floats) -> Floats:
-        """Return the probability of exceedance by the curve, at intensities."""
+        """Return the probability of exceedance at intensities."""
         return np.asarray(_with_collapse(self.best, self.collapse, intensity)[0])
 
-    def probabilities(self, intensity: Floats) -> Floats:
-        """Return those of all curves that the band is made of: shape (curves, intensities)."""
+    def family(self, intensity: Floats) -> Floats:
+        """Return that of all curves of the band: shape (curves, intensities)."""
         return _with_collapse(self.others, self.collapses, intensity)
 
 
@@ -414,20 +377,12 @@ def _counted(
     return levels, yes, no, again[:, :size], again[:, size:]
 
 
-def stripes(at: Floats, beyond: Bools, draw: Draw, level: float | None = None) -> Estimate:
-    """Return the likeliest lognormal curve through counts.
-
-    `at` and `beyond` have an entry for each run. With `level` the band is by profile likelihood
-    instead of the bootstrap.
-    """
+def stripes(at: Floats, beyond: Bools, draw: Draw) -> Estimate:
+    """Return the most likely lognormal curve of counts, from an entry for each run."""
     levels, yes, no, again, but = _counted(at, beyond, draw)
     best = _fit_curves(levels, yes, no)
     outcome, sentence = _why_not(levels, yes[0], no[0], best)
-    if level is not None and outcome == COMPLETED:
-        others = _likelihood_edge(levels, yes[0], no[0], best, 0.5 * float(chdtri(1, 1.0 - level)))
-    else:
-        others = _fit_curves(levels, again, but)
-    return Estimate(best, others, outcome=outcome, sentence=sentence)
+    return Estimate(best, _fit_curves(levels, again, but), outcome=outcome, sentence=sentence)
 
 
 def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str, str]:
