@@ -44,7 +44,7 @@ def test_cycles_of_a_fit_are_absolute(fit: tb.Identification) -> None:
     assert (line / drawn - 1.0)[np.isfinite(line)] == pytest.approx(told, abs=1e-12)
     assert np.nanmax(test) == pytest.approx(fit.records[1].force.max(), rel=0.07)
     errors = [cycle.errors["energy_error"] for one in fit.fits for cycle in one.loops]
-    text = f"model off by {100.0 * min(errors):+.1f} to {100.0 * max(errors):+.1f} %"
+    text = f"model error {100.0 * min(errors):+.1f} to {100.0 * max(errors):+.1f} %"
     assert text.replace("-", "−") in energy.get_title(loc="left")
 
 

@@ -13,11 +13,12 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import command, write_test
+from thermobearing.identify.comparison import Comparison
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
-from thermobearing.identify.records.cycles import compare_largest_loops, compare_loops
+from thermobearing.identify.records.cycles import compare_largest_loop, compare_loops
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.validate.result import BEYOND, REPORTED, WITHIN, CrossValidation, Validation
-from thermobearing.validate.run import cross_validate, rise_errors, split_tests
+from thermobearing.validate.run import cross_validate, split_tests
 
 HDR = "shen-hdr-specimen"
 TEST = tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None)
@@ -191,7 +192,7 @@ def test_figures(folded: CrossValidation, tmp_path: Path, monkeypatch: pytest.Mo
         lambda figures, _, **how: drawn.extend(figures) or [],
     )
     folded.save(tmp_path / "out")
-    of_tests = [f"held_out_{name}" for name in ("loops", "ratios", "cycles", "residuals")]
+    of_tests = [f"held_out_{name}" for name in ("ratios", "cycles", "loops", "residuals")]
     of_fit = ["loops", "residuals", "convergence", "correlation", "cycles"]
     assert drawn == [*of_fit, "folds", *of_tests]
 
@@ -319,7 +320,7 @@ def test_measures_of_loops_whose_answer_is_known() -> None:
     force = np.where(record.force > 0.0, 1.5, 0.5) * record.force
     loops = compare_loops(record, force)
     assert [loop.number for loop in loops] == [1, 1, 2, 1]
-    top = compare_largest_loops(record, force, loops)
+    top = compare_largest_loop(record, force, loops)
     assert top is loops[1]  # the first of equals
     assert top.displacement_max == pytest.approx(40.0)
     assert top.displacement_min == pytest.approx(-40.0)
@@ -330,7 +331,7 @@ def test_measures_of_loops_whose_answer_is_known() -> None:
     assert top.ratios["F+"] == pytest.approx(1.5)
     assert top.ratios["F-"] == pytest.approx(0.5)
     assert top.ratios["K_eq"] == pytest.approx(1.0)
-    assert compare_largest_loops(sines((0.0,)), force, []) is None
+    assert compare_largest_loop(sines((0.0,)), force, []) is None
 
 
 def test_the_largest_loop_may_be_no_full_cycle() -> None:
@@ -342,7 +343,7 @@ def test_the_largest_loop_may_be_no_full_cycle() -> None:
     x[4001:], force[4001:] = 0.5 * x[4001:], 0.5 * force[4001:]
     record = replace(record, displacement=x, force=force)  # 5, 20, -40, 30, -30
     loops = compare_loops(record, force)
-    top = compare_largest_loops(record, force, loops)
+    top = compare_largest_loop(record, force, loops)
     assert top is not None
     assert (top.first, top.last) == pytest.approx((half, 5000), abs=1)
     assert (top.cycle, top.number) == (0, 0)
@@ -356,8 +357,8 @@ def test_rise_errors_in_time() -> None:
     rise = np.linspace(0.0, 10.0, len(record.time))
     record = replace(record, temperatures={"T": 20.0 + rise})
     model = Prediction(record.force, {"T": -5.0 + 1.2 * rise})
-    error = rise_errors(record, model)["T"]
-    assert error == pytest.approx(0.02 * rise)  # of the largest rise, not of that so far
+    item = Comparison(record, HDR, "multi-layer", 50.0, model)
+    assert item.errors["temperature"] == pytest.approx(0.2)  # of the largest rise
 
 
 def test_any_history_will_do(record: TestRecord) -> None:

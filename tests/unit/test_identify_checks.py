@@ -12,12 +12,12 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.border.errors import InputError
-from thermobearing.identify.figures import check_figure
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.synthetic import synthetic_record
 from thermobearing.identify.records import treatment
 from thermobearing.identify.records.checks import CheckReport, check_test
 from thermobearing.identify.records.cycles import estimate_noise
+from thermobearing.identify.records.figures import draw_record
 from thermobearing.identify.records.record import (
     ASSUMED_AMBIENT,
     TestRecord,
@@ -455,7 +455,7 @@ def test_spikes_are_found_one_by_one(spiky: tuple[TestRecord, list[int]]) -> Non
     assert "10 spikes in the force, the largest 3" in said_treatment(report, "warning", "spikes")
     assert "despike = true" in said_treatment(report, "warning", "spikes")
     assert "offset" not in {finding.check for finding in report.findings}
-    assert "dots: spikes" in check_figure(report).axes[0].get_title(loc="left")
+    assert "crosses: 10" in draw_record(report).axes[1].get_title(loc="left")
 
 
 def test_spikes_of_the_displacement(record: TestRecord) -> None:

@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.cli import app
+from thermobearing.identify.records.figures import _time_axis
 from thermobearing.identify.records.record import load_test
-from thermobearing.intake.figures import time_axis
 
 BEARING = "shen-hdr-specimen"
 Floats = NDArray[np.float64]
@@ -233,7 +233,7 @@ def test_rests_do_not_fill_the_picture(tmp_path: Path) -> None:
     """Four rests of 75 s beside loadings of 40 s had two thirds of its time axis; a rest of an
     hour all of it."""
     (found,) = tb.take_in(laboratory(tmp_path / "lab.csv")).files
-    axis = time_axis(found)
+    axis = _time_axis(found.report)
     rests = [s for s in axis.stretches if s.rest]
     assert len(rests) == 4
     assert sum(s.width for s in rests) < 0.5 * axis.end

@@ -15,15 +15,14 @@ from thermobearing.bearing.model import Bearing, TemperatureLaw
 from thermobearing.bearing.plausible import implausible
 from thermobearing.bearing.scaling import compound_of
 from thermobearing.border.deprecated import renamed
-from thermobearing.border.errors import printable
 from thermobearing.border.toml import sourced_toml, to_table, with_sources
 from thermobearing.core.records import Floats
+from thermobearing.identify.comparison import Comparison, cycles_frame, unused_columns
 from thermobearing.identify.fit.forward import Prediction
 from thermobearing.identify.fit.parameters import M_T, N_T, ParameterSet
 from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.start import Sensitivity
 from thermobearing.identify.records.checks import CheckReport
-from thermobearing.identify.records.cycles import Loop, compare_largest_loops, compare_loops
 from thermobearing.identify.records.record import TestRecord, record_conditions
 from thermobearing.identify.uncertainty.covariance import Uncertainty
 from thermobearing.quantities.tables import Table
@@ -50,7 +49,6 @@ AVERAGED = (
 )
 LATER = "they had no weight; the bearing is that of the later ones, and too soft in a first cycle"
 ENERGY = 0.15  # error of a cycle's energy that is reported
-LEAST_RISE = 0.5  # [K]: relative errors of less mean nothing
 OF_ESTIMATE = ["stderr", "stderr_of_tests", "lower", "upper", "at_bound"]  # in summary.json
 OF_ESTIMATE += ["determined", "well_determined"]
 SENTENCES = {
@@ -60,109 +58,30 @@ SENTENCES = {
 }
 
 
-@dataclass(frozen=True)
-class RecordFit:
-    """Agreement of the model with one record."""
-
-    record: TestRecord
-    R2: float  # coefficient of determination of the force, Eq. 4.38
-    NRMSE: float  # root mean square error of the force over the largest force of the test
-    loops: list[Loop]  # each full cycle in the test and in the model
-    thermocouples: list[dict[str, Any]]  # rows of thermocouples.csv
-
-    def _summary(self, rubber: float) -> dict[str, Any]:
-        """Return what summary.json says of the record; `rubber` is the total thickness [mm]."""
-        record = self.record
-        return {
-            "name": record.name,
-            "file": record.file,
-            "ambient_degC": record.ambient,
-            "R2": self.R2,
-            "NRMSE": self.NRMSE,
-            "temperature_error": {  # of the rise, Eq. 4.39
-                row["thermocouple"]: abs(row["rise_model_K"] - row["rise_test_K"])
-                / row["rise_test_K"]
-                for row in self.thermocouples
-                if row["rise_error"] is not None
-            },
-            "unused_columns": list(record.unused),
-            "cycles": [
-                {"cycle": loop.cycle, "number": loop.number}
-                | {"amplitude_strain": loop.amplitude / rubber}
-                | loop.errors
-                for loop in self.loops
-            ],
-            "conditions": record_conditions(record, rubber),
-        }
-
-    @property
-    def _virgin(self) -> str:
-        """A sentence if first cycles are stronger than heating explains; else ""."""
-        first = [loop.errors["force_max_error"] for loop in self.loops if loop.number == 1]
-        later = [loop.errors["force_max_error"] for loop in self.loops if loop.number > 1]
-        stiffer = float(np.mean(later)) - float(np.mean(first)) if first and later else 0.0
-        if stiffer <= FIRST_CYCLE:
-            return ""
-        said = (
-            f"{self.record.name}: first cycles are {stiffer:.0%} stronger in the test than later "
-        )
-        said += "ones beyond what heating explains (scragging); "
-        return said + (AVERAGED if self.record.first_cycle_weight else LATER)
-
-    @property
-    def _warnings(self) -> list[str]:
-        """What the residuals say about the law itself; of virgin rubber that alone."""
-        said, name = [self._virgin] if self._virgin else [], self.record.name
-        if self.R2 < POOR_R2:
-            said.append(f"{name}: R2 = {self.R2:.3f} is poor for this law, NRMSE {self.NRMSE:.1%}")
-        worst = max((abs(loop.errors["energy_error"]) for loop in self.loops), default=0.0)
-        if worst > ENERGY and not self._virgin:
-            said.append(f"{name}: the energy of a cycle is off by up to {worst:.0%}")
-        return said
-
-
-def determination(measured: Floats, model: Floats) -> float:
-    """Return the coefficient of determination R^2 (contribution rate), Eq. 4.38."""
-    left = float(np.sum((model - measured) ** 2))
-    return 1.0 - left / float(np.sum((measured - measured.mean()) ** 2))
-
-
-def _fit_of_record(record: TestRecord, prediction: Prediction) -> RecordFit:
-    """Return the agreement of a record with the model at its samples."""
-    error = float(np.sqrt(np.mean((prediction.force - record.force) ** 2)))
-    return RecordFit(
-        record=record,
-        R2=determination(record.force, prediction.force),
-        NRMSE=error / record.peak_force,
-        loops=compare_loops(record, prediction.force),
-        thermocouples=thermocouple_rows(record, prediction),
+def _virgin_warning(fit: Comparison) -> str:
+    """Return a sentence if first cycles are stronger than heating explains; else ""."""
+    first = [loop.errors["force_max_error"] for loop in fit.loops if loop.number == 1]
+    later = [loop.errors["force_max_error"] for loop in fit.loops if loop.number > 1]
+    stiffer = float(np.mean(later)) - float(np.mean(first)) if first and later else 0.0
+    if stiffer <= FIRST_CYCLE:
+        return ""
+    return (
+        f"{fit.record.name}: the first cycles of the test are {stiffer:.0%} stronger than the "
+        "later ones, more than heating explains (scragging); "
+        + (AVERAGED if fit.record.first_cycle_weight else LATER)
     )
 
 
-def thermocouple_rows(record: TestRecord, prediction: Prediction) -> list[dict[str, Any]]:
-    """Return a row of thermocouples.csv for each thermocouple, the model compared with the test.
-
-    `rise_error` is that of the largest rise (Eq. 4.39 with its sign), None where the test rises by
-    less than half a kelvin.
-    """
-    rows = []
-    for title, test in record.temperatures.items():
-        model = prediction.temperatures[title]
-        rise, modelled = float(test.max() - test[0]), float(model.max() - model[0])
-        rows.append(
-            {
-                "thermocouple": title,
-                "place": record.places[title],
-                "start_test_degC": float(test[0]),
-                "highest_test_degC": float(test.max()),
-                "highest_model_degC": float(model.max()),
-                "rise_test_K": rise,
-                "rise_model_K": modelled,
-                "rise_error": modelled / rise - 1.0 if rise > LEAST_RISE else None,
-                "rms_difference_K": float(np.sqrt(np.mean((model - test) ** 2))),
-            }
-        )
-    return rows
+def _fit_warnings(fit: Comparison) -> list[str]:
+    """Return what the residuals say about the law itself; for virgin rubber only that."""
+    virgin, name = _virgin_warning(fit), fit.record.name
+    said = [virgin] if virgin else []
+    if fit.R2 < POOR_R2:
+        said.append(f"{name}: the agreement is poor (R2 = {fit.R2:.3f}, NRMSE {fit.NRMSE:.1%})")
+    worst = max((abs(loop.errors["energy_error"]) for loop in fit.loops), default=0.0)
+    if worst > ENERGY and not virgin:
+        said.append(f"{name}: the error of the energy of a cycle is up to {worst:.0%}")
+    return said
 
 
 @dataclass(frozen=True, repr=False)
@@ -244,20 +163,18 @@ class Identification(Result):
         return self.pset.values(self.cube)
 
     @cached_property
-    def fits(self) -> list[RecordFit]:
-        """Agreement with each record."""
-        return [*map(_fit_of_record, self.records, self.predictions)]
+    def fits(self) -> list[Comparison]:
+        """The comparison of each test with the calibrated model."""
+        name, rubber = self.bearing.name, self.bearing.total_rubber_thickness
+        return [
+            Comparison(record, name, "identified", rubber, prediction)
+            for record, prediction in zip(self.records, self.predictions, strict=True)
+        ]
 
     @cached_property
     def cycles(self) -> pd.DataFrame:
         """One row for each cycle of each test: test, model and ratios, as of a validation."""
-        rows = []
-        for fit, prediction in zip(self.fits, self.predictions, strict=True):
-            largest = compare_largest_loops(fit.record, prediction.force, fit.loops)
-            whose = {"test": fit.record.name, "ambient_degC": fit.record.ambient}
-            whose |= {"bearing": self.bearing.name, "model": "identified"}
-            rows += [whose | loop.row(largest=loop is largest) for loop in fit.loops]
-        return pd.DataFrame(rows)
+        return cycles_frame(self.fits)
 
     @property
     def thermocouples(self) -> list[dict[str, Any]]:
@@ -288,8 +205,8 @@ class Identification(Result):
     def warnings(self) -> list[str]:
         """Warnings about the validity of the result."""
         said = [f.sentence for check in self.checks for f in check.findings if f.level != "note"]
-        said = [warning for fit in self.fits for warning in fit._warnings] + said
-        if not any(fit._virgin for fit in self.fits):  # which is the cause of the misfit
+        said = [warning for fit in self.fits for warning in _fit_warnings(fit)] + said
+        if not any(map(_virgin_warning, self.fits)):  # which is the cause of the misfit
             said = self.uncertainty.misfit + said
         said += self.uncertainty.warnings
         said += [f"the fitted bearing has {sentence}" for sentence in implausible(self.bearing)]
@@ -314,18 +231,12 @@ class Identification(Result):
 
     def notes(self) -> list[str]:
         """Columns of the tests that are not used, and warnings of the forecast."""
-        unused = [
-            printable(f"{record.name}: columns not used: {', '.join(record.unused)}")
-            for record in self.records
-            if record.unused
-        ]
         ahead = self.forecast.warnings if self.forecast else ()
-        return [*dict.fromkeys(unused), *(f"warning: {text}" for text in ahead)]
+        return [*unused_columns(self.records), *(f"warning: {text}" for text in ahead)]
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json: parameters, measures of each record, warnings."""
         estimates = self.uncertainty.estimates
-        rubber = self.bearing.total_rubber_thickness
         summary = {
             "command": "identify",
             "version": thermobearing.__version__,
@@ -356,11 +267,7 @@ class Identification(Result):
                 for item in self.sensitivity
             },
             "assumed": [item.summary() for item in self.uncertainty.assumed.evidence],
-            "records": [
-                fit._summary(rubber)
-                | {"treatment": check.treatment.summary() if check.treatment else None}
-                for fit, check in zip(self.fits, self.checks, strict=True)
-            ],
+            "records": [*map(_record_summary, self.fits, self.checks)],
             "poor": self.poor,
             "thermocouples": self.thermocouples,
             "correlation": {
@@ -430,6 +337,32 @@ class Identification(Result):
             without_formulas(pd.DataFrame(rows)).to_csv(folder / THERMOCOUPLES, index=False)
 
 
+def _record_summary(fit: Comparison, check: CheckReport) -> dict[str, Any]:
+    """Return the content of summary.json about a test."""
+    record = fit.record
+    return {
+        "name": record.name,
+        "file": record.file,
+        "ambient_degC": record.ambient,
+        "R2": fit.R2,
+        "NRMSE": fit.NRMSE,
+        "temperature_error": {  # of the rise, Eq. 4.39
+            row["thermocouple"]: abs(row["rise_model_K"] - row["rise_test_K"]) / row["rise_test_K"]
+            for row in fit.thermocouples
+            if row["rise_error"] is not None
+        },
+        "unused_columns": list(record.unused),
+        "cycles": [
+            {"cycle": loop.cycle, "number": loop.number}
+            | {"amplitude_strain": loop.amplitude / fit.rubber}
+            | loop.errors
+            for loop in fit.loops
+        ],
+        "conditions": record_conditions(record, fit.rubber),
+        "treatment": check.treatment.summary() if check.treatment else None,
+    }
+
+
 def _bearing_table(found: "Identification") -> dict[str, Any]:
     """Return the fitted bearing as the table of a library file, each number with its source."""
     bearing, tested = found.bearing, found.bearing.tested_range
@@ -486,16 +419,5 @@ def _sources(found: "Identification", tests: str) -> dict[str, str]:
 
 def _fit_table(found: "Identification") -> pd.DataFrame:
     """Return tests and model sample by sample: number of the record, s, mm, kN, degC."""
-    frames, tests = [], zip(found.records, found.predictions, strict=True)
-    for number, (record, prediction) in enumerate(tests):
-        columns: dict[str, Any] = {
-            "record": number,
-            "time_s": record.time,
-            "displacement_mm": record.displacement,
-            "force_kN": record.force,
-            "model_force_kN": prediction.force,
-        }
-        for title, values in record.temperatures.items():
-            columns |= {title: values, f"model_{title}": prediction.temperatures[title]}
-        frames.append(pd.DataFrame(columns))
+    frames = (pd.DataFrame({"record": k, **fit.samples}) for k, fit in enumerate(found.fits))
     return pd.concat(frames)

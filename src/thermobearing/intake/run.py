@@ -19,7 +19,6 @@ from thermobearing.border.text_file import file_names
 from thermobearing.core.records import Floats
 from thermobearing.identify.records.checks import CheckReport, check_test
 from thermobearing.identify.records.record import TestRecord, build_record
-from thermobearing.identify.records.treatment import Treatment
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.results.base import COMPLETED, Result
@@ -31,6 +30,8 @@ from thermobearing.tables.text import SEPARATORS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from thermobearing.identify.records.figures import RecordFigures
 
 FEWEST = 10  # smallest number of rows of a test
 TABLES = ("columns", "units", "thermocouples")
@@ -56,21 +57,15 @@ class Intake:
     kept: list[str] = field(default_factory=list)  # keys that came from the sidecar
     ambient: Floats | None = None  # samples of the column [degC], where there is one
 
-    @property
-    def treatment(self) -> Treatment | None:
-        """Rests, spikes and drift; None if the record is not a test."""
-        return self.report.treatment
-
-    @property
-    def ambient_is_assumed(self) -> bool:
-        """Return whether the ambient temperature is assumed."""
-        return "ambient" in self.sidecar and "ambient" not in self.kept
-
     def plot(self) -> "Figure":
         """Return the figure: histories with findings, loops, temperatures."""
-        from thermobearing.intake.figures import draw_intake
+        from thermobearing.identify.records.figures import draw_record
 
-        return draw_intake(self)
+        return draw_record(self.report, self.ambient, assumed=self._ambient_is_assumed)
+
+    @property
+    def _ambient_is_assumed(self) -> bool:
+        return "ambient" in self.sidecar and "ambient" not in self.kept
 
     def table(self) -> Table:
         """The recognised quantity of each column, with a caption about the file."""
@@ -93,7 +88,8 @@ class Intake:
         return Table(printable(caption), HEADS, rows, keys=len(HEADS))
 
     def summary(self) -> dict[str, Any]:
-        """Content of summary.json about the file."""
+        """Return the content of summary.json about the file."""
+        treatment = self.report.treatment
         return {
             "file": str(self.file),
             **{k: getattr(self, k) for k in ("sheet", "separator", "decimal", "rows", "blocks")},
@@ -101,7 +97,7 @@ class Intake:
             "columns": [vars(column) for column in self.columns],
             "unused_columns": list(self.record.unused),
             "findings": [vars(finding) for finding in self.report.findings],
-            "treatment": self.treatment.summary() if self.treatment else None,
+            "treatment": treatment.summary() if treatment else None,
             "sidecar": self.sidecar,
         }
 
@@ -137,7 +133,7 @@ class Intake:
 
     def _suggestions(self) -> list[str]:
         """Optional keys, as comments."""
-        treatment = self.treatment
+        treatment = self.report.treatment
         spikes = treatment is not None and any(s.any() for s in treatment.spikes.values())
         drifting = list(treatment.drifts) if treatment is not None else []
         which = drifting[0] if len(drifting) == 1 else "both"
@@ -146,7 +142,7 @@ class Intake:
                 "bearing" not in self.sidecar
             ),
             "# rest_before: pause before each block": ("blocks" in self.sidecar),
-            "# ambient: not in any column; correct it": self.ambient_is_assumed,
+            "# ambient: not in any column; correct it": self._ambient_is_assumed,
             "# despike = true  # remove the spikes": spikes,
             f'# detrend = "{which}"  # take the drift out': bool(drifting),
         }
@@ -165,7 +161,7 @@ def _seen_from(folder: Path, file: Path) -> str:
 class Intakes(Result):
     """The findings in several files; `problems` states why others could not be read."""
 
-    _figures = "IntakeFigures"
+    _figures = "RecordFigures"
 
     files: list[Intake]
     problems: list[str] = field(default_factory=list)
@@ -176,9 +172,17 @@ class Intakes(Result):
         return "files_left_out" if self.problems else COMPLETED
 
     @property
-    def names(self) -> list[str]:
+    def _names(self) -> list[str]:
         """Names of the files of sidecars and figures."""
         return file_names(item.file.stem for item in self.files)
+
+    @property
+    def plot(self) -> "RecordFigures":
+        """Figures of the files, by name."""
+        from thermobearing.identify.records.figures import RecordFigures
+
+        draw = [item.plot for item in self.files]
+        return RecordFigures(dict(zip(self._names, draw, strict=True)))
 
     @property
     def table(self) -> pd.DataFrame:
@@ -230,7 +234,7 @@ class Intakes(Result):
 
     def _write(self, folder: Path) -> None:
         (folder / SIDECARS).mkdir()
-        for item, name in zip(self.files, self.names, strict=True):
+        for item, name in zip(self.files, self._names, strict=True):
             text = item._sidecar_text(folder / SIDECARS)
             (folder / SIDECARS / f"{name}.toml").write_text(text, encoding="utf-8")
 
@@ -339,7 +343,7 @@ def _file_keys(readings: Readings, parts: int) -> dict[str, Any]:
     name = found.file.name
     if len(found.alike) > 1:
         blocks: list[dict[str, Any]] = [{"file": name, "sheet": sheet} for sheet in found.alike]
-    elif parts > 1 and any("restarts in each block" in text for text in readings.assumptions):
+    elif readings.clock_restarts:
         blocks = [{"file": name, "part": part} for part in range(1, parts + 1)]
     else:
         return {"file": name} | ({"sheet": found.sheet.name} if found.sheet.name else {})

@@ -138,6 +138,7 @@ class Readings:
     given: dict[str, Any] = field(default_factory=dict)  # the keys of the sidecar
     assumptions: list[str] = field(default_factory=list)  # what the file did not state
     unused: list[str] = field(default_factory=list)  # titles of unused columns
+    clock_restarts: bool = False  # in each block: pauses between them are unknown
 
     @property
     def displacement(self) -> Floats:
@@ -217,7 +218,8 @@ class _Reader:
             parts += some
             joins += [(file, block.rest_before)] + [(file, 0.0)] * (len(some) - 1)
             recognised.append(found)
-        if _one_line_of_time(parts, joins):
+        clock_restarts = _one_line_of_time(parts, joins)
+        if clock_restarts:
             self.assumptions.append(
                 "the clock of the file restarts in each block: no pause assumed between them; "
                 "give rest_before in blocks of the sidecar"
@@ -233,6 +235,7 @@ class _Reader:
             recognised=recognised[0],
             assumptions=list(dict.fromkeys(self.assumptions)),
             unused=list(dict.fromkeys(self.unused)),
+            clock_restarts=clock_restarts,
         )
 
     def _block(self, block: BlockFile, file: Path) -> tuple[list[Part], Recognised]:

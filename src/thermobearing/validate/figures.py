@@ -9,85 +9,43 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.figures import TEST, ComparisonFigures, model_name, name_test
 from thermobearing.results import drawing
-from thermobearing.validate.result import RATIOS, Comparison, CrossValidation, Validation
+from thermobearing.validate.result import RATIOS, CrossValidation, Validation
 
-TEST, FOLD = "#8a8f98", "#CC3311"
-BINS = 3000
+FOLD = "#CC3311"
 SPREAD = 0.2  # of the room of a test: between two models
 LEAST_SPAN = 2.0  # of an axis of errors, to either side of none [%]
 WORDS = {"K_eq": "stiffness K_eq", "h_eq": "damping h_eq"}
 
 
-class ValidationFigures(drawing.Figures):
+class ValidationFigures(ComparisonFigures):
     """Figures of a validation: `found.plot.loops()` and so on, each a matplotlib Figure."""
 
-    vector = True
-
     def __init__(self, found: Validation) -> None:
-        super().__init__(found)
+        super().__init__(found, found.comparisons, "Validation")
         self._limits = found.limits
-        self._done = [item for item in found.comparisons if item.prediction is not None]
-        self._names = list(dict.fromkeys(_name(item) for item in self._done))
-        colours = drawing.ordered_colours(max(len(self._names), 1), "turbo")
-        self._colours = dict(zip(self._names, colours, strict=False))
-        self._records = list({id(item.record): item.record for item in found.comparisons}.values())
 
-    def _of(self, record: TestRecord) -> list[tuple[Comparison, str]]:
-        """Return the comparisons of a test with a model that completed it, and their colours."""
-        return [(c, self._colours[_name(c)]) for c in self._done if c.record is record]
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return the function that draws each figure, by name of its file."""
+        return {"ratios": self.ratios, "cycles": self.cycles, **super().draw_all()}
 
-    def _legend(self, figure: Figure, *, test: bool = False, limits: bool = False) -> None:
-        shown = ({"test": TEST} if test else {}) | self._colours
-        handles = [Line2D([], [], color=c, linewidth=2.0, label=name) for name, c in shown.items()]
-        if limits and self._limits:
-            handles.append(Line2D([], [], label="within the limit", color=drawing.PALE, lw=7.0))
-        drawing.legend_below(figure, handles)
-
-    def loops(self) -> Figure:
-        """Draw the loops of each test, those of the models over them."""
-        columns = min(len(self._records), 3)
-        rows = -(-len(self._records) // columns)
-        size = (max(5.5, 1.0 + 3.4 * columns), 0.9 + 3.6 * rows)
-        figure, axes = drawing.panels(rows, columns, size, "tests and models, without calibration")
-        for ax, record in zip(axes, self._records, strict=False):
-            x = record.displacement
-            spans = float(np.ptp(x)), float(np.ptp(record.force))
-            lines = [(record.force, TEST, 1.0)]
-            lines += [(c.prediction.force, k, 0.7) for c, k in self._of(record) if c.prediction]
-            for force, colour, width in lines:
-                kept = drawing.thin_loops(x, force, *spans)
-                ax.plot(x[kept], force[kept], color=colour, linewidth=width)
-            drawing.name_axes(ax, "displacement [mm]", "force [kN]", _title(record))
-            end = self._tested_to(record)
-            drawing.shade_untested([ax], [(-end, end)])
-        for ax in axes[len(self._records) :]:
-            ax.set_visible(False)
-        self._legend(figure, test=True)
-        return figure
-
-    def _tested_to(self, record: TestRecord) -> float:
-        """Return the displacement [mm] of the largest calibrated strain if a test exceeds it."""
-        ends = [
-            row["largest"] / row["asked"] * record.peak_displacement
-            for item, _ in self._of(record)
-            for row in item.asked
-            if row["limit"] == "strain" and row["passed"] and row["asked"] > row["largest"]
-        ]
-        return min(ends, default=np.inf)
+    def _legend_of_limits(self, figure: Figure) -> None:
+        band = Line2D([], [], label="within the limit", color=drawing.PALE, linewidth=7.0)
+        self._legend(figure, *([band] if self._limits else []))
 
     def ratios(self) -> Figure:
         """Draw the error of the largest loop: a column for each measure (Figs. 5.11, 5.14)."""
         count = len(self._records)
         size = (drawing.WIDEST, 1.3 + max(0.22 * len(self._names), 0.35) * count)
-        figure, axes = drawing.panels(1, len(RATIOS), size, "largest loop: model error")
+        title = self._title("model error, largest loop")
+        figure, axes = drawing.panels(1, len(RATIOS), size, title)
         for ax, measure in zip(axes, RATIOS, strict=True):
             for place, record in enumerate(self._records):
                 for item, colour in self._of(record):
                     if item.largest is None:
                         continue
-                    number = self._names.index(_name(item))
+                    number = self._names.index(model_name(item))
                     at = place + (number - 0.5 * (len(self._names) - 1)) * SPREAD
                     off = [0.0, 100.0 * (item.largest.ratios[measure] - 1.0)]
                     look: drawing.Look = {"color": colour, "linewidth": 1.4, "ms": 4.5}
@@ -98,10 +56,10 @@ class ValidationFigures(drawing.Figures):
             ax.set_ylim(count - 0.5, -0.5)
             ax.set_yticks(range(count), [""] * count)
             ax.grid(False, axis="y")
-            drawing.name_axes(ax, "off [%]")
+            drawing.name_axes(ax, "error [%]")
         drawing.head_grid(axes, [WORDS.get(name, name) for name in RATIOS], [])
-        axes[0].set_yticks(range(count), [_title(r).replace(", ", "\n") for r in self._records])
-        self._legend(figure, limits=True)
+        axes[0].set_yticks(range(count), [name_test(r).replace(", ", "\n") for r in self._records])
+        self._legend_of_limits(figure)
         return figure
 
     def _shade_limit(self, ax: Axes, measure: str, along: Literal["x", "y"]) -> None:
@@ -116,7 +74,7 @@ class ValidationFigures(drawing.Figures):
         """Draw the error of every cycle: a column for each test, a row for each measure."""
         columns = len(self._records)
         size = (max(5.0, 1.0 + 2.6 * columns), 1.2 + 1.3 * len(RATIOS))
-        title = "every cycle: model error"
+        title = self._title("model error, every cycle")
         figure, axes = drawing.panels(len(RATIOS), columns, size, title, share="col")
         for number, ax in enumerate(axes):
             measure, record = RATIOS[number // columns], self._records[number % columns]
@@ -132,56 +90,10 @@ class ValidationFigures(drawing.Figures):
             foot, side = number // columns == len(RATIOS) - 1, number % columns == 0
             name = f"{WORDS.get(measure, measure)}\nerror [%]"
             drawing.name_axes(ax, "cycle" if foot else "", name if side else "")
-        drawing.head_grid(axes, [_title(record) for record in self._records], [])
+        drawing.head_grid(axes, [name_test(record) for record in self._records], [])
         figure.align_ylabels()
-        self._legend(figure, limits=True)
+        self._legend_of_limits(figure)
         return figure
-
-    def temperatures(self) -> Figure:
-        """Draw the thermocouples of the tests, and the models at their places, in time."""
-        some = [record for record in self._records if record.temperatures]
-        figure, axes = drawing.panels(len(some), 1, (9.0, 0.9 + 3.0 * len(some)), "temperatures")
-        for ax, record in zip(axes, some, strict=True):
-            for title, values in record.temperatures.items():
-                ax.plot(record.time, values, color=TEST, linewidth=1.2)
-                ax.annotate(title, (record.time[-1], values[-1]), fontsize=drawing.SMALL)
-                for item, colour in self._of(record):
-                    assert item.prediction is not None
-                    model = item.prediction.temperatures[title]
-                    ax.plot(record.time, model, color=colour, linewidth=0.8)
-            drawing.name_axes(ax, "time [s]", "temperature [degC]", _title(record))
-        self._legend(figure, test=True)
-        return figure
-
-    def residuals(self) -> Figure:
-        """Draw model less test over the samples, relative to the largest force of the test."""
-        count = len(self._records)
-        figure, axes = drawing.panels(count, 1, (9.0, 0.9 + 2.2 * count), "residuals")
-        for ax, record in zip(axes, self._records, strict=True):
-            for item, colour in self._of(record):
-                assert item.prediction is not None
-                off = 100.0 * (item.prediction.force - record.force) / record.peak_force
-                kept = drawing.thin(off, BINS)
-                ax.plot(kept, off[kept], color=colour, linewidth=0.5)
-            ax.axhline(0.0, color=drawing.INK, linewidth=0.8)
-            drawing.name_axes(ax, "sample", "model - test [% of peak]", _title(record))
-        self._legend(figure)
-        return figure
-
-    def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return the function that draws each figure, by name of its file."""
-        views = [self.loops, self.ratios, self.cycles, self.residuals]
-        if any(record.temperatures for record in self._records):
-            views.append(self.temperatures)
-        return {view.__name__: view for view in views}
-
-
-def _name(item: Comparison) -> str:
-    return f"{item.bearing}, {item.model}"
-
-
-def _title(record: TestRecord) -> str:
-    return f"{record.name}, {drawing.degrees(record.ambient)}"
 
 
 class CrossValidationFigures(drawing.Figures):

@@ -11,19 +11,15 @@ import pandas as pd
 
 import thermobearing
 from thermobearing.border.deprecated import renamed
-from thermobearing.border.errors import printable
-from thermobearing.core.records import Floats
-from thermobearing.identify.fit.forward import Prediction
-from thermobearing.identify.records.cycles import Loop
+from thermobearing.identify.comparison import NAN, Comparison, cycles_frame, unused_columns
 from thermobearing.identify.records.record import TestRecord, record_conditions
-from thermobearing.identify.result import Identification, thermocouple_rows
+from thermobearing.identify.result import Identification
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import FIT_TABLE, FOLDS, TABLE, THERMOCOUPLES
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
-from thermobearing.results.ranges import Row
 from thermobearing.results.writing import without_formulas, write_csv
 
 if TYPE_CHECKING:
@@ -46,95 +42,44 @@ QUANTITIES = {
 RATIOS = ("F+", "F-", "K_eq", "h_eq", "energy")  # of the largest loop, model over test
 WITHIN, BEYOND, REPORTED = "within", "beyond", "reported"
 FITTED, HELD_OUT = "fitted", "held out"
-NAN = float("nan")
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """One test compared with one bearing and model.
-
-    `outcome` is of the model's run, as of a cyclic test; `asked` are rows of `compared`. R2 is the
-    coefficient of determination of the force (Eq. 4.38), NRMSE its root mean square error over the
-    largest force of the test. `loops` are full cycles; `largest`, the loop with the largest
-    displacement, may be none of them. `temperature_errors` are those of the rise in time over the
-    largest rise of the test, by thermocouple.
-    """
-
-    bearing: str
-    model: str
-    record: TestRecord
-    outcome: str = COMPLETED
-    asked: list[Row] = field(default_factory=list)
-    rubber: float = 0.0
-    prediction: Prediction | None = None
-    R2: float = NAN
-    NRMSE: float = NAN
-    loops: list[Loop] = field(default_factory=list)
-    largest: Loop | None = None
-    temperature_errors: dict[str, Floats] = field(default_factory=dict)
-
-    @property
-    def errors(self) -> dict[str, float]:
-        """Largest error of each quantity over the cycles (or samples), signed; nan without any."""
-        names = {"K_eq": ("K_eq",), "h_eq": ("h_eq",), "energy": ("energy",), "force": ("F+", "F-")}
-        found = {
-            name: _worst([loop.ratios[side] - 1.0 for loop in self.loops for side in sides])
-            for name, sides in names.items()
-        }
-        warm = [np.zeros(0), *self.temperature_errors.values()]
-        found["temperature"] = _worst(np.concatenate(warm).tolist())
-        return found | {"NRMSE": self.NRMSE}
-
-    @property
-    def names(self) -> dict[str, Any]:
-        """What begins the row of a table."""
-        whose = {"test": self.record.name, "ambient_degC": self.record.ambient}
-        return whose | {"bearing": self.bearing, "model": self.model}
-
-    def thermocouples(self) -> list[dict[str, Any]]:
-        """Return rows of thermocouples in the test and in the model."""
-        return thermocouple_rows(self.record, self.prediction) if self.prediction else []
-
-    def summary(self, limits: Mapping[str, float]) -> dict[str, Any]:
-        """Return what summary.json holds of it."""
-        top = self.largest
-        largest = top and {
-            "cycle": top.cycle or None,
-            "D+_mm": top.displacement_max,
-            "D-_mm": top.displacement_min,
-            "test": top.test,
-            "model": top.model,
-            "ratio": top.ratios,
-        }
-        errors = {
-            name: {
-                "what": QUANTITIES[name],
-                "error": error if np.isfinite(error) else None,
-                "limit": limits.get(name),
-                "verdict": _verdict(limits, name, error),
-            }
-            for name, error in self.errors.items()
-        }
-        return self.names | {
-            "file": self.record.file,
-            "conditions": record_conditions(self.record, self.rubber),
-            "unused_columns": list(self.record.unused),
-            "thermocouples": self.thermocouples(),
-            "outcome": self.outcome,
-            "R2": self.R2 if np.isfinite(self.R2) else None,
-            "errors": errors,
-            "largest_loop": largest,
-        }
-
-
-def _worst(errors: list[float]) -> float:
-    return max(errors, key=abs) if errors else NAN
 
 
 def _verdict(limits: Mapping[str, float], name: str, error: float) -> str:
     if name not in limits or not np.isfinite(error):
         return REPORTED
     return WITHIN if abs(error) <= limits[name] else BEYOND
+
+
+def _comparison_summary(item: Comparison, limits: Mapping[str, float]) -> dict[str, Any]:
+    """Return the content of summary.json about a comparison."""
+    top = item.largest
+    largest = top and {
+        "cycle": top.cycle or None,
+        "D+_mm": top.displacement_max,
+        "D-_mm": top.displacement_min,
+        "test": top.test,
+        "model": top.model,
+        "ratio": top.ratios,
+    }
+    errors = {
+        name: {
+            "what": QUANTITIES[name],
+            "error": error if np.isfinite(error) else None,
+            "limit": limits.get(name),
+            "verdict": _verdict(limits, name, error),
+        }
+        for name, error in item.errors.items()
+    }
+    return item.names | {
+        "file": item.record.file,
+        "conditions": record_conditions(item.record, item.rubber),
+        "unused_columns": list(item.record.unused),
+        "thermocouples": item.thermocouples,
+        "outcome": item.outcome,
+        "R2": item.R2 if np.isfinite(item.R2) else None,
+        "errors": errors,
+        "largest_loop": largest,
+    }
 
 
 @dataclass(frozen=True, repr=False)
@@ -210,39 +155,13 @@ class Validation(Result):
     @cached_property
     def cycles(self) -> pd.DataFrame:
         """One row for each cycle of each test, bearing and model: test, model and ratios."""
-        rows = [
-            item.names | loop.row(largest=loop is item.largest)
-            for item in self.comparisons
-            for loop in item.loops
-        ]
-        return pd.DataFrame(rows)
+        return cycles_frame(self.comparisons)
 
     @cached_property
     def thermocouples(self) -> pd.DataFrame:
         """One row for each thermocouple of each test, bearing and model: test, model, errors."""
-        rows = [item.names | row for item in self.comparisons for row in item.thermocouples()]
+        rows = [item.names | row for item in self.comparisons for row in item.thermocouples]
         return pd.DataFrame(rows)
-
-    @property
-    def samples(self) -> pd.DataFrame:
-        """Tests and models sample by sample: force [kN], temperatures [degC]."""
-        frames = []
-        for item in self.comparisons:
-            record, model = item.record, item.prediction
-            columns: dict[str, Any] = {
-                "test": record.name,
-                "bearing": item.bearing,
-                "model": item.model,
-                "time_s": record.time,
-                "displacement_mm": record.displacement,
-                "force_kN": record.force,
-                "model_force_kN": model.force if model else NAN,
-            }
-            for title, values in record.temperatures.items():
-                columns[title] = values
-                columns[f"model_{title}"] = model.temperatures[title] if model else NAN
-            frames.append(pd.DataFrame(columns))
-        return pd.concat(frames, ignore_index=True)
 
     @property
     def verdict(self) -> str:
@@ -265,13 +184,11 @@ class Validation(Result):
 
     def notes(self) -> list[str]:
         """Unused columns of the tests, and the limits with the verdict."""
-        unused = [
-            printable(f"{item.record.name}: columns not used: {', '.join(item.record.unused)}")
-            for item in self.comparisons
-            if item.record.unused
-        ]
         limits = ", ".join(f"{name} {limit:.0%}" for name, limit in self.limits.items())
-        return [*dict.fromkeys(unused), f"limits: {limits}; verdict: {self.verdict}"]
+        return [
+            *unused_columns([item.record for item in self.comparisons]),
+            f"limits: {limits}; verdict: {self.verdict}",
+        ]
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json: limits, verdicts and measures of each comparison."""
@@ -285,7 +202,7 @@ class Validation(Result):
             "limits": self.limits,
             "warnings": self.warnings,
             **self._limits_summary(),
-            "comparisons": [item.summary(self.limits) for item in self.comparisons],
+            "comparisons": [_comparison_summary(item, self.limits) for item in self.comparisons],
         }
 
     def _write(self, folder: Path) -> None:
@@ -293,7 +210,12 @@ class Validation(Result):
         for name, table in tables.items():
             if len(table) or name != THERMOCOUPLES:
                 without_formulas(table).to_csv(folder / name, index=False)
-        write_csv(folder / FIT_TABLE, self.samples)
+        whose = ("test", "bearing", "model")
+        samples = [
+            pd.DataFrame({name: item.names[name] for name in whose} | item.samples)
+            for item in self.comparisons
+        ]
+        write_csv(folder / FIT_TABLE, pd.concat(samples, ignore_index=True))
 
 
 def errors_of_tests(table: pd.DataFrame, caption: str) -> Table:

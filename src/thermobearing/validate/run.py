@@ -21,18 +21,17 @@ from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.toml import to_table
 from thermobearing.border.units import is_number
-from thermobearing.core.records import Floats
 from thermobearing.identify.case import IdentifyCase, Test, make_identify_case
-from thermobearing.identify.fit.forward import ForwardModel, Prediction
+from thermobearing.identify.comparison import Comparison
+from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.records.checks import check_test
-from thermobearing.identify.records.cycles import compare_largest_loops, compare_loops
 from thermobearing.identify.records.record import TestRecord, load_test, reached_in
-from thermobearing.identify.result import Identification, determination
+from thermobearing.identify.result import Identification
 from thermobearing.identify.run import run_identify
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions
 from thermobearing.results.ranges import asked_of_tests, outside_tests
-from thermobearing.validate.result import QUANTITIES, Comparison, CrossValidation, Validation
+from thermobearing.validate.result import QUANTITIES, CrossValidation, Validation
 
 ASSUMED = ("assumed", "rubber")  # checks whose warnings a comparison repeats
 NOT_NEEDED = ("cycles", "sampling")  # checks of a fit that any history may fail
@@ -175,37 +174,11 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
     forward = ForwardModel(record, bearing, fine=True, options=options)
     found = forward.run()
     lead = found.lead if found else None
-    reached = reached_in(record, bearing.total_rubber_thickness, record.ambient, lead)
+    rubber = bearing.total_rubber_thickness
+    reached = reached_in(record, rubber, record.ambient, lead)
     name = f"{bearing.name}, {model}, {record.name}, {record.ambient:g} degC"
     asked = asked_of_tests(name, reached, calibration_ranges(bearing))
-    rubber = bearing.total_rubber_thickness
-    item = Comparison(bearing.name, model, record, forward.ended, asked, rubber)
-    if found is None:
-        return item
-    loops = compare_loops(record, found.force)
-    return replace(
-        item,
-        prediction=found,
-        R2=determination(record.force, found.force),
-        NRMSE=float(np.sqrt(np.mean((found.force - record.force) ** 2))) / record.peak_force,
-        loops=loops,
-        largest=compare_largest_loops(record, found.force, loops),
-        temperature_errors=rise_errors(record, found),
-    )
-
-
-def rise_errors(record: TestRecord, found: Prediction) -> dict[str, Floats]:
-    """Return the error of the rise in time by thermocouple, relative to the test's largest rise.
-
-    Eq. 4.39 with its sign, but its denominator is not the rise so far: half a kelvin at the start
-    of a test would be an error of 50 %. Thermocouples that do not rise are left out.
-    """
-    rises = {title: values - values[0] for title, values in record.temperatures.items()}
-    return {
-        title: (found.temperatures[title] - found.temperatures[title][0] - rise) / rise.max()
-        for title, rise in rises.items()
-        if rise.max() > 0.0
-    }
+    return Comparison(record, bearing.name, model, rubber, found, forward.ended, asked)
 
 
 def cross_validate(

@@ -1,6 +1,5 @@
 """Checks of a test record before it is used."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.border.text_file import file_names
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import PAUSE
 from thermobearing.identify.records.cycles import (
@@ -374,13 +374,13 @@ def save_checks(
     def _fill(folder: Path) -> None:
         write_summary(folder, {"command": "identify", "outcome": outcome, "records": records})
         if figures:
-            from thermobearing.identify.figures import check_figure
-            from thermobearing.results.drawing import save_figures
+            from thermobearing.identify.records.figures import RecordFigures, draw_record
 
-            drawn = {}
-            for number, report in enumerate(reports, start=1):
-                name = re.sub(r"[^\w.+-]+", "-", report.record.name)
-                drawn[f"check_{number}_{name}"] = partial(check_figure, report)
-            save_figures(drawn, folder / FIGURES)
+            names = file_names(report.record.name for report in reports)
+            drawn = {
+                f"check_{number}_{name}": partial(draw_record, report)
+                for number, (name, report) in enumerate(zip(names, reports, strict=True), start=1)
+            }
+            RecordFigures(drawn).save_all(folder / FIGURES)
 
     return write_directory(directory, _fill, overwrite=overwrite)

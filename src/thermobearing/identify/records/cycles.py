@@ -192,7 +192,7 @@ def compare_loops(record: TestRecord, force: Floats) -> list[Loop]:
     return found
 
 
-def compare_largest_loops(record: TestRecord, force: Floats, loops: list[Loop]) -> Loop | None:
+def compare_largest_loop(record: TestRecord, force: Floats, loops: list[Loop]) -> Loop | None:
     """Return the largest loop of a record in the test and in the model; None without one.
 
     Of loops within 1 % of the largest it is the first, so that noise does not choose between a

@@ -1,0 +1,171 @@
+"""A test compared with a model at its samples: force, cycles and thermocouples."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from thermobearing.border.errors import printable
+from thermobearing.core.records import Floats
+from thermobearing.identify.fit.forward import Prediction
+from thermobearing.identify.records.cycles import Loop, compare_largest_loop, compare_loops
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.results.base import COMPLETED
+from thermobearing.results.ranges import Row
+
+LEAST_RISE = 0.5  # [K]: relative errors of smaller temperature rises are not reported
+# Sides of a loop that each error of the table takes into account.
+SIDES = {"K_eq": ("K_eq",), "h_eq": ("h_eq",), "energy": ("energy",), "force": ("F+", "F-")}
+NAN = float("nan")
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One test compared with one bearing and model.
+
+    Attributes
+    ----------
+    record : the test.
+    bearing, model : names; "identified" is the model of a calibration.
+    rubber : total rubber thickness [mm].
+    prediction : the model at the samples of the test; None if it ended early.
+    outcome : of the model's run, as of a cyclic test.
+    asked : rows of `results.ranges.compared`, for the calibration range of the bearing.
+    """
+
+    record: TestRecord
+    bearing: str
+    model: str
+    rubber: float
+    prediction: Prediction | None
+    outcome: str = COMPLETED
+    asked: list[Row] = field(default_factory=list)
+
+    @cached_property
+    def R2(self) -> float:
+        """Coefficient of determination of the force (Eq. 4.38)."""
+        if self.prediction is None:
+            return NAN
+        measured = self.record.force
+        left = float(np.sum((self.prediction.force - measured) ** 2))
+        return 1.0 - left / float(np.sum((measured - measured.mean()) ** 2))
+
+    @cached_property
+    def NRMSE(self) -> float:
+        """Root mean square error of the force over the largest force of the test."""
+        if self.prediction is None:
+            return NAN
+        off = self.prediction.force - self.record.force
+        return float(np.sqrt(np.mean(off**2))) / self.record.peak_force
+
+    @cached_property
+    def loops(self) -> list[Loop]:
+        """Full cycles in the test and in the model."""
+        return compare_loops(self.record, self.prediction.force) if self.prediction else []
+
+    @cached_property
+    def largest(self) -> Loop | None:
+        """The loop of the largest displacement, which may be no full cycle."""
+        if self.prediction is None:
+            return None
+        return compare_largest_loop(self.record, self.prediction.force, self.loops)
+
+    @cached_property
+    def thermocouples(self) -> list[dict[str, Any]]:
+        """A row of thermocouples.csv for each thermocouple.
+
+        `rise_error` is that of the largest rise (Eq. 4.39 with its sign), None where the test rises
+        by less than half a kelvin.
+        """
+        rows: list[dict[str, Any]] = []
+        if self.prediction is None:
+            return rows
+        for title, test in self.record.temperatures.items():
+            model = self.prediction.temperatures[title]
+            rise, modelled = float(test.max() - test[0]), float(model.max() - model[0])
+            rows.append(
+                {
+                    "thermocouple": title,
+                    "place": self.record.places[title],
+                    "start_test_degC": float(test[0]),
+                    "highest_test_degC": float(test.max()),
+                    "highest_model_degC": float(model.max()),
+                    "rise_test_K": rise,
+                    "rise_model_K": modelled,
+                    "rise_error": modelled / rise - 1.0 if rise > LEAST_RISE else None,
+                    "rms_difference_K": float(np.sqrt(np.mean((model - test) ** 2))),
+                }
+            )
+        return rows
+
+    @property
+    def _rise_error(self) -> float:
+        """Largest error of a temperature rise in time, relative to the largest rise of the test.
+
+        Eq. 4.39 with its sign, but its denominator is not the rise so far: half a kelvin at the
+        start of a test would be an error of 50 %. Thermocouples that do not rise are left out.
+        """
+        errors: list[Floats] = []
+        if self.prediction is None:
+            return NAN
+        for title, test in self.record.temperatures.items():
+            rise, model = test - test[0], self.prediction.temperatures[title]
+            if rise.max() > 0.0:
+                errors.append((model - model[0] - rise) / rise.max())
+        return _worst(np.concatenate([np.zeros(0), *errors]).tolist())
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """Largest error of each quantity over the cycles (or samples), signed; nan without any."""
+        found = {
+            name: _worst([loop.ratios[side] - 1.0 for loop in self.loops for side in sides])
+            for name, sides in SIDES.items()
+        }
+        return found | {"temperature": self._rise_error, "NRMSE": self.NRMSE}
+
+    @property
+    def names(self) -> dict[str, Any]:
+        """The first columns of its rows in tables."""
+        whose = {"test": self.record.name, "ambient_degC": self.record.ambient}
+        return whose | {"bearing": self.bearing, "model": self.model}
+
+    @property
+    def samples(self) -> dict[str, Any]:
+        """Columns of the test and the model sample by sample [s, mm, kN, degC]."""
+        record, model = self.record, self.prediction
+        columns: dict[str, Any] = {
+            "time_s": record.time,
+            "displacement_mm": record.displacement,
+            "force_kN": record.force,
+            "model_force_kN": model.force if model else NAN,
+        }
+        for title, values in record.temperatures.items():
+            modelled = model.temperatures[title] if model else NAN
+            columns |= {title: values, f"model_{title}": modelled}
+        return columns
+
+
+def _worst(errors: list[float]) -> float:
+    return max(errors, key=abs) if errors else NAN
+
+
+def cycles_frame(comparisons: list[Comparison]) -> pd.DataFrame:
+    """Return the rows of cycles.csv: test, model and ratios of each cycle."""
+    rows = [
+        item.names | loop.row(largest=loop is item.largest)
+        for item in comparisons
+        for loop in item.loops
+    ]
+    return pd.DataFrame(rows)
+
+
+def unused_columns(records: list[TestRecord]) -> list[str]:
+    """Return a sentence for each test whose file has columns that are not used."""
+    said = [
+        printable(f"{record.name}: columns not used: {', '.join(record.unused)}")
+        for record in records
+        if record.unused
+    ]
+    return [*dict.fromkeys(said)]
