@@ -90,8 +90,9 @@ def _python_restart(target: Path) -> None:
 
 def _python_full_stack(target: Path) -> None:
     test = tb.cyclic_test(strain=[1.0, 2.5], cycles=2, rest=600.0, dt=0.02)
-    options = {"heat_source": "dissipation", "stack": "full", "keep_every": 1000}
-    tb.run(HDR, test, -20.0, **options).save(target, figures=False)
+    options = tb.ModelOptions(heat_source="dissipation", stack="full")
+    result = tb.run(HDR, test, -20.0, model=options, keep=tb.Keep(every=1000))
+    result.save(target, figures=False)
 
 
 # Cases whose complete input is kept too; in the others it would repeat bearing and structure.

@@ -15,7 +15,8 @@ from thermobearing.structure.matrices import mean_height
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import Line, prepare_structure, run_structure
 
-SHORT: dict[str, Any] = {"duration": 6.0, "keep_every": 1}
+EVERY = tb.Keep(every=1)
+SHORT: dict[str, Any] = {"duration": 6.0, "keep": EVERY}
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +26,7 @@ def study() -> Any:
 
 def test_forces_on_all_masses_are_those_of_the_ground() -> None:
     """Newton's law of the whole hybrid pier: inertia of both masses, and the pier's spring."""
-    lab = {"duration": 4.0, "damping": "none", "method": "average-acceleration", "keep_every": 1}
+    lab = {"duration": 4.0, "damping": "none", "method": "average-acceleration", "keep": EVERY}
     data = tb.hybrid("shen-lhdr-specimen", "jra-ii-ii-1", 0, **lab).dataset.isel(run=0)
     masses = np.array([10.156, 3.385])  # kN s2/mm, Table 3.5
     inertia = 1e3 * data["body_acceleration"].values @ masses

@@ -237,12 +237,14 @@ FRAMES = re.compile(r"[\x1b\u2500-\u257f…]")  # colours, boxes, what was cut
 @pytest.mark.parametrize("width", [1, 20, 27, 40, 80, None])
 def test_blocks_hold_every_number_once_and_the_keys_in_each(width: int | None) -> None:
     blocks = laid_out(HEADS, ROWS, 2, width)
-    for line, row in enumerate([HEADS, *ROWS]):
+    for line, row in enumerate(ROWS, -len(ROWS)):
         shown = [block[line] for block in blocks]
         for key in row[:2]:
             assert all(key in text for text in shown)
         for number in row[2:]:
             assert sum(number in text for text in shown) == 1
+    heads = " ".join(text for block in blocks for text in block[: -len(ROWS)])
+    assert all(word in heads for head in HEADS for word in head.split())
     narrowest = max(len("jra-ii-ii-1  degC  ") + len(head) for head in HEADS[2:])
     if width is None:
         assert len(blocks) == 1
@@ -279,18 +281,16 @@ def test_table_of_cycles_is_whole_and_has_the_lead(
         result.show()
         shown = capsys.readouterr().out
         assert not FRAMES.search(shown)
-        assert "Lead [°C]" in shown
-        assert numbers <= set(shown.split())
+        assert numbers | {"Lead", "[°C]"} <= set(shown.split())
         if columns == "80":
             assert max(len(line) for line in shown.splitlines() if "%" in line) <= 80
-            assert "G_e [MPa]  K_eq [kN/mm]" in shown
 
 
 def test_study_shows_rubber_and_lead_in_a_pipe(tmp_path: Path) -> None:
     words = ["--bearing", "shen-lhdr-bridge", "--motion", "jra-ii-i-1", "--duration", "2"]
     done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
     assert not FRAMES.search(done.stdout)
-    for head in ("Strain [%]", "Ductility", "Viscous", "Rubber [°C]", "Lead [°C]"):
+    for head in ("Strain [%]", "Ductility", "Deck [m/s²]", "Rubber [°C]", "Lead [°C]"):
         assert head in done.stdout
 
 
@@ -303,8 +303,10 @@ def test_a_program_in_a_pipe_writes_plain_text() -> None:
 
 
 @pytest.mark.parametrize(("ambients", "shown"), [((0,), False), ((0, 23), True)])
-def test_of_warm_needs_a_warmer_run(tmp_path: Path, ambients: tuple[int, ...], shown: bool) -> None:
+def test_energy_ratio_needs_a_warmer_run(
+    tmp_path: Path, ambients: tuple[int, ...], shown: bool
+) -> None:
     words = ["--bearing", "shen-hdr-bridge", "--motion", "jra-ii-i-1", "--duration", "0.5"]
     words += [word for at in ambients for word in ("--ambient", str(at))]
     done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
-    assert ("Of warmest" in done.stdout) is shown
+    assert ("Energy ratio" in done.stdout) is shown

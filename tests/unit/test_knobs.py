@@ -172,8 +172,8 @@ def plain() -> tb.Result:
 
 @pytest.mark.parametrize("option", OPTIONS)
 def test_options(plain: tb.Result, option: str) -> None:
-    name = "initial" if option == "initial_profile" else option
-    assert differ(plain, run(**{name: OPTIONS[option]}))
+    given = {"initial" if option == "initial_profile" else option: OPTIONS[option]}
+    assert differ(plain, run(**({"keep": tb.Keep(every=3)} if option == "keep_every" else given)))
 
 
 def test_every_option_of_a_case_was_tried() -> None:

@@ -97,7 +97,7 @@ def test_the_document_is_about_all_lines(study: tb.EarthquakeResult) -> None:
     force = study.lines["force_max_kN"].max()
     assert f"{force:.4g} kN (" in pieces.answer[0]
     assert "23 °C, line on A)" in pieces.answer[0]
-    governing = {row[1]: row[2:] for row in pieces.tables["governing"].rows}
+    governing = {row[0]: row[1:] for row in pieces.tables["governing"].rows}
     assert governing["Force of one bearing [kN]"] == [force, "on A", "jra-ii-i-1", 23.0]
     peaks = pieces.tables["peaks"]
     heads = [column.head for column in peaks.columns]

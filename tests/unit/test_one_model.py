@@ -143,7 +143,11 @@ FULL_PROFILE = np.linspace(-10.0, 20.0, 86).tolist()  # a temperature for each c
     ids=["published", "monotone", "full height", "one temperature", "lead", "clock"],
 )
 def test_element_with_options_is_the_run(bearing: str, given: dict[str, Any]) -> None:
-    result = tb.run(bearing, SHORT, ambient=0.0, **given)
+    lead = (
+        {"initial": tb.InitialState(lead=given["initial_lead"])} if "initial_lead" in given else {}
+    )
+    options = {name: value for name, value in given.items() if name != "initial_lead"}
+    result = tb.run(bearing, SHORT, ambient=0.0, **options, **lead)
     element = tb.BearingElement(bearing, ambient=0.0, **given)
     x, clock = result["displacement"].values[0], result["time"].values
     forces = [0.0]

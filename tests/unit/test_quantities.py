@@ -82,3 +82,17 @@ def test_text_of_numbers() -> None:
     assert [column.text(v) for v in (-2.04, -0.01, np.nan, None, True, "x")] == [
         *("\N{MINUS SIGN}2.0", "0.0", "", "", "yes", "x")
     ]
+
+
+def test_rows_that_read_the_same_become_one() -> None:
+    frame = pd.DataFrame(
+        {
+            "motion": ["a", "a", "a"],
+            "ambient_degC": [23.0, 0.0, -20.0],
+            "bearing_strain_max": [1.0, 1.001, 1.0],
+        }
+    )
+    marked = {"ambient_degC": [False, False, True]}
+    table = make_table(frame, caption="Runs", keys=2, marked=marked).merged("ambient_degC")
+    assert (table.keys, table.marked) == (1, {(1, 0)})
+    assert table.texts() == [["23, 0", "100"], ["\N{MINUS SIGN}20", "100"]]

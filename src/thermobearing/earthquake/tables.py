@@ -3,7 +3,7 @@
 Heads, units and formats are in the register (data/quantities/earthquake.toml).
 """
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
@@ -32,10 +32,15 @@ if TYPE_CHECKING:
 PEAKS: Final = (  # of a report
     *COLUMNS[:6], "deck_acceleration_max_m_s2", "rubber_max_degC", "lead_max_degC",
 )  # fmt: skip
-CONSOLE: Final = (
-    *PEAKS[:3], "energy_of_warmest", *PEAKS[3:5], "deck_displacement_max_mm",
-    "deck_acceleration_max_m_s2", "damping_of_input", *PEAKS[-2:],
+CONSOLE: Final = (  # fits a screen of 100 columns; a warning states the damping where it is much
+    *PEAKS[:3], "energy_of_warmest", *PEAKS[3:5], "deck_displacement_max_mm", *PEAKS[-3:],
 )  # fmt: skip
+SHORT: Final = {  # heads of CONSOLE
+    "bearing_force_max_kN": "Force",
+    "bearing_energy_kN_mm": "Energy",
+    "energy_of_warmest": "Energy ratio",
+    "deck_displacement_max_mm": "Deck",
+}
 COLD: Final = (*PEAKS[:4], "deck_acceleration_max_m_s2")  # compared with the warmest run
 PARTS: Final = {
     "line": (
@@ -103,15 +108,28 @@ def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
 
 
 def console_tables(result: "EarthquakeResult") -> list[Table]:
-    """Return the tables that the console prints; of many lines or piers the largest of all runs."""
-    found = make_tables(result) | {"peaks": _peaks_table(result, CONSOLE)}
+    """Return the tables that the console prints, those of the peaks by bearing.
+
+    Of many lines or piers they hold the largest of all runs.
+    """
+    found = make_tables(result)
     for part in PARTS:
         if f"{part}s" in found:
             found[f"{part}s"] = parts_table(result, part, most=MOST_ROWS)
-    return [found[n] for n in ("peaks", "modes", "lines", "piers", "governing") if n in found]
+    bearings = list(dict.fromkeys(result.table["bearing"]))
+    each = [result.sel(bearing=name) for name in bearings] if result.runs > len(bearings) else []
+    peaks = [_peaks_table(one, CONSOLE, heads=SHORT) for one in each or [result]]
+    note = max((table.note for table in peaks), key=len)
+    shown = [replace(table, note="") for table in peaks[:-1]] + [replace(peaks[-1], note=note)]
+    shown += [found[n] for n in ("modes", "lines", "piers", "governing") if n in found]
+    return [table.merged("ambient_degC") for table in shown]
 
 
-def _peaks_table(result: "EarthquakeResult", names: tuple[str, ...] = PEAKS) -> Table:
+def _peaks_table(
+    result: "EarthquakeResult",
+    names: tuple[str, ...] = PEAKS,
+    heads: Mapping[str, str] | None = None,
+) -> Table:
     """Return the peaks of every run, marked where they leave the calibration range."""
     hottest = [result.hottest(run) for run in range(result.runs)]
     frame = result.table.assign(
@@ -121,7 +139,8 @@ def _peaks_table(result: "EarthquakeResult", names: tuple[str, ...] = PEAKS) -> 
     frame["pier_displacement_max_mm"] = frame["pier_displacement_max_mm"].replace(0.0, np.nan)
     if frame["ambient_degC"].nunique() < 2:  # each run is the warmest
         frame = frame.drop(columns="energy_of_warmest")
-    keys, where = _keys(frame), [n for n in PLACES if n in frame and frame[n].nunique() > 1]
+    keys = _keys(frame)
+    where = [n for n in PLACES if n in frame and frame[n].nunique() > 1 and names == PEAKS]
     ended = ["outcome"] if (frame["outcome"] != "completed").any() else []
     frame["outcome"] = frame["outcome"].str.replace("_", " ")
     limits = [str(text).split() for text in frame["beyond_tested"]]
@@ -131,17 +150,23 @@ def _peaks_table(result: "EarthquakeResult", names: tuple[str, ...] = PEAKS) -> 
     marked = {name: [limit in one for one in limits] for limit, name in columns.items()}
     others = {limit for one in limits for limit in one} - {*columns, "strain_rate"}
     marked["motion"] = [bool(others.intersection(one)) for one in limits]
-    note = "Force, energy: of one bearing. Pier top: relative to its base. Deck acceleration: "
-    note += "absolute. Rubber, lead: highest temperature."
+    note = (
+        "Force and energy are those of one bearing; the displacement of the pier top is relative "
+    )
+    note += "to its base, the acceleration of the deck absolute; rubber and lead: highest "
+    note += "temperature."
+    if "energy_of_warmest" in names and "energy_of_warmest" in frame:
+        note += " The energy ratio is relative to the warmest run."
     if result.has_parts:
         note += " Every peak is the largest of all lines and piers."
     if any(any(flags) for flags in marked.values()):
         words = ", ".join(sorted(TESTED[limit][1] for limit in others))
-        note += " Marked: beyond what the bearing was tested at"
-        note += f" (a motion: {words})." if others else "."
+        note += " Marked values are outside the calibration range"
+        note += f" (a marked motion: {words})." if others else "."
     return make_table(
         frame, [*keys, *names, *where, *ended], "Peaks of every run", keys=len(keys),
-        heads={"outcome": "Ended"}, marked=marked, note=note, governing="bearing_strain_max",
+        heads={"outcome": "Ended"} | dict(heads or {}), marked=marked, note=note,
+        governing="bearing_strain_max",
     )  # fmt: skip
 
 
@@ -239,13 +264,13 @@ def parts_table(result: "EarthquakeResult", part: str, most: int | None = None) 
         caption = f"{part.capitalize()}s: the largest of all runs (each run: {part}s.csv)"
         how: Any = {name: "max" if name.endswith("_degC") else _largest for name in names}
         frame = frame.groupby([part, *keys], sort=False).agg(how).reset_index()
-    shown = [*keys, *names]
-    equal = frame[[part, *shown]].groupby(shown, sort=False, dropna=False)
-    frame = equal[part].agg(", ".join).reset_index().sort_values(part, kind="stable")
     if "count" in frame:
         frame["count"] = frame["count"].astype(int)
+    frame = frame.sort_values(part, kind="stable")
     governing = "strain_max" if part == "line" else "displacement_max_mm"
-    return make_table(frame, [part, *shown], caption, keys=1 + len(keys), governing=governing)
+    columns = [part, *keys, *names]
+    table = make_table(frame, columns, caption, keys=1 + len(keys), governing=governing)
+    return table.merged(part)
 
 
 def modes_frame(result: "EarthquakeResult") -> pd.DataFrame:

@@ -60,6 +60,27 @@ class Table:
             for row in self.rows
         ]
 
+    def merged(self, joined: str) -> "Table":
+        """Return the table with one row for rows that read the same but for the column `joined`.
+
+        That row lists their entries of that column.
+        """
+        texts, names = self.texts(), [column.name for column in self.columns]
+        if joined not in names:
+            return self
+        apart, groups = names.index(joined), dict[tuple[Any, ...], list[int]]()
+        for row, cells in enumerate(texts):
+            marks = [(row, k) in self.marked for k in range(len(names))]
+            groups.setdefault((*cells[:apart], *cells[apart + 1 :], *marks), []).append(row)
+        rows, first = [], [same[0] for same in groups.values()]
+        for same in groups.values():
+            rows.append(list(self.rows[same[0]]))
+            if len(same) > 1:
+                rows[-1][apart] = ", ".join(texts[row][apart] for row in same)
+        marked = {(first.index(row), k) for row, k in self.marked if row in first}
+        failed = {first.index(row) for row in self.failed if row in first}
+        return replace(self, rows=rows, marked=frozenset(marked), failed=frozenset(failed))
+
     def numeric(self) -> set[int]:
         """Return the columns that mostly contain numbers, which are aligned at the right."""
         found = set()

@@ -1,10 +1,12 @@
 """Sentences, lists of facts and tables on the console.
 
-A table that is too wide for the terminal continues below, with its first columns repeated. Output
-that does not go to a terminal has no width limit (unless COLUMNS is set), colours or frames.
+A table that is too wide for the terminal gets heads of several lines; if it is still too wide, it
+continues below, with its first columns repeated. Output that does not go to a terminal has no width
+limit (unless COLUMNS is set), colours or frames.
 """
 
 import os
+import textwrap
 from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any
@@ -43,8 +45,8 @@ def print_table(
     for number, block in enumerate(laid_out(heads, rows, keys, _screen_width())):
         if number:
             say("")
-        for line, text in enumerate(block):
-            style = "bold" if line == 0 else (styles[line - 1] if styles else "")
+        for line, text in enumerate(block, len(rows) - len(block)):
+            style = "bold" if line < 0 else (styles[line] if styles else "")
             console = Console(highlight=False)
             console.print(Text(text, style=style, no_wrap=True), soft_wrap=True)
 
@@ -74,9 +76,22 @@ def _screen_width() -> int | None:
 
 
 def laid_out(heads: Row, rows: Sequence[Row], keys: int, width: int | None) -> list[list[str]]:
-    """Return the lines of each block of a table, no longer than `width` if possible."""
-    columns = [[heads[k], *(row[k] for row in rows)] for k in range(len(heads))]
+    """Return the lines of each block of a table, no longer than `width` if possible.
+
+    Each block begins with the heads, in several lines where one makes the table too wide.
+    """
+    cells = [[row[k] for row in rows] for k in range(len(heads))]
+    columns = [[head, *column] for head, column in zip(heads, cells, strict=True)]
     wide = [max(map(len, column)) for column in columns]
+    if width is not None and sum(wide) + len(GAP) * (len(wide) - 1) > width:
+        least = [max(map(len, [*head.split(), *c])) for head, c in zip(heads, cells, strict=True)]
+        lines = [textwrap.wrap(head, room) for head, room in zip(heads, least, strict=True)]
+        most = max(map(len, lines))
+        columns = [
+            [""] * (most - len(above)) + above + column
+            for above, column in zip(lines, cells, strict=True)
+        ]
+        wide = least
     blocks: list[list[int]] = [[]]
     taken = start = sum(w + len(GAP) for w in wide[:keys]) - len(GAP)
     for k in range(keys, len(heads)):
@@ -87,11 +102,12 @@ def laid_out(heads: Row, rows: Sequence[Row], keys: int, width: int | None) -> l
         taken += len(GAP) + wide[k]
     found = []
     for block in blocks:
-        cells = [
+        aligned = [
             [text.ljust(wide[k]) if k < keys else text.rjust(wide[k]) for text in columns[k]]
             for k in (*range(keys), *block)
         ]
-        found.append([GAP.join(line).rstrip() for line in zip(*cells, strict=True)])
+        texts = [GAP.join(line).rstrip() for line in zip(*aligned, strict=True)]
+        found.append(texts[next(k for k, text in enumerate(texts) if text) :])
     return found
 
 
