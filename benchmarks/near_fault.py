@@ -8,6 +8,7 @@ the displacements that choose the first draws of Type II, ground I.
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import count, product
 
 import numpy as np
@@ -18,9 +19,9 @@ from benchmarks.stored_motions import SEEDS
 from thermobearing.core.types import Floats
 from thermobearing.motions.matching import matched, misfit
 from thermobearing.motions.measures import measure_motion, significant_interval
-from thermobearing.motions.process import baseline_corrected, scaled
+from thermobearing.motions.process import baseline_corrected
 from thermobearing.motions.record import GroundMotion
-from thermobearing.motions.synthesis import Pulse, first_draw, motion_name, near_fault, phases
+from thermobearing.motions.synthesis import Pulse, _first_draw, _motion_name, _near_fault, _phases
 from thermobearing.motions.targets import standard_spectrum
 
 NAME, NEAR = "jra-ii-ii-1", 0.1  # [s]
@@ -136,10 +137,10 @@ def first_layer(motion: str | dict[str, object]) -> str:
 
 def search() -> None:
     """Print the first stream whose motion peaks where the accelerogram does."""
-    own = near_fault()[NAME]
+    own = _near_fault()[NAME]
     for number in count():
         fit = matched(
-            phases("II", "II", 1, number - own.stream[-1], 0.01),
+            _phases("II", "II", 1, number - own.stream[-1], 0.01),
             0.01,
             lambda periods: standard_spectrum("II", "II", periods),
         )
@@ -152,9 +153,9 @@ def search() -> None:
 def draws() -> None:
     """Print the displacement of the bilinear bearing over its design for draws 0 to the chosen."""
     for seed in SEEDS:
-        chosen = first_draw(motion_name("II", "I", seed))
+        chosen = _first_draw(_motion_name("II", "I", seed))
         for draw in range(chosen + 1):
-            history = phases("II", "I", seed, draw - chosen, 0.01)
+            history = _phases("II", "I", seed, draw - chosen, 0.01)
             fit = matched(history, 0.01, lambda periods: standard_spectrum("II", "I", periods))
             motion = GroundMotion(f"draw-{draw}", 0.01, fit.acceleration)
             table = tb.bridge("shen-bilinear-bridge", motion, 23.0).table
@@ -174,7 +175,8 @@ def main() -> None:
     columns: list[dict[str, str]] = []
     for text in chosen:
         name, _, factor = text.partition("*")
-        motion = scaled(tb.load_motion(name), float(factor or 1.0))
+        motion = tb.load_motion(name)
+        motion = replace(motion, acceleration=motion.acceleration * float(factor or 1.0))
         case = {"name": name, "factor": float(factor or 1.0)}
         columns.append(motion_lines(motion) | hybrid_lines(case))
     print("| | " + " | ".join(chosen) + " |")

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from thermobearing.motions.library import ABOUT, STORED_DT, stored_motions
-from thermobearing.motions.synthesis import make_motion, motion_name
+from thermobearing.motions.library import ABOUT, STORED, STORED_DT
+from thermobearing.motions.synthesis import _motion_name, make_motion
 from thermobearing.motions.targets import GROUNDS, KINDS
 
 SEEDS = (1, 2, 3)  # per type and ground
@@ -22,19 +22,19 @@ def regenerate(names: list[str]) -> None:
     arrays: dict[str, Any] = {}
     about: dict[str, dict[str, str]] = {}
     if names:
-        with np.load(stored_motions()) as stored:
+        with np.load(STORED) as stored:
             about = json.loads(str(stored[ABOUT]))
             arrays = {name: stored[name] for name in about}
     for kind, ground, seed in ((k, g, s) for k in KINDS for g in GROUNDS for s in SEEDS):
-        if names and motion_name(kind, ground, seed) not in names:
+        if names and _motion_name(kind, ground, seed) not in names:
             continue
         motion = make_motion(kind, ground, seed, STORED_DT)
         arrays[motion.name] = motion.acceleration.astype(np.float32)
         about[motion.name] = {"description": motion.description, "citation": motion.citation}
         print(motion.description)
     arrays[ABOUT] = np.array(json.dumps(about))
-    stored_motions().parent.mkdir(exist_ok=True)
-    np.savez_compressed(stored_motions(), **arrays)
+    STORED.parent.mkdir(exist_ok=True)
+    np.savez_compressed(STORED, **arrays)
 
 
 if __name__ == "__main__":

@@ -9,18 +9,8 @@ The public names are listed in `__init__.pyi`; all else may change without notic
 when they are first used, so that `import thermobearing` is quick.
 """
 
-from typing import Any
-
 import lazy_loader
 
 __version__ = "0.2.0"
 
-_find, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-
-
-def __getattr__(name: str) -> Any:
-    if name in __all__:
-        return _find(name)
-    from thermobearing.border.deprecated import find_moved
-
-    return find_moved(__name__)(name)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -47,7 +47,7 @@ def test_measures_are_those_of_eqsig(name: str) -> None:
     cav = eqsig.im.calc_cav(other)[-1]
     assert ours.cumulative_absolute_velocity == pytest.approx(cav, rel=tol.EQSIG_MEASURE)
     steps = 2.0 * tol.EQSIG_DURATION * motion.dt
-    assert measures.significant_duration(motion) == pytest.approx(
+    assert measures.measure_motion(motion).significant_duration == pytest.approx(
         eqsig.im.calc_sig_dur(other), abs=steps
     )
     assert measures.bracketed_duration(motion) == pytest.approx(

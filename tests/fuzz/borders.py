@@ -189,17 +189,10 @@ def _motion_arithmetic(draw: st.DrawFn) -> Example:
     values = size * np.sin(0.3 * np.arange(count) + draw(st.sampled_from([0.0, 1.0])))
     motion = GroundMotion("made", dt, values)
     a, b = draw(plain_numbers()), draw(plain_numbers())
-    name = draw(
-        st.sampled_from(
-            ["corrected", "resampled", "scaled", "pga", "trimmed", "padded", "spectrum", "standard"]
-        )
-    )
+    name = draw(st.sampled_from(["corrected", "resampled", "padded", "spectrum", "standard"]))
     calls: dict[str, Callable[[], Any]] = {
         "corrected": lambda: process.baseline_corrected(motion, high_pass=a),
         "resampled": lambda: process.resampled(motion, a),
-        "scaled": lambda: process.scaled(motion, a),
-        "pga": lambda: process.scaled(motion, pga=a),
-        "trimmed": lambda: process.trimmed(motion, a, b),
         "padded": lambda: process.padded(motion, a, b),
         "spectrum": lambda: response_spectrum(motion, [min(a, 1e6), 1.0], b),
         "standard": lambda: standard_spectrum("II", "I", [a], zone_factor=b),

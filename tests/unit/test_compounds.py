@@ -11,10 +11,10 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.bearing.compound import (
+    COMPOUNDS,
     Compound,
     _compound_from_table,
     as_compound,
-    list_compounds,
 )
 from thermobearing.bearing.scaling import bearing_of, compound_of, lead_cores, resized
 from thermobearing.border.toml import sourced_toml, to_table
@@ -199,7 +199,7 @@ def test_the_jra_compounds_meet_their_curves(kind: Any, grade: str) -> None:
     assert stiffness - 0.015 < max(map(abs, off)) < stiffness
 
 
-@pytest.mark.parametrize("name", list_compounds())
+@pytest.mark.parametrize("name", COMPOUNDS.names())
 def test_built_in_compounds_are_checked_and_cited(name: str) -> None:
     compound = tb.load_compound(name)
     assert compound.citation

@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 
 import thermobearing as tb
 from tests.unit.inputs import SPECIMEN, assert_told, changed_table, specimen_table
-from thermobearing.bearing.bilinear import BilinearBearing, list_bilinear, load_bilinear
+from thermobearing.bearing.bilinear import BILINEAR, BilinearBearing, load_bilinear
 from thermobearing.bearing.library import bearing_from_table
 from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.border.schema import Strict, in_unit, validated
@@ -92,7 +92,7 @@ def numbers(model: BaseModel) -> Iterator[tuple[type[BaseModel], str, float]]:
 
 LIBRARY: list[Strict] = [
     *(tb.load_bearing(name) for name in tb.list_bearings()),
-    *(load_bilinear(name) for name in list_bilinear()),
+    *(load_bilinear(name) for name in BILINEAR.names()),
     *(load_structure(name) for name in list_structures()),
 ]
 

@@ -44,22 +44,9 @@ def test_names_at_the_top_are_few_and_hidden_by_no_module() -> None:
     )
 
 
-def test_a_name_that_a_room_promised_warns_and_names_its_place() -> None:
-    places = {"cyclic.Result": "thermobearing.Result"}
-    places["border.read_columns"] = "thermobearing.read_columns"
-    places |= {"studies.plan": "thermobearing.studies.definition.designs.plan"}
-    for old, new in places.items():
-        room, name = old.split(".")
-        with pytest.warns(DeprecationWarning, match=re.escape(f"use {new}")) as caught:
-            found = getattr(getattr(tb, room), name)
-        assert found.__name__ == name
-        assert [Path(one.filename).name for one in caught] == [Path(__file__).name]
-
-
 def test_an_unknown_name_is_an_attribute_error() -> None:
-    for holder in (tb, tb.motions):  # type: ignore[attr-defined]
-        with pytest.raises(AttributeError, match="nonsense"):
-            _ = holder.nonsense
+    with pytest.raises(AttributeError, match="nonsense"):
+        _ = tb.nonsense  # type: ignore[attr-defined]
 
 
 def test_importing_the_package_imports_nothing_heavy() -> None:

@@ -12,7 +12,7 @@ from thermobearing.motions.matching import misfit
 from thermobearing.motions.measures import significant_interval
 from thermobearing.motions.process import baseline_corrected, resampled
 from thermobearing.motions.record import GroundMotion
-from thermobearing.motions.synthesis import ROOM, match_spectrum, near_fault
+from thermobearing.motions.synthesis import ROOM, _near_fault, match_spectrum
 from thermobearing.motions.targets import standard_spectrum
 
 KOBE, TAKATORI = "jma_kobe_ns_ew_gal_dt0.005.txt", "TAK000.AT2"
@@ -121,7 +121,7 @@ def test_same_as_given_motions_of_the_same_phases(
 
 def test_stand_in_grows_as_the_record(measured: Recorder) -> None:
     """Arias intensity of the built-in II-II-1 beside Takatori's, as recorded and fitted."""
-    own = near_fault()["jra-ii-ii-1"]
+    own = _near_fault()["jra-ii-ii-1"]
     built_in = load_motion("jra-ii-ii-1")
     raw, fitted = record(TAKATORI), record("II-II-1_like_TAK000.csv")
     shares = (0.05, 0.25, 0.5, 0.75, 0.95)

@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.core.types import Floats
-from thermobearing.motions.library import list_motions, load_motion, stored_motions
+from thermobearing.motions.library import STORED, list_motions, load_motion
 from thermobearing.motions.matching import Matched, matched, misfit
 from thermobearing.motions.measures import measure_motion
 from thermobearing.motions.process import padded, resampled
@@ -63,7 +63,7 @@ def test_eighteen_motions_are_built_in() -> None:
         f"jra-{k}-{g}-{s}" for k in ("i", "ii") for g in ("i", "ii", "iii") for s in (1, 2, 3)
     ]
     assert names == sorted(wanted)
-    assert stored_motions().stat().st_size < 1e6
+    assert STORED.stat().st_size < 1e6
 
 
 @pytest.mark.parametrize("name", list_motions())

@@ -8,8 +8,8 @@ from pydantic import Field, model_validator
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing, Validity
-from thermobearing.border.errors import InputError, is_file, nearest
-from thermobearing.border.library import Library, Sourced
+from thermobearing.border.errors import is_file
+from thermobearing.border.library import Library, Sourced, is_path, unknown_name
 from thermobearing.border.schema import Name, in_unit
 from thermobearing.border.toml import read_toml, split_sources
 
@@ -52,17 +52,12 @@ class BilinearBearing(Sourced):
 BILINEAR = Library("bilinear bearing", "bilinear")
 
 
-def list_bilinear() -> list[str]:
-    """Return the names of the built-in bilinear bearings."""
-    return BILINEAR.names()
-
-
 def load_bilinear(name_or_path: str | Path) -> BilinearBearing:
     """Return a bilinear bearing of the library, or from a TOML file.
 
     Parameters
     ----------
-    name_or_path : a name of `list_bilinear()`, or a path to your own file.
+    name_or_path : a name of the library, or a path to your own file.
 
     Raises
     ------
@@ -85,14 +80,11 @@ def load_device(name_or_path: str | Path) -> Bearing | BilinearBearing:
     ('bilinear', 'HDR')
     """
     text = str(name_or_path)
-    if text in list_bilinear():
-        return load_bilinear(text)
-    if text.endswith(".toml") and is_file(Path(text)):
-        table = read_toml(Path(text))
-        if split_sources(table)[0].get("kind") == "bilinear":
-            return load_bilinear(text)
-        return load_bearing(text)
-    if text in list_bearings() or "/" in text or text.endswith(".toml"):
-        return load_bearing(text)
-    known = [*list_bearings(), *list_bilinear()]
-    raise InputError(f'no bearing is named "{text}"{nearest(text, known)}')
+    known = [*list_bearings(), *BILINEAR.names()]
+    if text not in known and not is_path(name_or_path):
+        raise unknown_name("bearing", text, known)
+    if text not in known and is_file(Path(text)):
+        bilinear = split_sources(read_toml(Path(text)))[0].get("kind") == "bilinear"
+    else:
+        bilinear = text in BILINEAR.names()
+    return load_bilinear(text) if bilinear else load_bearing(text)

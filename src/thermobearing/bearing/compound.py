@@ -127,11 +127,6 @@ class Compound(Sourced):
 COMPOUNDS = Library("compound", "compounds")
 
 
-def list_compounds() -> list[str]:
-    """Return the names of the built-in compounds."""
-    return COMPOUNDS.names()
-
-
 def _compound_from_table(table: Any, where: str) -> Compound:
     """Return a compound from a parsed TOML table; `where` names the file in error messages."""
     values, sources = split_sources(table)
@@ -145,7 +140,7 @@ def load_compound(name_or_path: str | Path) -> Compound:
 
     Parameters
     ----------
-    name_or_path : a name of `list_compounds()`, or a path ending in `.toml`.
+    name_or_path : a name of the library, or a path ending in `.toml`.
 
     Raises
     ------
@@ -163,7 +158,7 @@ def load_compound(name_or_path: str | Path) -> Compound:
 def as_compound(given: Any) -> "Compound | Bearing":
     """Return the compound, or bearing of it, from which a new bearing is derived.
 
-    `given`: a Compound or Bearing, a name of `list_compounds()`, or the TOML file of either.
+    `given`: a Compound or Bearing, a library name, or the TOML file of either.
     """
     from thermobearing.bearing.library import bearing_from_table
 

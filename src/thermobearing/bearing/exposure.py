@@ -53,7 +53,7 @@ class Exposure(Strict):
         return []
 
     @property
-    def nothing(self) -> bool:
+    def _is_neutral(self) -> bool:
         """Whether both factors are 1."""
         return self.stiffness == 1.0 and self.strength == 1.0
 
@@ -72,7 +72,7 @@ def effective_exposure(
     if bearing.exposure is not None and option is not None:
         raise InputError(f"exposure of {bearing.name}: {TWICE}")
     chosen = bearing.exposure or option
-    return None if chosen is None or chosen.nothing else chosen
+    return None if chosen is None or chosen._is_neutral else chosen
 
 
 def exposures(

@@ -7,7 +7,7 @@ annotations (kN, mm, s, degC; thermal properties as tables print them).
 import math
 from html import escape
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Protocol
+from typing import Annotated, Any, ClassVar, Literal, Protocol
 
 from pydantic import Field, field_validator, model_validator
 
@@ -151,71 +151,62 @@ EARLIEST, LATEST = 1e-3, 10.0  # yield strain d_y / t_r; identified are 0.06 to 
 THINNEST_SEALING = 0.05  # [mm]
 
 
-class SquarePlan(Strict):
+class _PlanShape(Strict):
+    """Area, perimeter and breadth of a plan: a rectangle, or the ellipse inscribed in it."""
+
+    _share: ClassVar[float] = 1.0  # of the rectangle
+
+    def _sides(self) -> tuple[float, float]:
+        """Return the sizes along the direction of motion and across [mm]."""
+        raise NotImplementedError
+
+    @property
+    def area(self) -> float:
+        """Gross plan area [mm2]."""
+        along, across = self._sides()
+        return self._share * (along * across)
+
+    @property
+    def perimeter(self) -> float:
+        """[mm]"""
+        return self._share * (2.0 * sum(self._sides()))
+
+    @property
+    def breadth(self) -> float:
+        """Size in the direction of motion [mm]."""
+        return self._sides()[0]
+
+
+class SquarePlan(_PlanShape):
     """Square bearing."""
 
     shape: Literal["square"]
     side: PlanSize
 
-    @property
-    def area(self) -> float:
-        """Gross plan area [mm2]."""
-        return self.side * self.side
-
-    @property
-    def perimeter(self) -> float:
-        """[mm]"""
-        return 4.0 * self.side
-
-    @property
-    def breadth(self) -> float:
-        """Size in the direction of motion [mm]."""
-        return self.side
+    def _sides(self) -> tuple[float, float]:
+        return self.side, self.side
 
 
-class RectangularPlan(Strict):
+class RectangularPlan(_PlanShape):
     """Rectangular bearing; `length` lies in the direction of motion."""
 
     shape: Literal["rectangular"]
     length: PlanSize
     width: PlanSize
 
-    @property
-    def area(self) -> float:
-        """Gross plan area [mm2]."""
-        return self.length * self.width
-
-    @property
-    def perimeter(self) -> float:
-        """[mm]"""
-        return 2.0 * (self.length + self.width)
-
-    @property
-    def breadth(self) -> float:
-        """Size in the direction of motion [mm]."""
-        return self.length
+    def _sides(self) -> tuple[float, float]:
+        return self.length, self.width
 
 
-class CircularPlan(Strict):
+class CircularPlan(_PlanShape):
     """Circular bearing."""
 
     shape: Literal["circular"]
     diameter: PlanSize
+    _share: ClassVar[float] = 0.25 * math.pi
 
-    @property
-    def area(self) -> float:
-        """Gross plan area [mm2]."""
-        return 0.25 * math.pi * self.diameter**2
-
-    @property
-    def perimeter(self) -> float:
-        """[mm]"""
-        return math.pi * self.diameter
-
-    @property
-    def breadth(self) -> float:
-        """Size in the direction of motion [mm]."""
-        return self.diameter
+    def _sides(self) -> tuple[float, float]:
+        return self.diameter, self.diameter
 
 
 Plan = Annotated[SquarePlan | RectangularPlan | CircularPlan, Field(discriminator="shape")]

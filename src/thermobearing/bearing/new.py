@@ -55,7 +55,7 @@ def new_bearing(
     Parameters
     ----------
     name : of the new bearing.
-    compound : a Compound, a name of `list_compounds()`, a TOML file of a compound or of a bearing
+    compound : a Compound, a library name, a TOML file of a compound or of a bearing
         (such as a calibrated specimen), or a Bearing, whose compound is used.
     layers : number and thickness of the rubber layers, "20x8mm"; the number in [1, 200].
     shim : thickness of a plate between layers [mm], in [0.05, 1000]; text needs a unit, "3 mm".

@@ -113,7 +113,7 @@ def _number_sources(bearing: Bearing) -> dict[str, str]:
     return found
 
 
-def find_kind(compound: Compound, *, with_lead: bool) -> str:
+def _find_kind(compound: Compound, *, with_lead: bool) -> str:
     """Return the kind: HDR, LHDR or LRB."""
     if with_lead and compound.lead is None:
         raise InputError(
@@ -184,7 +184,7 @@ def bearing_of(
     plan, layers and plates; `cores`: lead cores; none by default; `more`: other keys of `Bearing`,
     such as cells and description.
     """
-    kind: Any = find_kind(compound, with_lead=cores is not None)
+    kind: Any = _find_kind(compound, with_lead=cores is not None)
     return Bearing(
         name=name,
         kind=kind,

@@ -29,8 +29,8 @@ MEASURED = re.compile(r"(?<!not )\bmeasured\b")
 @command(app, "list", examples="list", panel=FILES)
 def _list() -> Answer:
     """List the built-in bearings, compounds, structures, rigs and motions."""
-    from thermobearing.bearing.bilinear import list_bilinear, load_bilinear
-    from thermobearing.bearing.compound import list_compounds, load_compound
+    from thermobearing.bearing.bilinear import BILINEAR, load_bilinear
+    from thermobearing.bearing.compound import COMPOUNDS, load_compound
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.cyclic.case import RIGS, load_rig
     from thermobearing.motions.library import list_motions
@@ -38,10 +38,10 @@ def _list() -> Answer:
 
     for bearing in map(load_bearing, list_bearings()):
         typer.echo(f"{bearing.name:24}  {bearing.kind:8}  {bearing.description}")
-    for backbone in map(load_bilinear, list_bilinear()):
+    for backbone in map(load_bilinear, BILINEAR.names()):
         typer.echo(f"{backbone.name:24}  {backbone.kind:8}  {backbone.description}")
     typer.echo("")
-    for compound in map(load_compound, list_compounds()):
+    for compound in map(load_compound, COMPOUNDS.names()):
         typer.echo(f"{compound.name:24}  compound  {compound.description}")
     typer.echo("")
     for structure in map(load_structure, list_structures()):
@@ -52,8 +52,8 @@ def _list() -> Answer:
     typer.echo(f"\n{len(motions)} ground motions, see `thermobearing motions list`")
     return {
         "bearings": list_bearings(),
-        "bilinear_bearings": list_bilinear(),
-        "compounds": list_compounds(),
+        "bilinear_bearings": BILINEAR.names(),
+        "compounds": COMPOUNDS.names(),
         "structures": list_structures(),
         "rigs": RIGS.names(),
         "motions": motions,

@@ -17,23 +17,20 @@ from thermobearing.motions.readers import read_motion
 from thermobearing.motions.record import GroundMotion
 
 STORED_DT = 0.01  # [s]
+# One array [mm/s2] for each built-in motion, by name.
+STORED = data_path("motions", "jra-level-2-stand-ins.npz")
 ABOUT = "about"  # entry of the file with names and descriptions, as JSON
-
-
-def stored_motions() -> Path:
-    """Return the file of the built-in motions: one array [mm/s2] for each, by name."""
-    return data_path("motions", "jra-level-2-stand-ins.npz")
 
 
 @cache
 def _about() -> dict[str, dict[str, str]]:
-    with np.load(stored_motions()) as stored:
+    with np.load(STORED) as stored:
         return dict(json.loads(str(stored[ABOUT])))
 
 
 @cache
 def _stored(name: str) -> Floats:
-    with np.load(stored_motions()) as stored:
+    with np.load(STORED) as stored:
         return np.asarray(stored[name], dtype=np.float64)
 
 

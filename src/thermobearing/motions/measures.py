@@ -34,20 +34,15 @@ def _arias_growth(motion: GroundMotion) -> Floats:
     return np.concatenate([[0.0], np.cumsum(steps)]) * np.pi / (2.0 * STANDARD_GRAVITY)
 
 
-def significant_duration(motion: GroundMotion, start: float = 0.05, end: float = 0.95) -> float:
-    """Return the time in which the Arias intensity grows from one share to another [s].
-
-    Trifunac and Brady, Bulletin of the Seismological Society of America 65, 1975; between
-    samples the growth is taken as linear. Shares are 0 <= start < end <= 1.
-    """
-    first, last = significant_interval(motion, start, end)
-    return last - first
-
-
 def significant_interval(
     motion: GroundMotion, start: float = 0.05, end: float = 0.95
 ) -> tuple[float, float]:
-    """Return beginning and end of the significant duration [s]; see `significant_duration`."""
+    """Return the times at which the Arias intensity reaches two shares of its total [s].
+
+    Their difference is the significant duration: Trifunac and Brady, Bulletin of the Seismological
+    Society of America 65, 1975. Between samples the growth is taken as linear; shares are
+    0 <= start < end <= 1.
+    """
     if not 0.0 <= start < end <= 1.0:
         raise InputError(f"shares {start:g} and {end:g}: need 0 <= start < end <= 1")
     growth = _arias_growth(motion)
@@ -71,6 +66,7 @@ def bracketed_duration(motion: GroundMotion, threshold: float = BRACKET) -> floa
 def measure_motion(motion: GroundMotion) -> MotionMeasures:
     """Return all measures of a ground motion; InputError if it is zero throughout."""
     velocity, displacement = motion.velocity, motion.displacement
+    start, end = significant_interval(motion)
     absolute = np.abs(motion.acceleration)
     return MotionMeasures(
         pga=motion.pga,
@@ -79,7 +75,7 @@ def measure_motion(motion: GroundMotion) -> MotionMeasures:
         end_velocity=float(velocity[-1]),
         end_displacement=float(displacement[-1]),
         arias_intensity=float(_arias_growth(motion)[-1]),
-        significant_duration=significant_duration(motion),
+        significant_duration=end - start,
         bracketed_duration=bracketed_duration(motion),
         cumulative_absolute_velocity=float(0.5 * motion.dt * (absolute[1:] + absolute[:-1]).sum()),
     )

@@ -133,40 +133,6 @@ def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
     return replace(motion, dt=motion.dt / float(fraction), acceleration=np.asarray(values))
 
 
-def scaled(
-    motion: GroundMotion, factor: float | None = None, *, pga: float | None = None
-) -> GroundMotion:
-    """Return the motion times a factor (finite, not 0), or scaled to a largest one [mm/s2] > 0."""
-    if (factor is None) == (pga is None):
-        raise InputError("scaled: give either factor or pga")
-    if pga is not None:
-        if not (np.isfinite(pga) and pga > 0.0):
-            raise InputError(f"pga: {pga:g} mm/s2 must be > 0")
-        if motion.pga == 0.0:
-            raise InputError("is zero throughout and cannot be scaled", motion.name)
-        factor = pga / motion.pga
-    assert factor is not None
-    if not np.isfinite(factor) or factor == 0.0:
-        raise InputError(f"factor: {factor:g} must be finite and not 0")
-    return replace(motion, acceleration=motion.acceleration * factor)
-
-
-def trimmed(motion: GroundMotion, start: float = 0.0, end: float | None = None) -> GroundMotion:
-    """Return the samples from `start` to `end` [s], both kept; the first is at time zero again."""
-    end = motion.duration if end is None else end
-    if not (np.isfinite(start) and np.isfinite(end) and 0.0 <= start < end):
-        raise InputError(f"trimmed: from {start:g} s to {end:g} s is not a valid interval")
-    # A time that is a sample up to rounding is that sample.
-    first = int(np.ceil(start / motion.dt - 1e-6))
-    last = int(np.floor(end / motion.dt + 1e-6))
-    values = motion.acceleration[first : last + 1]
-    if len(values) < 2:
-        raise InputError(
-            f"trimmed: from {start:g} s to {end:g} s fewer than two samples remain", motion.name
-        )
-    return replace(motion, acceleration=values.copy())
-
-
 def padded(motion: GroundMotion, before: float = 0.0, after: float = 0.0) -> GroundMotion:
     """Return the motion with the ground at rest for some time before and after it [s]."""
     for name, value in (("before", before), ("after", after)):

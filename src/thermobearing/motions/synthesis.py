@@ -46,11 +46,11 @@ class Shape(NamedTuple):
     end: float
     decay: float
 
-    def times(self, dt: float) -> Floats:
+    def _times(self, dt: float) -> Floats:
         """Return the times of the samples [s]."""
         return np.arange(round(self.length / dt) + 1, dtype=np.float64) * dt
 
-    def envelope(self, time: Floats) -> Floats:
+    def _envelope(self, time: Floats) -> Floats:
         """Return the envelope, relative to its plateau."""
         rise = np.clip((time - self.start) / (self.strong - self.start), 0.0, 1.0) ** 2
         return np.asarray(rise * np.exp(-np.maximum(time - self.end, 0.0) / self.decay))
@@ -123,7 +123,7 @@ def _chosen() -> dict[str, Any]:
 
 
 @cache
-def near_fault() -> dict[str, NearFault]:
+def _near_fault() -> dict[str, NearFault]:
     """Return the motions that have phases of their own, by name."""
     found = {}
     for name, row in _chosen().items():
@@ -143,39 +143,39 @@ def near_fault() -> dict[str, NearFault]:
     return found
 
 
-def motion_name(kind: str, ground: str, seed: int) -> str:
+def _motion_name(kind: str, ground: str, seed: int) -> str:
     """Return the name of a motion that is made from random phases, such as "jra-ii-i-1"."""
     return f"jra-{kind}-{ground}-{seed}".lower()
 
 
-def first_draw(name: str) -> int:
+def _first_draw(name: str) -> int:
     """Return the number of the first draw of the random phases of a motion."""
     return int(_chosen()["first_draws"].get(name, 0))
 
 
-def phases(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
+def _phases(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
     """Return a history [mm/s2] of the type's shape whose Fourier amplitudes are still to be fitted.
 
     The motions of `data/phases` have their own; the others are Gaussian noise under an
     envelope, with a pulse in it for Type II. Type and ground are Roman numbers; the phases of one
     seed are drawn again under another `draw`, counted from the first one of the data file.
     """
-    name = motion_name(kind, ground, seed)
-    own = near_fault().get(name)
+    name = _motion_name(kind, ground, seed)
+    own = _near_fault().get(name)
     if own:
-        time = own.shape.times(dt)
+        time = own.shape._times(dt)
         stream = np.random.default_rng([*own.stream[:-1], own.stream[-1] + draw])
         # As white noise, its spectral density does not depend on the time step.
         size = own.noise / np.sqrt(2.0 * HIGHEST * dt)
-        values = stream.standard_normal(len(time)) * own.shape.envelope(time) * size
+        values = stream.standard_normal(len(time)) * own.shape._envelope(time) * size
         return _without_highest(values, dt) + own.pulse.acceleration(time)
-    draw += first_draw(name)
+    draw += _first_draw(name)
     shape = SHAPES[kind]
-    time = shape.times(dt)
+    time = shape._times(dt)
     # One stream of numbers for each motion and draw.
     key = [seed, KINDS.index(kind), GROUNDS.index(ground), draw]
     stream = np.random.default_rng(key)
-    values = stream.standard_normal(len(time)) * shape.envelope(time)
+    values = stream.standard_normal(len(time)) * shape._envelope(time)
     values /= np.sqrt(dt)  # see above
     if kind == "II":
         period = PULSE_PERIODS[ground]
@@ -246,13 +246,13 @@ def make_motion(
     fit: Matched | None = None
     effort = Effort(progress=progress)
     for draw in range(DRAWS):
-        trial = matched(phases(kind, ground, seed, draw, dt), dt, target.at, effort=effort)
+        trial = matched(_phases(kind, ground, seed, draw, dt), dt, target.at, effort=effort)
         if fit is None or trial.misfit < fit.misfit:
             fit = trial
         if fit.misfit <= ACCEPTED or effort.spent:
             break
     assert fit is not None
-    own = near_fault().get(motion_name(kind, ground, seed))
+    own = _near_fault().get(_motion_name(kind, ground, seed))
     stand_in = f"Stand-in, {target.caveat}: synthetic" if target.caveat else "Synthetic"
     return GroundMotion(
         name=f"{target.name}-{seed}",

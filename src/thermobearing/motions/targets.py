@@ -94,7 +94,7 @@ class DesignSpectrum:
 def _spectra() -> dict[tuple[str, str], StandardSpectrum]:
     table = read_toml(data_path("spectra", "jra-level-2.toml"))
 
-    def gal(text: str) -> float:
+    def _in_mm_s2(text: str) -> float:
         number, unit = text.split()
         return float(number) * acceleration_unit(unit)
 
@@ -104,7 +104,7 @@ def _spectra() -> dict[tuple[str, str], StandardSpectrum]:
         for ground in GROUNDS:
             row = about["grounds"][ground]
             first, second = (parse_quantity(text, "s") for text in row["corners"])
-            sizes = {key: gal(row[key]) for key in ("rise", "plateau", "fall")}
+            sizes = {key: _in_mm_s2(row[key]) for key in ("rise", "plateau", "fall")}
             powers = {k: float(Fraction(about[k])) for k in ("rise_power", "fall_power")}
             found[kind, ground] = StandardSpectrum(**sizes, **powers, corners=(first, second))
     return found

@@ -3,7 +3,3 @@
 No physics and no analysis here. Each analysis says what its document holds in its own
 `report.py`, as `Pieces`; a template puts them in order; `html` and `pdf` write the same `Document`.
 """
-
-from thermobearing.border.deprecated import find_moved
-
-__getattr__ = find_moved(__name__)

@@ -48,7 +48,7 @@ _YEAR_LAST = re.compile(r"^\d{1,2}[./-]\d{1,2}[./-]\d{4}\b")
 
 
 @cache
-def words(table: str) -> Mapping[str, tuple[str, ...]]:
+def _words(table: str) -> Mapping[str, tuple[str, ...]]:
     """Return one table of data/tables/words.toml: names, within or units."""
     content = read_toml(data_path("tables", "words.toml"))
     return {name: tuple(some) for name, some in content[table].items()}
@@ -67,7 +67,7 @@ def plain_title(text: str) -> str:
 def plain_unit(text: str) -> str:
     """Return a unit in pint's spelling (laboratories also write "sec", "℃", "tf")."""
     flat = unicodedata.normalize("NFKC", text).strip()
-    return next((unit for unit, some in words("units").items() if flat.lower() in some), flat)
+    return next((unit for unit, some in _words("units").items() if flat.lower() in some), flat)
 
 
 @cache
@@ -101,7 +101,7 @@ def name_and_unit(title: str) -> tuple[str, str]:
     joined = _JOINED.match(text)
     if joined:
         plain = plain_title(text)
-        if any(plain in some for some in words("names").values()) and not _known(joined["unit"]):
+        if any(plain in some for some in _words("names").values()) and not _known(joined["unit"]):
             return text, ""
         return joined["name"].strip(), joined["unit"].strip()
     apart = _APART.match(text)
@@ -117,7 +117,7 @@ def _known(unit: str) -> bool:
 def is_called(name: str, quantity: str) -> bool:
     """Return whether a column of this name holds a quantity ("disp" is a displacement)."""
     flat = plain_title(name)
-    return flat == quantity or flat in words("names").get(quantity, ())
+    return flat == quantity or flat in _words("names").get(quantity, ())
 
 
 def holds_word(name: str, quantity: str) -> bool:
@@ -130,7 +130,7 @@ def holds_word(name: str, quantity: str) -> bool:
     tokens = {re.sub(r"[\d.]+$", "", token) for token in re.split(r"[^\w]+|_", flat)}
     return any(
         word in tokens or (word in flat and (" " in word or not word.isascii()))
-        for word in words("within")[quantity]
+        for word in _words("within")[quantity]
     )
 
 
@@ -365,10 +365,10 @@ def read_columns(
     """
     form = layout or Layout()
 
-    def read(sheet: Sheet) -> Columns:
+    def _read(sheet: Sheet) -> Columns:
         return list_columns(usable_table(sheet, form), wanted, optional, form)
 
-    return first_readable(path, read, form.form).values
+    return first_readable(path, _read, form.form).values
 
 
 def first_readable(path: Path | str, read: Callable[[Sheet], T], form: Form | None = None) -> T:

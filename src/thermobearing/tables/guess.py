@@ -116,7 +116,7 @@ def read_air_columns(path: str | Path) -> Columns:
     Times have their unit, or are dates in one zone without summer time.
     """
 
-    def read(sheet: Sheet) -> Columns:
+    def _read(sheet: Sheet) -> Columns:
         table = usable_table(sheet)
         layout = Layout(titles=_guessed_air(table))
         return list_columns(table, {"time": "s", "temperature": "degC"}, (), layout)
@@ -126,7 +126,7 @@ def read_air_columns(path: str | Path) -> Columns:
     lines = raw.decode("utf-8-sig", errors="replace").splitlines()
     titles = next((line for line in lines if line[:1].isalpha()), "")
     marks = [mark for mark in ("\t", ";", ",") if mark in titles]
-    return first_readable(path, read, Form(marks[0] if len(marks) == 1 else None))
+    return first_readable(path, _read, Form(marks[0] if len(marks) == 1 else None))
 
 
 def _guessed_air(table: Table) -> dict[str, str]:
@@ -194,12 +194,12 @@ def _best(columns: list[_Column], quantity: str, taken: Taken) -> _Column | None
     if quantity == "time":
         some = [c for c in some if c.stamped or is_called(c.name, quantity) or _runs(c.signal)]
 
-    def speaks(column: _Column) -> tuple[int, bool, bool, float]:
+    def _evidence(column: _Column) -> tuple[int, bool, bool, float]:
         way = 0.0 if quantity == "time" else float(np.abs(np.diff(column.signal)).sum())
         fits, plain = column.unit == UNITS[quantity], plain_title(column.name) == quantity
         return column.scores[quantity], fits, plain, way
 
-    return max(some, key=speaks, default=None)
+    return max(some, key=_evidence, default=None)
 
 
 def _runs(values: Floats) -> bool:
