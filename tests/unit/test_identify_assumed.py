@@ -53,8 +53,8 @@ def test_groups_are_what_the_bearing_has_and_the_fit_has_not() -> None:
 def test_every_symbol_is_a_parameter_and_every_group_has_a_source() -> None:
     for group in covariance.usual_groups():
         assert group.source
-        if group.keys[0] in parameters.BY_KEY:
-            assert group.name == parameters.BY_KEY[group.keys[0]].symbol
+        if group.keys[0] in parameters.KINDS:
+            assert group.name == parameters.KINDS[group.keys[0]].symbol
         else:
             assert group.cause
 
@@ -219,7 +219,7 @@ def test_candidates_are_what_the_bearing_has() -> None:
     (record,) = records(LRB, COOL, (23.0,))
     problem = Problem([record], parameters.parameter_set(LRB, [parameters.K_R], [23.0]))
     symbols = {
-        parameters.BY_KEY[key].symbol for key in candidates(problem, covariance.usual_groups())
+        parameters.KINDS[key].symbol for key in candidates(problem, covariance.usual_groups())
     }
     assert symbols == {"K_r", "m_T", "K_l", "sigma_Y", "E2"}
 
@@ -227,9 +227,11 @@ def test_candidates_are_what_the_bearing_has() -> None:
 @pytest.mark.parametrize(("test", "free"), [(HOT, True), (COOL, False)], ids=["hot", "cool"])
 def test_softening_is_free_where_the_lead_gets_hot(test: object, free: bool) -> None:
     found = told_sensitivity(LRB, records(LRB, test, (23.0,)))
-    assert found[parameters.E2].free is free
-    assert not found[parameters.E2].usual
-    assert (found[parameters.E2].stderr < BETTER * found[parameters.E2].spread) is free
+    assert found[parameters.ALIASES["E2"]].free is free
+    assert not found[parameters.ALIASES["E2"]].usual
+    assert (
+        found[parameters.ALIASES["E2"]].stderr < BETTER * found[parameters.ALIASES["E2"]].spread
+    ) is free
     assert found[parameters.SIGMA_Y].free
 
 
@@ -252,11 +254,11 @@ def test_what_tests_tell_nothing_of_is_held() -> None:
 
 def test_lrb_from_a_file_of_nobody() -> None:
     """The softening of lead is free before a fit without it ends at a bound (sigma_Y = 2 MPa)."""
-    start = parameters.with_values(forgotten(LRB), {parameters.E2: 0.0})
+    start = parameters.with_values(forgotten(LRB), {parameters.ALIASES["E2"]: 0.0})
     found = identify_bearing(records(LRB, HOT, (-10.0, 30.0), 27.0), start, starts=1)
     assert found.values[parameters.SIGMA_Y] == pytest.approx(10.0, rel=0.02)
-    assert found.values[parameters.E2] == pytest.approx(0.0069, rel=0.05)
-    assert found.summary()["sensitivity"][parameters.E2]["free"]
+    assert found.values[parameters.ALIASES["E2"]] == pytest.approx(0.0069, rel=0.05)
+    assert found.summary()["sensitivity"][parameters.ALIASES["E2"]]["free"]
     assert min(fit.R2 for fit in found.fits) > 0.99
 
 
@@ -264,10 +266,10 @@ def test_lead_without_softening_keeps_it_fixed() -> None:
     test = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, wave="sine", rest=None)
     tests = records(LHDR, test, (23.0,))
     found = identify_bearing(tests, LHDR, starts=1, blind=False)
-    (softening,) = (item for item in found.sensitivity if item.key == parameters.E2)
+    (softening,) = (item for item in found.sensitivity if item.key == parameters.ALIASES["E2"])
     assert softening.free
     assert not softening.usual
-    assert parameters.E2 not in found.uncertainty.estimates
+    assert parameters.ALIASES["E2"] not in found.uncertainty.estimates
     assert set(found.uncertainty.estimates) == set(parameters.default_free(LHDR, (23.0,)))
 
 

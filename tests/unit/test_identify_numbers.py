@@ -17,7 +17,6 @@ from thermobearing.identify.comparison import Comparison
 from thermobearing.identify.fit import search as search
 from thermobearing.identify.fit.forward import ForwardModel, Prediction, _pause
 from thermobearing.identify.fit.parameters import (
-    BY_KEY,
     C_V,
     HARDENING,
     K_R,
@@ -30,6 +29,7 @@ from thermobearing.identify.fit.parameters import (
     ParameterSet,
     _full_key,
     parameter_set,
+    remedy,
 )
 from thermobearing.identify.fit.problem import (
     LOST,
@@ -44,7 +44,7 @@ from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.identify.records.cycles import compute_measures, full_cycles, turning_points
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
 from thermobearing.identify.result import _fit_warnings
-from thermobearing.identify.uncertainty.covariance import effective_samples, estimate, remedy
+from thermobearing.identify.uncertainty.covariance import effective_samples, estimate
 
 HDR, LHDR = tb.load_bearing("shen-hdr-specimen"), tb.load_bearing("shen-lhdr-specimen")
 SHORT = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, rest=600.0)
@@ -218,7 +218,7 @@ def linear_problem(sizes: tuple[float, float]) -> tuple[Any, np.ndarray]:
     best = np.array([0.4, 0.7])
     noise = 0.01 * rng.normal(size=n)
     noise -= columns @ np.linalg.lstsq(columns, noise, rcond=None)[0]
-    free = [Parameter(BY_KEY[K_R], 30.0, 3.0, 300.0), Parameter(BY_KEY[HARDENING], 0.1, 0.0, 2.0)]
+    free = [Parameter(KINDS[K_R], 30.0, 3.0, 300.0), Parameter(KINDS[HARDENING], 0.1, 0.0, 2.0)]
     problem = SimpleNamespace(
         records=[record], loss="linear", pset=ParameterSet(HDR, tuple(free)),
         parts=lambda cube, *, fine=False: [columns @ (cube - best) + noise],
@@ -274,7 +274,9 @@ def test_remedies_belong_to_their_parameters() -> None:
 
 @pytest.mark.parametrize("transform", ["log", "log1p", "linear"])
 def test_slope_of_each_scale_is_the_derivative(transform: Any) -> None:
-    parameter = Parameter(Kind("x", "x", "", transform, 0.2, 3.0), 1.0, 0.2, 3.0)
+    parameter = Parameter(
+        Kind(key="x", symbol="x", scale=transform, lower=0.2, upper=3.0), 1.0, 0.2, 3.0
+    )
     for place in (0.1, 0.5, 0.8):
         step = 1e-6
         wanted = (parameter.at(place + step) - parameter.at(place - step)) / (2.0 * step)
@@ -367,7 +369,7 @@ def test_krill_begin_at_the_start_and_keep_the_best() -> None:
 
 
 def test_symbols_and_keys_name_the_same() -> None:
-    for kind in KINDS:
+    for kind in KINDS.values():
         assert _full_key(kind.symbol) == _full_key(kind.key) == kind.key
     assert _full_key("Q_l") == "lead.yield_stress"
     with pytest.raises(InputError, match="K_r"):

@@ -22,6 +22,7 @@ from thermobearing.design.factors import Published
 from thermobearing.design.peaks import Rules
 from thermobearing.design.sizing import Curves
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
+from thermobearing.identify.fit.parameters import Kinds
 from thermobearing.identify.records.record import ChamberNumbers, TestRecord, load_test
 from thermobearing.identify.uncertainty.covariance import Groups
 from thermobearing.model.outcomes import TemperatureLimits
@@ -42,6 +43,7 @@ DATA: dict[str, tuple[set[str], type[Strict]]] = {
     "rubber curves": ({"compounds", "smallest_strain"}, Curves),
     "published factors": ({"tables"}, Published),
     "assumed uncertainties": ({"groups"}, Groups),
+    "parameters of calibrations": ({"remedies"}, Kinds),
     "ambient temperature of tests": ({"ambient_drift"}, ChamberNumbers),
     "usual values": ({"usual"}, Usuals),
     "climate": ({"monthly_mean", "daily_range"}, Climate),

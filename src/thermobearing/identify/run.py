@@ -30,6 +30,7 @@ from thermobearing.identify.fit.parameters import (
     ParameterSet,
     at_one_temperature,
     parameter_set,
+    remedy,
     split_at_one_temperature,
 )
 from thermobearing.identify.fit.problem import Problem
@@ -46,7 +47,7 @@ from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
-from thermobearing.identify.uncertainty.covariance import chosen_groups, estimate, remedy
+from thermobearing.identify.uncertainty.covariance import chosen_groups, estimate
 from thermobearing.results.ranges import cycles_in_a_row, largest_speed
 
 

@@ -12,86 +12,67 @@ import numpy as np
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.schema import validated
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import Strict, validated
+from thermobearing.border.toml import read_toml
 from thermobearing.border.units import HUGEST
 from thermobearing.core.records import Floats
 
-Transform = Literal["linear", "log", "log1p"]
 SHAPE, D_Y = "hysteresis.shape", "hysteresis.yield_displacement"
 ALPHA, K_R = "hysteresis.post_yield_ratio", "hysteresis.layer_stiffness"
 HARDENING = "hysteresis.hardening"
 M_T = "hysteresis.elastic_temperature_coefficient"
 N_T = "hysteresis.hysteretic_temperature_coefficient"
-K_L, SIGMA_Y, E2 = "lead.stiffness", "lead.yield_stress", "lead.softening"
+K_L, SIGMA_Y = "lead.stiffness", "lead.yield_stress"
 K_V, C_V = "rate.stiffness", "rate.damping"
-SCRAGGING, SCRAGGING_STRAIN = "scragging.amplitude", "scragging.strain"
-MULLINS, MULLINS_DECAY = "scragging.mullins_amplitude", "scragging.mullins_decay"
-MULLINS_RENEWAL = "scragging.mullins_renewal"
-VIRGIN = (SCRAGGING, SCRAGGING_STRAIN, MULLINS, MULLINS_DECAY, MULLINS_RENEWAL)
-OF_YIELDING = {ALPHA, SHAPE, D_Y, HARDENING, N_T}  # linear rubber has none of them
 SPAN = 10.0  # between ambient temperatures that identify m_T and n_T [K]
 TIE = re.compile(r"([^=]+)=(?:([^=*]+)\*)?([^=*]+)")
 
 
-@dataclass(frozen=True)
-class Kind:
-    """A number of a bearing that may be identified.
-
-    `lower` and `upper` are bounds; with `relative` they multiply the starting value. A wide
-    range is deliberate: a fit that ends at a bound reports it. `transform` is the scale on
-    which the search moves: stiffness and the like by their logarithm, s by that of 1 + s,
-    because the steepness of unloading goes with 1/(1 + s).
-    """
+class Kind(Strict):
+    """A number of a bearing that may be identified; data/identify/parameters.toml says more."""
 
     key: str
     symbol: str
-    unit: str
-    transform: Transform
+    aliases: tuple[str, ...] = ()
+    unit: str = ""
+    scale: Literal["linear", "log", "log1p"]  # on which the search moves
     lower: float
     upper: float
-    relative: bool = False
+    relative: bool = False  # bounds multiply the starting value; it goes with the bearing's size
+    end: float | None = None  # bound at which the law itself ends
+    of_yielding: bool = False  # linear rubber has none
+    usual: bool = True  # free by default
+    group: str = ""  # of the remedies
+    blind: float | None = None  # starting value of no bearing
 
 
-KINDS = (
-    Kind(ALPHA, "alpha_0", "", "log", 0.02, 1.0),
-    Kind(K_R, "K_r", "kN/mm", "log", 0.1, 10.0, relative=True),
-    Kind(SHAPE, "s", "", "log1p", -0.98, 1.0),
-    Kind(D_Y, "d_y", "mm", "log", 0.1, 10.0, relative=True),
-    Kind(HARDENING, "b", "", "linear", 0.0, 2.0),
-    Kind(M_T, "m_T", "", "linear", -6.0, 2.0),
-    Kind(N_T, "n_T", "", "linear", -8.0, 2.0),
-    Kind(K_L, "K_l", "kN/mm", "log", 0.1, 10.0, relative=True),
-    Kind(SIGMA_Y, "sigma_Y", "MPa", "log", 2.0, 40.0),
-    Kind(E2, "E2", "1/K", "linear", 0.0, 0.03),
-    Kind(K_V, "K_v", "kN/mm", "log", 0.05, 20.0, relative=True),
-    Kind(C_V, "c_v", "kN s/mm", "log", 0.05, 20.0, relative=True),
-    Kind(SCRAGGING, "b_s", "", "linear", 0.0, 8.0),
-    Kind(SCRAGGING_STRAIN, "gamma_s", "", "log", 0.02, 3.0),
-    Kind(MULLINS, "a_v", "", "linear", 0.0, 1.5),
-    Kind(MULLINS_DECAY, "c_d", "", "log", 0.5, 100.0),
-    Kind(MULLINS_RENEWAL, "l_r", "", "log", 0.01, 3.0),
-)
-BY_KEY = {kind.key: kind for kind in KINDS}
-ALIASES = {kind.symbol: kind.key for kind in KINDS} | {"Q_l": SIGMA_Y, "alpha_1": ALPHA}
-# Where the law itself ends: a value there means that a part of it is not needed, no failure.
-ENDS = {(ALPHA, 1.0), (HARDENING, 0.0), (E2, 0.0), (SCRAGGING, 0.0), (MULLINS, 0.0)}
-# What tests would fix a parameter, by the group it belongs to.
-REMEDIES = (
-    ({M_T, N_T}, "tests at two ambient temperatures at least 20 K apart would fix it"),
-    ({C_V, K_V}, "tests at two loading speeds, a factor of five apart, would fix it"),
-    ({K_L, SIGMA_Y}, "cycles below 25 % strain, or a specimen without lead, would fix it"),
-    ({HARDENING}, "cycles at several amplitudes up to 200 % and more would fix it"),
-    ({D_Y, SHAPE, K_R}, "denser samples after each turn and cycles of small strain would fix it"),
-    (set(VIRGIN), "more cycles at more amplitudes, growing, on a virgin specimen would fix it"),
-    ({ALPHA}, "cycles at two or more amplitudes would fix it"),
-)
+class Kinds(Strict):
+    """Content of data/identify/parameters.toml."""
+
+    remedies: dict[str, str]
+    parameters: list[Kind]
+
+
+_PATH = data_path("identify", "parameters.toml")
+_DATA = validated(Kinds, read_toml(_PATH), str(_PATH))
+KINDS = {kind.key: kind for kind in _DATA.parameters}
+ALIASES = {name: kind.key for kind in KINDS.values() for name in (kind.symbol, *kind.aliases)}
+OF_YIELDING = {kind.key for kind in KINDS.values() if kind.of_yielding}
+
+
+def remedy(keys: set[str]) -> str:
+    """Return which tests would determine parameters, given by their dotted keys."""
+    groups = {KINDS[key].group for key in keys & set(KINDS)}
+    words = (words for group, words in _DATA.remedies.items() if group in groups)
+    return next(words, "other tests would be needed")
 
 
 def _full_key(name: str, before: str = "") -> str:
     """Return the dotted key of a parameter by its key or symbol; `before` begins the message."""
     key = ALIASES.get(name.strip(), name.strip())
-    if key not in BY_KEY:
-        raise InputError(f'{before}no parameter "{name}"{nearest(name, [*ALIASES, *BY_KEY])}')
+    if key not in KINDS:
+        raise InputError(f'{before}no parameter "{name}"{nearest(name, [*ALIASES, *KINDS])}')
     return key
 
 
@@ -119,26 +100,26 @@ class Parameter:
     @property
     def _ends(self) -> tuple[float, float]:
         """The bounds on the scale of the search."""
-        scale = FORWARD[self.kind.transform]
+        scale = FORWARD[self.kind.scale]
         return scale(self.lower), scale(self.upper)
 
     def at(self, unit: float) -> float:
         """Return the value at a place in [0, 1] between the bounds."""
         low, high = self._ends
-        value = BACKWARD[self.kind.transform](low + unit * (high - low))
+        value = BACKWARD[self.kind.scale](low + unit * (high - low))
         return min(max(value, self.lower), self.upper)
 
     def place(self, value: float) -> float:
         """Return the place of a value between the bounds, in [0, 1]."""
         low, high = self._ends
         inside = min(max(value, self.lower), self.upper)
-        return (FORWARD[self.kind.transform](inside) - low) / (high - low)
+        return (FORWARD[self.kind.scale](inside) - low) / (high - low)
 
     def slope(self, unit: float) -> float:
         """Return the derivative of the value by the place."""
         value, (low, high) = self.at(unit), self._ends
         factors = {"log": value, "log1p": 1.0 + value}
-        return (high - low) * factors.get(self.kind.transform, 1.0)
+        return (high - low) * factors.get(self.kind.scale, 1.0)
 
 
 @dataclass(frozen=True)
@@ -227,7 +208,7 @@ def _replace_value(part: Any, names: Sequence[str], value: float) -> Any:
 
 def available(bearing: Bearing) -> list[Kind]:
     """Return the kinds of parameters that a bearing has."""
-    return [k for k in KINDS if getattr(bearing, k.key.split(".")[0]) is not None]
+    return [k for k in KINDS.values() if getattr(bearing, k.key.split(".")[0]) is not None]
 
 
 def at_one_temperature(ambients: Iterable[float]) -> bool:
@@ -238,24 +219,20 @@ def at_one_temperature(ambients: Iterable[float]) -> bool:
 def split_at_one_temperature(free: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return the other free parameters, and the symbols of the temperature coefficients."""
     symbols = {name: _full_key(name.split("=")[0], "free: ") for name in free}
-    warm = {name: BY_KEY[key].symbol for name, key in symbols.items() if key in (M_T, N_T)}
+    warm = {name: KINDS[key].symbol for name, key in symbols.items() if key in (M_T, N_T)}
     return [name for name in free if name not in warm], [warm[n] for n in free if n in warm]
 
 
 def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
     """Return the keys that are free unless the tests say nothing about them; see start.py.
 
-    They are those of Tables 4.2 and 5.2, and the yield stress of lead: a fit that takes it from the
-    file puts its error into the rubber. Temperature coefficients need tests at two temperatures.
-    Linear rubber (post-yield ratio 1, as in an LRB) has one stiffness and one coefficient.
+    Temperature coefficients need tests at two temperatures. Linear rubber (post-yield ratio 1, as
+    in an LRB) has one stiffness and one coefficient.
     """
     linear = bearing.hysteresis.post_yield_ratio == 1.0
-    rubber = [K_R] if linear else [ALPHA, K_R, SHAPE, D_Y, HARDENING]
-    warm = [] if at_one_temperature(ambients) else [M_T] if linear else [M_T, N_T]
-    lead = [K_L, SIGMA_Y] if bearing.lead is not None else []
-    rate = [K_V, C_V] if bearing.rate is not None else []
-    virgin = VIRGIN if bearing.scragging is not None else ()
-    return [*rubber, *warm, *rate, *lead, *virgin]
+    held = {M_T, N_T} if at_one_temperature(ambients) else set()
+    kinds = (kind for kind in available(bearing) if kind.usual and kind.key not in held)
+    return [kind.key for kind in kinds if not (linear and kind.of_yielding)]
 
 
 def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, tuple[str, float]]]:

@@ -224,7 +224,8 @@ def without_needless(
 
     E2 of lead without softening is one: free it would stop at its end of 0 in half of all fits.
     """
-    ends = {key: end for key, end in kinds.ENDS if key in added}
+    known = {key: kinds.KINDS[key].end for key in added}
+    ends = {key: end for key, end in known.items() if end is not None}
     if not ends:
         return problem, cube
     linear = linearised(problem, cube, fine=False)

@@ -14,10 +14,6 @@ from thermobearing.identify.fit.parameters import available, with_values
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
 
-# Values of no bearing, for fits that must not start at the truth.
-ANYBODY = {"alpha_0": 0.5, "K_r": 10.0, "s": 0.0, "d_y": 1.0, "b": 0.1, "m_T": -0.5, "n_T": -0.5}
-ANYBODY |= {"K_l": 10.0, "K_v": 1.0, "c_v": 1.0}
-
 
 def synthetic_record(
     bearing: Bearing | str | Path,
@@ -119,5 +115,5 @@ def _logged(time: Floats, x: Floats, sampling: float) -> NDArray[np.bool_]:
 def forgotten(bearing: Bearing | str | Path) -> Bearing:
     """Return a bearing with the parameters of no bearing, to start a fit blind."""
     bearing = as_bearing(bearing)
-    values = {k.key: ANYBODY[k.symbol] for k in available(bearing) if k.symbol in ANYBODY}
+    values = {k.key: k.blind for k in available(bearing) if k.blind is not None}
     return with_values(bearing, values)

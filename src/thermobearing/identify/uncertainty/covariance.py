@@ -382,9 +382,9 @@ def _estimate(p: Parameter, u: float, variance: float, spread: float, reach: flo
     bound, value = not AT_BOUND < u < 1.0 - AT_BOUND, p.at(u)
     slope = p.slope(u) if not bound else float("nan")
     place, end = p.place(value), p.lower if p.place(value) < 0.5 else p.upper
-    lost = min(place, 1.0 - place) < NEAR_BOUND and (p.kind.key, end) not in kinds.ENDS
+    lost = min(place, 1.0 - place) < NEAR_BOUND and end != p.kind.end
     stderr, determined = float(np.sqrt(variance)) * slope, not (bound or lost)
-    least = 0.0 if p.kind.transform == "log" else LEAST
+    least = 0.0 if p.kind.scale == "log" else LEAST
     known = determined and np.isfinite(stderr)
     relative = stderr / max(abs(value), least) if known else float("inf")
     return Estimate(
@@ -410,12 +410,6 @@ def _wide(freedom: float) -> float:
     return float(student.ppf(0.5 + 0.5 * LEVEL, max(freedom, 2)))
 
 
-def remedy(keys: set[str]) -> str:
-    """Return which tests would fix parameters, given by their dotted keys."""
-    words = (words for known, words in kinds.REMEDIES if keys & known)
-    return next(words, "other tests would be needed")
-
-
 def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
     """Return warnings of bounds reached, weak and entangled parameters, and tests too alike."""
     said, estimates = _test_warnings(problem), found.estimates
@@ -430,17 +424,17 @@ def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
         kind = item.parameter.kind
         shown = f"{kind.symbol} = {item.value:.4g} {kind.unit}".strip()
         if not item.determined:
-            said.append(f"{shown} is not determined, it ended {item.where}: {remedy({key})}")
+            said.append(f"{shown} is not determined, it ended {item.where}: {kinds.remedy({key})}")
         elif item.relative_error > POOR:
             error = f"standard error {item.stderr:.2g}"
-            said.append(f"{shown} is poorly determined ({error}): {remedy({key})}")
+            said.append(f"{shown} is poorly determined ({error}): {kinds.remedy({key})}")
     for i, j in zip(*np.triu_indices(len(estimates), 1), strict=True):
         rho, pair = float(found.correlation[i, j]), [list(estimates.values())[k] for k in (i, j)]
         if abs(rho) > CORRELATED and any(item.relative_error > WELL for item in pair):
             names = " and ".join(item.parameter.kind.symbol for item in pair)
             said.append(
                 f"{names} are entangled (correlation {rho:.2f}): only a combination of them is "
-                f"known; {remedy({item.parameter.kind.key for item in pair})}"
+                f"known; {kinds.remedy({item.parameter.kind.key for item in pair})}"
             )
     return said
 
@@ -466,7 +460,7 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
     held = [
         item
         for item in evidence
-        if item.group.keys[0] in kinds.BY_KEY and item.explained > MUCH
+        if item.group.keys[0] in kinds.KINDS and item.explained > MUCH
         if abs(item.sigmas) > SURELY * item.stderr
     ]
     if held:  # parameters whose freedom would remove much of the misfit
@@ -496,7 +490,7 @@ def _test_warnings(problem: Problem) -> list[str]:
         span = f"{low:g} to {high:g}" if high > low else f"{low:g}"
         said.append(
             f"m_T and n_T were fitted to tests at {span} degC only, mostly from self-heating: "
-            f"{remedy({kinds.M_T})}"
+            f"{kinds.remedy({kinds.M_T})}"
         )
     if free & {kinds.C_V, kinds.K_V}:
         speeds = np.empty(0)  # mean ones of large half cycles [mm/s]
@@ -508,6 +502,7 @@ def _test_warnings(problem: Problem) -> list[str]:
         if speeds.max() < SPEED_SPAN * speeds.min():
             span = f"{speeds.min():.3g} to {speeds.max():.3g} mm/s"
             said.append(
-                f"c_v and K_v were fitted to mean speeds of {span} only: {remedy({kinds.C_V})}"
+                f"c_v and K_v were fitted to mean speeds of {span} only: "
+                f"{kinds.remedy({kinds.C_V})}"
             )
     return said

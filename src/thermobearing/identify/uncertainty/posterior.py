@@ -36,7 +36,6 @@ LOW, HIGH = 0.025, 0.975
 MOST_STEPS = 100_000  # of a walker
 STEPS, BURN = 300, 100  # of a walker, kept and thrown away
 MOST = 10_000  # of samples
-SIZED = (kinds.K_R, kinds.D_Y, kinds.K_L, kinds.K_V, kinds.C_V)  # they go with the size
 FAR = 10.0  # standard deviations from the mean of the samples, ...
 APART = 0.2  # ... and this part of it: not the bearing that they are of
 ALIKE = 1e-6  # relative difference of two compounds that are one, their files read and written
@@ -353,11 +352,13 @@ def _fitted(bearing: Bearing, place: Path) -> Bearing:
 
 def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where: str) -> None:
     """Refuse samples of a bearing of another size, by the numbers that depend on the size."""
-    for key in set(keys) & set(SIZED):
+    for key in keys:
+        kind = kinds.KINDS[key]
+        if not kind.relative:
+            continue
         values = np.array([kinds.dotted_value(one, key) for one in some])
         own, mean = kinds.dotted_value(bearing, key) or 0.0, float(values.mean())
         if abs(own - mean) > max(FAR * float(values.std()), APART * abs(mean)):
-            kind = kinds.BY_KEY[key]
             said = f"{kind.symbol} is {mean:.4g} {kind.unit} in the samples and {own:.4g} in "
             said += f"{bearing.name}: they are of another bearing; a bearing made of the fitted "
             said += f"compound takes them where {IDENTIFIED} of the fit lies in their directory"
@@ -365,7 +366,7 @@ def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where
 
 
 def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
-    known = {kind.symbol: kind.key for kind in kinds.KINDS}
+    known = {kind.symbol: kind.key for kind in kinds.KINDS.values()}
     faults, keys = [], []
     data = bearing.model_dump()
     for symbol in (text.strip() for text in head):
