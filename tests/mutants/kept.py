@@ -22,6 +22,7 @@ class Mutant:
     text : the whole file with the change.
     tests : arguments of pytest.
     plain : run the kernels as plain Python, which is quicker than compiling them for one look.
+    by_chance : a random change, on which the thorough tests are left out.
     """
 
     file: str
@@ -29,6 +30,7 @@ class Mutant:
     text: str
     tests: tuple[str, ...]
     plain: bool = False
+    by_chance: bool = False
 
     @property
     def room(self) -> str:

@@ -126,7 +126,7 @@ def _mutant(file: str, number: int, tests: list[str]) -> Mutant | None:
     line = next((n.lineno for n in ast.walk(old) if hasattr(n, "lineno")), 0)
     means = f"line {line}: {ast.unparse(old)[:60]} -> {ast.unparse(new)[:60]}"
     text = ast.unparse(ast.fix_missing_locations(_Swap(old, new).visit(tree)))
-    return None if text == before else Mutant(file, means, text, tuple(tests))
+    return None if text == before else Mutant(file, means, text, tuple(tests), by_chance=True)
 
 
 def files_of_the_package() -> list[str]:

@@ -15,16 +15,20 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
+from platformdirs import user_cache_path
+
 from tests.mutants.kept import ROOT, Mutant, place
 
 SCRATCH = ROOT / "build" / "mutants"
 COMPILED = ".numba"  # in a copy: code of the kernels
 NOT_COPIED = {"build", "dist", "demo", "__pycache__"}
-LONGEST = 1800.0  # [s]; who takes longer runs in circles, which counts as caught
+LONGEST = 600.0  # [s]; a longer run is taken as endless, which counts as caught
+BY_HAND = "tests/unit/test_kernels_by_hand.py"  # kernels as plain Python, before any compilation
 OPTIONS = ("-q", "-p", "no:cacheprovider", "--no-header", "--tb=line", "--hypothesis-seed=0")
 USED = "processor time [s]: "  # last line of a child
 CAUGHT, SURVIVED = "caught", "survived"
 NOTHING_RUN = 5  # status of pytest where every test was left out
+PASSED = (0, NOTHING_RUN)
 # Children are forked from a process that has the libraries in memory already, ours not.
 SERVER = multiprocessing.get_context("forkserver")
 SERVER.set_forkserver_preload(
@@ -101,6 +105,12 @@ class Copy:
                 shutil.copytree(path, self.folder / path.name, ignore=ignore)
             else:
                 shutil.copy2(path, self.folder)
+        # Imported here, so that no child is forked with the package of the tree in memory.
+        from thermobearing.core.compile import kernels_digest
+
+        known = user_cache_path("thermobearing", appauthor=False) / kernels_digest()
+        if known.is_dir():
+            shutil.copytree(known, self.folder / COMPILED / known.name, dirs_exist_ok=True)
         self.left_out: list[str] = []  # tests that fail anyway
         self.used = 0.0  # processor time of its tests [s]
         self.stamp = 1_000_000_000  # of changed files, never the same twice: see `_write`
@@ -139,7 +149,7 @@ class Copy:
         os.utime(path, (self.stamp, self.stamp))
 
     def run(self, mutant: Mutant) -> Verdict:
-        """The nearest tests with the mutant in place, until the first that fails."""
+        """Run the nearest tests with the mutant in place, until the first that fails."""
         begin = time.perf_counter()
         path = place(self.folder, mutant.file)
         compiled = self._compiled()
@@ -147,12 +157,18 @@ class Copy:
         shutil.copy2(path, kept)
         self._write(path, mutant.text)
         try:
-            status, said = self.pytest(mutant.tests, "-x", plain=mutant.plain)
+            options = ("-x", "-m", "not thorough") if mutant.by_chance else ("-x",)
+            rest = [test for test in mutant.tests if test != BY_HAND or mutant.plain]
+            status, said = NOTHING_RUN, ""
+            if BY_HAND in mutant.tests and not mutant.plain:
+                status, said = self.pytest([BY_HAND], *options, plain=True)
+            if status in PASSED and rest:
+                status, said = self.pytest(rest, *options, plain=mutant.plain)
         finally:
             shutil.copy2(kept, path)
             for name in self._compiled() - compiled:  # nobody needs those kernels again
                 shutil.rmtree(self.folder / COMPILED / name, ignore_errors=True)
-        verdict = SURVIVED if status in (0, NOTHING_RUN) else CAUGHT
+        verdict = SURVIVED if status in PASSED else CAUGHT
         by = "no end" if status == 124 else (_failures(said) or ["an error before the tests"])[0]
         by = by if verdict == CAUGHT else ""
         return Verdict(mutant, verdict, by, time.perf_counter() - begin)
