@@ -99,6 +99,18 @@ def test_exactly_known_is_not_assumed() -> None:
     assert heat.relative == 0.02
 
 
+@pytest.mark.parametrize(
+    ("sigmas", "stderr", "contradicted"),
+    [(3.02, 0.1, True), (3.01, 0.1, False), (5.02, 1.0, True), (4.98, 1.0, False)],
+)
+def test_values_are_contradicted_beyond_both_limits(
+    sigmas: float, stderr: float, contradicted: bool
+) -> None:
+    """Five standard errors of the tests, and three of tests and source: 3 sqrt(1 + 0.1^2)."""
+    group = covariance.usual_groups()[0]
+    assert covariance.Evidence(group, -sigmas, stderr, 0.1).contradicted is contradicted
+
+
 SMALL = tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None)
 
 

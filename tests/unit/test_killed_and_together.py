@@ -15,6 +15,7 @@ import pytest
 import thermobearing.results.directory as directory
 from tests.unit.inputs import content, cyclic, quick_case, summary
 from thermobearing.border.errors import OutputError
+from thermobearing.border.text_file import write_through
 from thermobearing.results.directory import write_directory
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
@@ -100,6 +101,15 @@ def test_a_killed_run_loses_no_earlier_result(tmp_path: Path) -> None:
     assert moment > MOMENTS
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "out"]
     assert seen == {EARLIER, LATER}  # killed before the swap, and after it
+
+
+def test_a_file_is_flushed_before_it_is_synchronized(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes: list[int] = []
+    monkeypatch.setattr(os, "fsync", lambda number: sizes.append(os.fstat(number).st_size))
+    write_through(tmp_path / "file", b"three")
+    assert sizes == [5]
 
 
 def filled(folder: Path) -> None:

@@ -92,6 +92,12 @@ def test_drift_is_the_second_derivative_of_a_polynomial() -> None:
     assert_allclose(mended.acceleration, wave, atol=0.02)
 
 
+def test_sixteen_samples_are_enough_for_a_baseline() -> None:
+    process.baseline_corrected(record.GroundMotion("short", DT, np.sin(np.arange(16.0))))
+    with pytest.raises(tb.InputError, match="15 samples"):
+        process.baseline_corrected(record.GroundMotion("short", DT, np.sin(np.arange(15.0))))
+
+
 def test_high_pass_gain_is_that_of_a_filter_run_twice() -> None:
     """Fourth order, both ways: a half at the corner, (f/f_c)^8 far below."""
     gain = process.high_pass_gain(np.array([0.5, 1.0, 2.0]), 1.0)

@@ -9,6 +9,7 @@ from tests.unit.report_words import as_data, assert_well_formed, numbers_in
 from thermobearing.bearing.library import BEARINGS
 from thermobearing.cyclic.report import build_pieces
 from thermobearing.cyclic.result import Result
+from thermobearing.report.content import value_and_unit
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
 from thermobearing.report.template import arranged
 
@@ -98,6 +99,20 @@ def test_inputs_have_units_and_sources(pieces: Pieces) -> None:
     assert rig["Rig: largest force"][1:] == (400.0, "kN", "Table 3.2; either way")
     model = {row[0]: row for row in pieces.inputs["analysis"].rows}
     assert model["Heat scheme"][3] == "default of the program"
+
+
+@pytest.mark.parametrize(
+    ("value", "ends", "expected"),
+    [
+        (["1 mm", "3 mm"], True, ("1 to 3", "mm")),
+        (["3 mm", "3 mm"], True, (3.0, "mm")),
+        (["1 mm", "3 mm"], False, ("1, 3", "mm")),
+        (["1 mm", "2 mm", "3 mm"], True, ("1, 2, 3", "mm")),
+        (["1 mm", "3 kN"], True, ("1 mm, 3 kN", "")),
+    ],
+)
+def test_a_range_is_one_cell(value: list[str], ends: bool, expected: tuple[object, str]) -> None:
+    assert value_and_unit(value, ends=ends) == expected
 
 
 def test_sources_of_an_own_file(tmp_path) -> None:
