@@ -68,14 +68,15 @@ def done(call: Callable[[Path], Any]) -> Callable[[Path], str]:
     return finished
 
 
-def toml_border(
-    name: str, tables: st.SearchStrategy[dict[str, Any]], load: Callable[[Path], Any], weight: int
-) -> Border:
+def toml_border(name: str, load: Callable[[Path], Any], weight: int) -> Border:
+    """Return the border of a kind of file, by the name of its entry in valid.toml."""
+
     def example(raw: bytes) -> Example:
         about = f"{name}: {raw.decode('utf-8', 'replace')}"
         call = done(lambda folder: load(folder / "a.toml"))
         return Example({"a.toml": raw, **beside(raw)}, call, about)
 
+    tables = grammar.valid(name.replace(" ", "_")) if name != "check" else _any_table()
     return Border(name, tables.flatmap(toml_files).map(example), weight)
 
 
@@ -103,16 +104,9 @@ def _checked_record(path: Path) -> None:
 
 
 def _any_table() -> st.SearchStrategy[dict[str, Any]]:
-    return st.one_of(
-        grammar.bearings(),
-        grammar.bilinear_bearings(),
-        grammar.structures(),
-        grammar.cyclic_cases(),
-        grammar.earthquake_cases(),
-        grammar.sequence_cases(),
-        grammar.design_cases(),
-        grammar.sidecars(),
-    )
+    kinds = ("bearing", "bilinear_bearing", "structure", "cyclic_case", "earthquake_case",
+             "sequence_case", "design_case", "sidecar")  # fmt: skip
+    return st.one_of([grammar.valid(kind) for kind in kinds])
 
 
 def _record_file(raw: bytes) -> Example:
@@ -318,7 +312,7 @@ def _arguments(draw: st.DrawFn) -> Example:
 
 @st.composite
 def _runs(draw: st.DrawFn) -> Example:
-    raw = draw(grammar.cyclic_cases().flatmap(lambda table: toml_files(table, calm=True)))
+    raw = draw(grammar.valid("cyclic_case").flatmap(lambda table: toml_files(table, calm=True)))
 
     def run(folder: Path) -> str:
         from thermobearing.cyclic.run import run_case
@@ -331,21 +325,19 @@ def _runs(draw: st.DrawFn) -> Example:
 
 
 def library_borders() -> list[Border]:
+    sidecars = grammar.valid("sidecar").flatmap(toml_files).map(_sidecar_file)
+    records = sheets.laboratory_files().flatmap(rows_of_numbers).map(_record_file)
     return [
-        toml_border("bearing", grammar.bearings(), tb.load_bearing, 160),
-        toml_border("bilinear bearing", grammar.bilinear_bearings(), load_bilinear, 60),
-        toml_border("structure", grammar.structures(), load_structure, 120),
-        toml_border("cyclic case", grammar.cyclic_cases(), _whole(load_case), 200),
-        toml_border(
-            "earthquake case", grammar.earthquake_cases(), _whole(load_earthquake_case), 120
-        ),
-        toml_border("sequence case", grammar.sequence_cases(), _whole(load_sequence_case), 80),
-        toml_border("design case", grammar.design_cases(), load_design_case, 60),
-        toml_border("check", _any_table(), _check_and_describe, 120),
-        Border("test sidecar", grammar.sidecars().flatmap(toml_files).map(_sidecar_file), 140),
-        Border(
-            "test record", sheets.laboratory_files().flatmap(rows_of_numbers).map(_record_file), 100
-        ),
+        toml_border("bearing", tb.load_bearing, 160),
+        toml_border("bilinear bearing", load_bilinear, 60),
+        toml_border("structure", load_structure, 120),
+        toml_border("cyclic case", _whole(load_case), 200),
+        toml_border("earthquake case", _whole(load_earthquake_case), 120),
+        toml_border("sequence case", _whole(load_sequence_case), 80),
+        toml_border("design case", load_design_case, 60),
+        toml_border("check", _check_and_describe, 120),
+        Border("test sidecar", sidecars, 140),
+        Border("test record", records, 100),
         Border("table", _tables(), 180),
         Border("motions file", _motion_files(), 240),
         Border("motions arithmetic", _motion_arithmetic(), 100),

@@ -14,92 +14,27 @@ from tests.fuzz.judge import CLEAN, COMPLETED, TYPED, Example, check_numbers
 from tests.fuzz.mutations import damaged, plain_numbers, rows_of_numbers, toml_files
 from thermobearing.cli import app
 
-NAMES = ["shen-hdr-specimen", "shen-lhdr-specimen", "bearing.toml", "shen-hdr-brige", "a.toml"]
-MOTIONS = ["jra-ii-i-1", "motion.csv", "motion.at2", "motion.jma", "motion.knet", "jra-ii-i-9"]
 WORDS = ["", "x", "nan", "-1", "0", "1e-308", "1e309", "inf", "²", "x" * 300, "--", "免震", "1,2",
          "-", "/dev/null", ".", "\udc80", "a\tb", "9" * 400]  # fmt: skip
-TEMPERATURES = ["-20", "23", "0.5"]
-Values = st.SearchStrategy[str]
+Options = dict[str, list[str]]
+OPTIONS: dict[str, Options] = grammar.ENTRIES["options"]
 
 
 @st.composite
-def some(draw: st.DrawFn, *right: str) -> str:
+def _value(draw: st.DrawFn, right: list[str]) -> str:
+    """One of the right values; one in eight is a number or a word that is not."""
     kind = draw(st.integers(0, 15))
     if kind == 15:
         return draw(st.sampled_from(WORDS))
     return repr(draw(plain_numbers())) if kind == 14 else draw(st.sampled_from(right))
 
 
-CYCLIC: dict[str, Values] = {
-    "--bearing": some(*NAMES), "--ambient": some(*TEMPERATURES), "--dt": some("0.1", "0.05"),
-    "--scheme": some("published", "conservative"), "--integrator": some("euler", "exact"),
-    "--heat-source": some("work", "dissipation"), "--keep-every": some("1", "3"),
-    "--lead-ends": some("half-space", "finite-plate"),
-    "--model": some("adiabatic", "bilinear", "per-cycle"),
-}  # fmt: skip
-STUDY: dict[str, Values] = {
-    "--bearing": some(*NAMES, "shen-hdr-bridge", "shen-bilinear-bridge"),
-    "--motion": some(*MOTIONS), "--ambient": some(*TEMPERATURES),
-    "--structure": some("pier-p1", "hybrid-pier", "structure.toml"),
-    "--method": some("linear-acceleration", "predictor-corrector"), "--dt": some("0.01", "0.02"),
-    "--duration": some("0.1", "0.3"),
-    "--damping": some("modal", "rayleigh", "element", "none", "source"),
-}  # fmt: skip
-BRIDGE = STUDY | {"--mass": some("consistent", "published"), "--weather": some("night.csv")}
-HYBRID = STUDY | {
-    "--mode": some("rt", "pd"), "--delay": some("0", "0.01"), "--force-noise": some("0", "0.5"),
-    "--seed": some("0", "7"),
-}  # fmt: skip
-LOOK: dict[str, Values] = {
-    "--unit": some("gal", "g"), "--dt": some("0.01"), "--component": some("NS", "1"),
-    "--high-pass": some("0.5", "0.1"), "--type": some("I", "II"), "--ground": some("I", "III"),
-}  # fmt: skip
-MAKE: dict[str, Values] = {
-    "--type": some("II"), "--ground": some("I", "II", "III"), "--seed": some("1", "77"),
-    "--from": some("motion.csv", "motion.at2"), "--dt": some("0.02"),
-    "--zone-factor": some("1", "0.7"), "--unit": some("gal"), "--component": some("NS"),
-}  # fmt: skip
-IDENTIFY: dict[str, Values] = {
-    "--start": some("shen-hdr-specimen", "bearing.toml"),
-    "--free": some("K_r", "K_r,d_y", "n_T=2.4*m_T,K_r", "K_r=2*K_r", "n_T=e*m_T"),
-    "--method": some("least-squares", "krill-herd", "differential-evolution"),
-    "--seed": some("1"), "--starts": some("1"),
-    "--evaluations": some("40"), "--loss": some("huber", "linear"), "--predict": some("0"),
-}  # fmt: skip
-VALIDATE: dict[str, Values] = {
-    "--compare-with": some(*NAMES), "--model": some("adiabatic", "lead-alone", "bilinear"),
-    "--limit": some("K_eq=0.1", "NRMSE=1", "K_eg=1", "h_eq", "h_eq=15 %", "energy=nan"),
-}  # fmt: skip
-HELD_OUT: dict[str, Values] = {
-    "--folds": some("2", "1", "99"), "--hold-out": some("test.csv", "none.csv", "a.toml"),
-    "--limit": VALIDATE["--limit"], "--free": some("K_r"), "--loss": some("huber"),
-}  # fmt: skip
-SEQUENCE: dict[str, Values] = {
-    "--bearing": some(*NAMES), "--ambient": some("0"), "--rig": some("shen-rig", "shen-rigg"),
-}  # fmt: skip
-DESIGN: dict[str, Values] = {
-    "--start": some("150"), "--compound": some("G8", "G12"), "--kind": some("HDR", "HDR-S"),
-    "--motion": some("motion.csv", "motion.at2"), "--weight": some("700"),
-    "--tolerance": some("0.1"),
-}  # fmt: skip
-LAMBDA: dict[str, Values] = {
-    "--reference": some("23"), "--temperature": some("0", "-20"), "--strain": some("1", "0.5"),
-    "--period": some("2"), "--speed": some("100"), "--cycles": some("3", "1-3", "²,3", "1,2"),
-}  # fmt: skip
-BOUNDS: dict[str, Values] = {
-    "--bearing": some("shen-hdr-bridge"), "--motion": some("motion.csv"),
-    "--strain": some("1", "1.75"),
-}  # fmt: skip
-INTAKE: dict[str, Values] = {"--bearing": some(*NAMES)}
-MEASURE: dict[str, Values] = {"--bearing": some(*NAMES)}
-
-
 @st.composite
-def _words(draw: st.DrawFn, options: dict[str, Values], most: int = 3) -> list[str]:
+def _words(draw: st.DrawFn, options: Options, most: int = 3) -> list[str]:
     words: list[str] = []
     for _ in range(draw(st.integers(0, most)) if options else 0):
         name = draw(st.sampled_from(sorted(options)))
-        words += [name, draw(options[name])]
+        words += [name, draw(_value(options[name]))]
     if draw(st.integers(0, 19)) == 0:
         words.append(draw(st.sampled_from(["--zzz", "-x", "--dt", "extra", "--help", "--version"])))
     return words
@@ -169,14 +104,17 @@ def _no_constant(word: str) -> None:
 @st.composite
 def _command(
     draw: st.DrawFn,
-    name: list[str],
-    options: dict[str, Values],
+    line: str,
+    options: str,
     files: st.SearchStrategy[tuple[list[str], dict[str, bytes]]],
-    fixed: tuple[str, ...] = (),
+    fixed: str = "",
+    *,
     output: bool = True,
 ) -> Example:
+    """Draw command lines: `options` names tables of valid.toml, `fixed` stands in each line."""
     arguments, given = draw(files)
-    words = [*name, *arguments, *fixed, *draw(_words(options))]
+    known = {name: right for part in options.split() for name, right in OPTIONS[part].items()}
+    words = [*line.split(), *arguments, *fixed.split(), *draw(_words(known))]
     words += draw(_output()) if output else (["--json"] if draw(st.booleans()) else [])
     named = " ".join(words).encode("utf-8", "replace")
     content = {**beside(named + b"".join(given.values())), **given}
@@ -185,13 +123,11 @@ def _command(
     return Example(content, call, about)
 
 
-def _no_file() -> st.SearchStrategy[Any]:
-    return st.just(([], {}))
-
-
-def _toml(tables: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
-    return tables.flatmap(lambda table: toml_files(table, calm=True)).map(
-        lambda raw: (["a.toml"], {"a.toml": raw})
+def _toml(entry: str) -> st.SearchStrategy[Any]:
+    return (
+        grammar.valid(entry)
+        .flatmap(lambda table: toml_files(table, calm=True))
+        .map(lambda raw: (["a.toml"], {"a.toml": raw}))
     )
 
 
@@ -207,81 +143,53 @@ def _motion(draw: st.DrawFn) -> Any:
     return [name], {name: draw(damaged(grammar.MOTIONS[name].encode()))}
 
 
-SHORT = ("--dt", "0.1")  # what a command line without a case would otherwise take long for
-ONE_RUN = ("--duration", "0.2", "--ambient", "0", "--motion", "jra-ii-i-1", "--bearing",
-           "shen-hdr-bridge")  # fmt: skip
-TWO_RUNS = ("--ambient", "0", "--ambient", "23", "--motion", "motion.csv", "--bearing",
-            "shen-hdr-bridge")  # fmt: skip
+NO_FILE: st.SearchStrategy[Any] = st.just(([], {}))
+# What a command line without a case would otherwise take long for.
+ONE_RUN = "--duration 0.2 --ambient 0 --motion jra-ii-i-1 --bearing shen-hdr-bridge"
+TWO_RUNS = "--ambient 0 --ambient 23 --motion motion.csv --bearing shen-hdr-bridge"
+ONE_START = "--starts 1 --start shen-hdr-specimen"
 
 
 def command_borders() -> list[Border]:
-    record = st.just((["test.csv"], {"test.csv": sheets.TEST.encode()}))
-    judged = st.one_of(record, _table(sheets.TEST, "t.csv"))
-    sequences = _toml(grammar.sequence_cases())
-    case = _toml(grammar.cyclic_cases())
-    study = _toml(grammar.earthquake_cases())
-    files = {
-        "check": _command(["check"], {}, _toml(grammar.cyclic_cases()), output=False),
-        "measure": _command(["measure"], MEASURE, _table(sheets.MEASURED, "m.csv"), output=False),
-        "list": _command(["list"], {}, _no_file(), output=False),
-        "none": st.lists(st.sampled_from([*WORDS, "cyclic", "motions", "-h"]), max_size=3).map(
-            lambda words: Example({}, lambda folder: run_command(words, folder), f"{words}")
-        ),
-    }
-    looked = ["show", "spectrum"]
+    raw = sheets.TEST.encode()
+    record, table = st.just((["test.csv"], {"test.csv": raw})), _table(sheets.TEST, "t.csv")
+    two = st.just((["other.csv", "test.csv"], {"other.csv": raw, "test.csv": raw}))
+    case, study = _toml("cyclic_case"), _toml("earthquake_case")
     books = damaged(sheets.workbook()).map(lambda raw: (["t.xlsx"], {"t.xlsx": raw}))
-    tables = sheets.laboratory_files().flatmap(lambda text: _table(text, "t.csv"))
+    sheet = sheets.laboratory_files().flatmap(lambda text: _table(text, "t.csv"))
+    words = st.lists(st.sampled_from([*WORDS, "cyclic", "motions", "-h"]), max_size=3)
+    plain = st.one_of(
+        _command("check", "", case, output=False),
+        _command("measure", "file", _table(sheets.MEASURED, "m.csv"), output=False),
+        _command("list", "", NO_FILE, output=False),
+        words.map(lambda line: Example({}, lambda folder: run_command(line, folder), f"{line}")),
+    )
+    looks = [_command(f"motions {name}", "look", _motion()) for name in ("show", "spectrum")]
     return [
-        Border("command", st.one_of(*files.values()), 60),
+        Border("command", plain, 60),
+        Border("command intake", _command("intake", "file", st.one_of(sheet, sheet, books)), 60),
+        Border("command cyclic", _command("cyclic", "cyclic", case), 32),
+        Border("command bridge", _command("bridge", "study bridge", study), 16),
+        Border("command bridge, no case", _command("bridge", "study bridge", NO_FILE, ONE_RUN), 10),
+        Border("command hybrid", _command("hybrid", "study hybrid", study), 16),
+        Border("command motions", st.one_of(looks), 50),
+        Border("command motions make", _command("motions make", "make", NO_FILE), 20),
+        Border("command identify --check", _command("identify", "identify", table, "--check"), 40),
+        Border("command identify", _command("identify", "identify", record, ONE_START), 10),
         Border(
-            "command intake", _command(["intake"], INTAKE, st.one_of(tables, tables, books)), 60
+            "command identify, tests held out", _command("identify", "held_out", two, ONE_START), 10
         ),
-        Border("command cyclic", _command(["cyclic"], CYCLIC, case), 32),
-        Border("command bridge", _command(["bridge"], BRIDGE, study), 16),
-        Border("command bridge, no case", _command(["bridge"], BRIDGE, _no_file(), ONE_RUN), 10),
-        Border("command hybrid", _command(["hybrid"], HYBRID, study), 16),
         Border(
-            "command motions",
-            st.one_of(*(_command(["motions", name], LOOK, _motion()) for name in looked)),
-            50,
+            "command validate",
+            _command("validate shen-hdr-specimen", "validate", st.one_of(record, table)),
+            24,
         ),
-        Border("command motions make", _command(["motions", "make"], MAKE, _no_file()), 20),
-        *_fit_borders(),
-        Border("command validate", _command(["validate", NAMES[0]], VALIDATE, judged), 24),
-        Border("command sequence", _command(["sequence"], SEQUENCE, sequences), 24),
-        Border("command design", _command(["design"], DESIGN, _toml(grammar.design_cases())), 8),
+        Border("command sequence", _command("sequence", "sequence", _toml("sequence_case")), 24),
+        Border("command design", _command("design", "design", _toml("design_case")), 8),
         Border(
             "command lambda",
-            _command(["lambda", "shen-hdr-bridge"], LAMBDA, _no_file(), ("--temperature", "0")),
+            _command("lambda shen-hdr-bridge", "lambda", NO_FILE, "--temperature 0"),
             10,
         ),
-        Border("command bounds", _command(["bounds"], BOUNDS, _no_file(), TWO_RUNS), 8),
-    ]
-
-
-def _fit_borders() -> list[Border]:
-    """Those of `identify`."""
-    record = st.just((["test.csv"], {"test.csv": sheets.TEST.encode()}))
-    held = {"test.csv": sheets.TEST.encode(), "other.csv": sheets.TEST.encode()}
-    two = st.just((sorted(held), held))
-    return [
-        Border(
-            "command identify --check",
-            _command(["identify"], IDENTIFY, _table(sheets.TEST, "t.csv"), ("--check",)),
-            40,
-        ),
-        Border(
-            "command identify",
-            _command(
-                ["identify"], IDENTIFY, record, ("--starts", "1", "--start", "shen-hdr-specimen")
-            ),
-            10,
-        ),
-        Border(
-            "command identify, tests held out",
-            _command(
-                ["identify"], HELD_OUT, two, ("--starts", "1", "--start", "shen-hdr-specimen")
-            ),
-            10,
-        ),
+        Border("command bounds", _command("bounds", "bounds", NO_FILE, TWO_RUNS), 8),
     ]
