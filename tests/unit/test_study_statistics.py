@@ -16,7 +16,7 @@ from thermobearing.studies.statistics.fragility import (
     fragility_curves,
     ida_curves,
 )
-from thermobearing.studies.statistics.likelihood import MOST_STRIPES, _fit_curves, classes, cloud
+from thermobearing.studies.statistics.likelihood import MOST_STRIPES, _classes, _fit_curves, cloud
 from thermobearing.studies.statistics.variance import sobol_table, variance_shares
 
 HAZARD = hazard.Hazard(np.array([0.1, 1.0, 10.0]), np.array([1.0, 1e-2, 1e-4]))
@@ -54,7 +54,7 @@ def test_failed_runs_are_told_and_count_only_when_asked() -> None:
     [
         ([0.1] * 4, [0.1] * 4, "none_beyond", "larger intensities"),
         ([3.0] * 4, [3.0] * 4, "all_beyond", "smaller intensities"),
-        ([0.1] * 4, [3.0] * 4, "apart", "up to 1 stay below, all from 2 go beyond"),
+        ([0.1] * 4, [3.0] * 4, "apart", "up to 1, all do from 2"),
         ([0.1, 0.1, 0.1, 3.0], [3.0] * 4, "completed", ""),
         ([0.1, 0.1, 3.0, 3.0], [0.1, 3.0, 0.1, 3.0], "not_rising", "does not rise"),
         ([3.0] * 4, [0.1] * 4, "not_rising", "does not rise"),
@@ -85,7 +85,7 @@ def test_one_mixed_intensity_is_passed_on_the_side_of_the_half() -> None:
     assert_allclose(np.exp(found.place), [np.sqrt(8.0), 2.0, np.sqrt(2.0), 4.0])
     table = two_levels([0.1, 0.1, 0.1, 3.0], [3.0] * 4)
     said = fragility_curve(table, "drift", 1.0, "im", samples=20).estimate.sentence
-    assert "none goes beyond below 1 and all do above it; at 1 itself 1 of 4" in said
+    assert "below 1, 1 of 4 at 1" in said
 
 
 def test_a_curve_that_hardly_rises_has_no_upper_end() -> None:
@@ -98,7 +98,7 @@ def test_a_curve_that_hardly_rises_has_no_upper_end() -> None:
 
 def test_many_intensities_are_put_into_classes_at_their_geometric_mean() -> None:
     at = np.geomspace(1.0, 100.0, 2 * MOST_STRIPES)[::-1]
-    levels, place = classes(at)
+    levels, place = _classes(at)
     assert levels == pytest.approx(np.sqrt(at[::-2] * at[-2::-2]))
     assert place.tolist() == [k // 2 for k in reversed(range(len(at)))]
 
@@ -187,27 +187,27 @@ FAULTS: list[tuple[Any, str]] = [
     (lambda t: fragility_curve(t, "drift", 1.0, "im", method="clod"), "stripes"),
     (lambda t: fragility_curve(t, "drift", 1.0, "im", level=95), "level = 95"),
     (lambda t: fragility_curve(t, "drift", 1.0, "im", samples=0), "samples = 0"),
-    (lambda t: fragility_curve(t.assign(im=-1.0), "drift", 1.0, "im"), "-1; its logarithm"),
+    (lambda t: fragility_curve(t.assign(im=-1.0), "drift", 1.0, "im"), "has -1"),
     (lambda t: fragility_curve(t.assign(im=1.0), "drift", 1.0, "im"), "two intensities"),
     (
         lambda t: fragility_curve(t.assign(drift=-1.0), "drift", 1.0, "im", method="cloud"),
         "without a logarithm",
     ),
-    (lambda t: fragility_curve(t.assign(drift="x"), "drift", 1.0, "im"), "does not hold numbers"),
+    (lambda t: fragility_curve(t.assign(drift="x"), "drift", 1.0, "im"), 'column "drift"'),
     (lambda t: fragility_curve(t.assign(drift=np.nan), "drift", 1.0, "im"), "have no number"),
     (lambda t: counted(t.assign(outcome="broken"), "drift"), "none of 8 runs"),
     (lambda t: counted(t, "drift", "ignored"), '"left-out" or "collapse"'),
     (lambda t: ida_curves(t.assign(motion="a"), "drift", "im"), "two runs of motion a"),
-    (lambda t: ida_curves(t.assign(motion=range(len(t))), "drift", "im"), "one intensity only"),
+    (lambda t: ida_curves(t.assign(motion=range(len(t))), "drift", "im"), "`paired = true`"),
     (lambda t: fragility_curves(t.assign(im=1.0), "drift", 1.0, "im", "motion"), "motion = 0"),
     (lambda t: sobol_table(t, "drift"), 'no column "matrix"'),
     (lambda t: variance_shares(t.assign(drift=1.0), "drift", ["im"]), "at least 8"),
     (lambda t: variance_shares(t, "drift", ["im"], failed="collapse"), "no variance"),
-    (lambda t: hazard.Hazard([1.0, 2.0], [1.0, 2.0]), "rate of a hazard curve does not decrease"),
-    (lambda t: hazard.Hazard([1.0, 1.0], [2.0, 1.0]), "does not increase from 1 to 1"),
+    (lambda t: hazard.Hazard([1.0, 2.0], [1.0, 2.0]), "rate of a hazard curve must decrease"),
+    (lambda t: hazard.Hazard([1.0, 1.0], [2.0, 1.0]), "from 1 to 1"),
     (lambda t: hazard.Hazard([1.0], [2.0]), "2 numbers or more"),
     (lambda t: hazard.Hazard(["a", "b"], [2.0, 1.0]), "list of numbers"),
-    (lambda t: hazard.Hazard([0.0, 1.0], [2.0, 1.0]), "above 0 only"),
+    (lambda t: hazard.Hazard([0.0, 1.0], [2.0, 1.0]), "intensity of a hazard curve"),
     (lambda t: hazard.load_hazard("x.csv", "CAV"), 'unit of "CAV"'),
     (lambda t: hazard.shares_of_time([0.0], [np.nan]), "without gaps"),
     (lambda t: hazard.shares_of_time([0.0, 0.0], [1.0]), "twice"),
@@ -226,11 +226,11 @@ def test_bad_input_has_one_message(ask: Any, said: str) -> None:
 def test_hazard_file_needs_rates_or_periods(tmp_path: Any) -> None:
     file = tmp_path / "site.csv"
     file.write_text("PGA [m/s^2]\n1\n4\n")
-    with pytest.raises(InputError, match=r"site\.csv: needs a column rate"):
+    with pytest.raises(InputError, match=r"site\.csv.*rate"):
         hazard.load_hazard(file)
     file.write_text("PGA [m/s^2],return_period [year]\n1,50\n4,1000\n")
     assert hazard.load_hazard(file).rate.tolist() == [0.02, 0.001]
     assert np.isnan(hazard.load_hazard(file).at([0.9, 4.1])).all()
     file.write_text("PGA [m/s^2],rate [1/year]\n1,0.001\n4,0.02\n")
-    with pytest.raises(InputError, match=r"site\.csv: rate of a hazard curve does not decrease"):
+    with pytest.raises(InputError, match=r"site\.csv: rate"):
         hazard.load_hazard(file)

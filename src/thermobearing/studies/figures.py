@@ -1,4 +1,4 @@
-"""Figures of a study."""
+"""Figures of a parameter study."""
 
 import textwrap
 from collections.abc import Callable, Mapping
@@ -14,16 +14,17 @@ from thermobearing.results import drawing
 from thermobearing.results.profiles import COLOURS
 from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.statistics.demand import counted, describe_all, equal_classes
+from thermobearing.studies.statistics.demand import counted, describe_failures, equal_classes
 from thermobearing.studies.statistics.fragility import FRACTILES, Fragility, Ida
 from thermobearing.studies.statistics.hazard import Hazard, Rate
+from thermobearing.studies.statistics.variance import REST
 
 NAMES = {"ambient_degC": "ambient temperature", "hour": "hour of the weather"}
 
 
 def column_words(column: str) -> str:
-    """Return a column without its unit, as words: "largest pier displacement"."""
-    if ", " in column:  # several that are drawn together
+    """Return the words of a column without its unit: "largest pier displacement"."""
+    if ", " in column:  # several factors that are drawn together
         return ", ".join(map(column_words, column.split(", ")))
     if "." in column:
         return column
@@ -52,7 +53,7 @@ COLOUR, RED = "#0077BB", "#CC3311"
 
 
 def _legend(figure: Figure, ax: Axes) -> None:
-    """Draw one legend of the labelled artists of an axis below the figure."""
+    """Draw the legend of an axis below the figure."""
     handles: list[Any] = ax.get_legend_handles_labels()[0]
     drawing.legend_below(figure, handles)
 
@@ -97,8 +98,8 @@ def _draw_demand(found: pd.DataFrame, result: StudyResult, across: str, note: st
 
 
 POINTS = 160
-FRAGILITY_ROOM = 1.1  # beyond the intensities that have runs
-MOST_MARKS, MARKS = 40, 15  # of intensities; more are drawn in classes
+FRAGILITY_ROOM = 1.1  # right end of the curves over the largest intensity of the runs
+MOST_MARKS, MARKS = 40, 15  # intensities with a mark each; classes of more
 
 
 def _level_colours(names: list[Any]) -> list[str]:
@@ -107,7 +108,7 @@ def _level_colours(names: list[Any]) -> list[str]:
     return [COLOURS[k % len(COLOURS)] for k in range(len(names))]
 
 
-def draw_fragility(
+def _draw_fragility(
     curves: Mapping[Any, Fragility], climate: Fragility | None, title: str
 ) -> Figure:
     """Draw the probability of exceedance against intensity; that over the climate in black."""
@@ -131,9 +132,8 @@ def draw_fragility(
     left_out = sum(curve.left_out for curve in curves.values())
     collapsed = sum(curve.collapsed for curve in curves.values())
     runs = sum(curve.runs for curve in curves.values()) + left_out
-    why = (
-        f"{some.method}, bands of {100 * some.level:g} %\n{describe_all(runs, left_out, collapsed)}"
-    )
+    why = f"{some.method}, {100 * some.level:g} % bands; "
+    why += describe_failures(runs, left_out, collapsed)
     drawing.say_why(ax, why.replace("; ", "\n"), (0.98, 0.03))
     _legend(figure, ax)
     return figure
@@ -162,7 +162,7 @@ def _marks(ax: Axes, curve: Fragility, colour: str, count: int) -> None:
 
 
 LOOKS = dict(zip(FRACTILES, (":", "-", "--"), strict=True))
-MOST_CURVES = 400  # drawn; more are every so many of them
+MOST_CURVES = 400  # that are drawn; of more every n-th
 
 
 def _draw_ida(ida: Ida, capacity: float) -> Figure:
@@ -179,7 +179,7 @@ def _draw_ida(ida: Ida, capacity: float) -> Figure:
         if first < len(stood):
             ax.plot(x[-1], y[-1], "x", color=RED, markersize=4, label=cross)
             cross = ""
-    # Fractiles as far as all curves go, so that they do not jump.
+    # Fractiles end where the first curve ends: beyond, they would jump.
     table = ida.fractiles()
     table = table[table["curves"] == len(ida.curves)]
     for share, line in LOOKS.items():
@@ -187,7 +187,7 @@ def _draw_ida(ida: Ida, capacity: float) -> Figure:
         y = np.append(0.0, table[ida.intensity].to_numpy(dtype=float))
         stood = np.isfinite(x)
         look: drawing.Look = {"color": COLOUR, "linewidth": 1.6, "linestyle": line}
-        ax.plot(x[stood], y[stood], label=f"{100 * share:g} % of curves below", **look)
+        ax.plot(x[stood], y[stood], label=f"{100 * share:g} % fractile", **look)
     widest = float(max(curve.demand[np.isfinite(curve.demand)].max() for curve in ida.curves))
     if np.isfinite(capacity):
         ax.axvline(capacity, label="capacity", **drawing.LIMIT)
@@ -199,21 +199,23 @@ def _draw_ida(ida: Ida, capacity: float) -> Figure:
     return figure
 
 
-WRAPPED = 120  # letters of a note in a line
-DECADES = 6  # of rates that are shown below the largest
+WRAPPED = 120  # characters of a line of a note
+DECADES = 6  # of rates below the largest that are drawn
 
 
-def draw_rates(
-    hazard: Hazard, rates: Mapping[Any, Rate], title: str, unit: str = "", note: str = ""
+def _draw_rates(
+    hazard: Hazard, rates: Mapping[Any, Rate], title: str, unit: str, note: str
 ) -> Figure:
     """Draw the hazard curve, and the annual rate of each temperature or climate."""
     figure, (left, right) = drawing.panels(1, 2, (7.1, 3.2), title)
     left.loglog(hazard.intensity, hazard.rate, color=drawing.INK, linewidth=1.4, marker="o", ms=3)
     measure = hazard.measure or "intensity"
-    drawing.name_axes(left, f"{measure} [{unit}]" if unit else measure, "exceeded [1/year]")
-    left.set_title("hazard of the site", fontsize=drawing.NORMAL, loc="left")
+    drawing.name_axes(
+        left, f"{measure} [{unit}]" if unit else measure, "rate of exceedance [1/year]"
+    )
+    left.set_title("hazard curve of the site", fontsize=drawing.NORMAL, loc="left")
     _bars(right, rates)
-    right.set_title("capacity exceeded", fontsize=drawing.NORMAL, loc="left")
+    right.set_title("exceedance of the capacity", fontsize=drawing.NORMAL, loc="left")
     notes = dict.fromkeys([note, *(text for rate in rates.values() for text in rate.notes)])
     below = "\n".join(textwrap.fill(text, WRAPPED) for text in notes if text)
     figure.supxlabel(below, x=0.02, ha="left", fontsize=drawing.SMALL, color=drawing.GREY)
@@ -230,7 +232,7 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
     for place, name in enumerate(names):
         rate, colour = rates[name], warm.get(name, drawing.INK)
         if not rate.rate > 0.0:
-            why = "no run beyond,\nupper bound" if rate.rate == 0.0 else "no curve"
+            why = "no exceedance,\nupper bound" if rate.rate == 0.0 else "no curve"
             look: drawing.Look = {"ha": "center", "va": "bottom", "color": drawing.GREY}
             ax.text(place, 0.02, why, transform=ax.get_xaxis_transform(), fontsize=6.5, **look)
             if rate.high > 0.0:  # an upper bound
@@ -245,23 +247,23 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
     turn: drawing.Look = {"rotation": 30, "ha": "right"} if len(names) > 4 else {}
     ax.set_xticks(range(len(names)), ticks, **turn)
     ax.grid(False, axis="x")
-    drawing.name_axes(ax, "", "exceeded [1/year]")
+    drawing.name_axes(ax, "", "rate of exceedance [1/year]")
 
 
 KINDS = {
-    "share": ("share by itself", "#0077BB"),
-    "first": ("first order, by itself", "#0077BB"),
-    "total": ("total, with all others", "#EE7733"),
+    "share": ("share", "#0077BB"),
+    "first": ("first-order index", "#0077BB"),
+    "total": ("total index, with interactions", "#EE7733"),
 }
 
 
 def _draw_variance(found: pd.DataFrame, demand: str) -> Figure:
     kinds = [kind for kind in KINDS if kind in found]
     by = "total" if "total" in found else "share"
-    rest = found["factor"] == "together and the rest"
+    rest = found["factor"] == REST
     rows = pd.concat([found[rest], found[~rest].sort_values(by)])
     size = (5.6, 1.2 + 0.42 * len(rows))
-    title = f"shares of the variance of {column_words(demand)}"
+    title = f"Variance contributions, {column_words(demand)}"
     figure, (ax,) = drawing.panels(1, 1, size, title)
     places = np.arange(len(rows), dtype=float)
     height = 0.7 / len(kinds)
@@ -278,8 +280,8 @@ def _draw_variance(found: pd.DataFrame, demand: str) -> Figure:
     ax.grid(False, axis="y")
     ax.axvline(0.0, color=drawing.GREY, linewidth=0.7)
     lost, many = int(found["left_out"].iloc[0]), int(found["rows"].iloc[0])
-    kind = "rows of all matrices, {0} with failed runs" if "total" in found else "runs, {0} failed"
-    drawing.name_axes(ax, f"share of the variance [%], {many} {kind.format(lost)} left out")
+    kind = "samples" if "total" in found else "runs"
+    drawing.name_axes(ax, f"share of the variance [%], {many} {kind}, {lost} failed and left out")
     _legend(figure, ax)
     return figure
 
@@ -305,7 +307,7 @@ class StudyFigures(drawing.Figures):
 
     def fragility(self) -> Figure:
         """Draw the fragility curves of each temperature and over the climate."""
-        return draw_fragility(*self._result.find_curves(), self._title("fragility"))
+        return _draw_fragility(*self._result.find_curves(), self._title("fragility"))
 
     def rates(self) -> Figure:
         """Draw the hazard curve and the annual rates of exceedance."""
@@ -313,7 +315,7 @@ class StudyFigures(drawing.Figures):
         _, rates = result.find_rates()
         assert result.question.hazard is not None  # else the line above has raised
         hazard, unit = result.question.hazard._curve(), find_unit(result.intensity)
-        return draw_rates(hazard, rates, self._title("annual rate"), unit, _count_sentence(result))
+        return _draw_rates(hazard, rates, self._title("annual rate"), unit, _count_sentence(result))
 
     def variance(self) -> Figure:
         """Draw the share of each factor in the variance of the demand."""

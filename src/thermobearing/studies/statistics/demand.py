@@ -1,14 +1,14 @@
-"""Demand of the runs of a study: which runs count, demand by temperature, bootstrap, worst runs.
+"""Demand of the runs of a study: failed runs, demand by temperature, bootstrap, worst runs.
 
-Failed runs never count as collapse in silence: they are left out and reported, or count where
-that is asked for. The band of a median lies between the two ordered values that hold the true one
-with the wanted confidence whatever the distribution (binomial: Conover 1999, Practical
-Nonparametric Statistics, 3.2); it takes the runs as independent.
+Failed runs are left out and reported, or count as collapse if the user chooses so. The band of a
+median lies between the two ordered values that contain the true one with the wanted confidence for
+any distribution (binomial: Conover 1999, Practical Nonparametric Statistics, 3.2); it takes the
+runs as independent.
 
-Runs of one motion at several intensities and temperatures are not independent, so that the
-bootstrap draws motions again with all their runs (the cluster bootstrap: Davison & Hinkley 1997,
+Runs of one motion at several intensities and temperatures are not independent. The bootstrap
+therefore resamples motions with all their runs (cluster bootstrap: Davison & Hinkley 1997,
 Bootstrap Methods and their Application, 3.8). Bands are percentiles (Efron & Tibshirani 1993, An
-Introduction to the Bootstrap, 13), of pivots or at a level `widened` for few motions.
+Introduction to the Bootstrap, 13) of pivots, or at a level `widened` for few motions.
 """
 
 from collections.abc import Iterator, Sequence
@@ -40,21 +40,21 @@ def check_level(level: float) -> None:
 
 @dataclass(frozen=True)
 class Draw:
-    """How runs are drawn again."""
+    """How the bootstrap resamples runs."""
 
     groups: Ints  # number of the group of each run
     count: int  # of groups
     samples: int  # of the bootstrap
-    seed: tuple[int, ...]  # of its generator
-    alone: bool  # every run is a group by itself
+    seed: tuple[int, ...]
+    alone: bool  # every run is its own group
 
     @classmethod
     def of_labels(
         cls, labels: Sequence[Any] | None, runs: int, samples: int = SAMPLES, seed: int = 0
     ) -> "Draw":
-        """Return groups by their labels; without labels, or in one group, every run by itself."""
+        """Group runs by their labels; without labels, or with one label, each run is a group."""
         if samples < 1 or seed < 0:
-            raise InputError(f"samples = {samples} and seed = {seed}: at least 1, and 0")
+            raise InputError(f"samples = {samples} and seed = {seed}: at least 1 and 0")
         codes = np.arange(runs)
         if labels is not None:
             codes = np.asarray(pd.factorize(np.asarray(labels, dtype=object))[0], dtype=np.int64)
@@ -63,7 +63,7 @@ class Draw:
         return cls(codes, int(codes.max()) + 1, samples, (seed,), False)
 
     def of(self, kept: NDArray[np.bool_]) -> "Draw":
-        """Return the draw of some of the runs; groups stay the same, and are drawn the same."""
+        """Return the draw of some of the runs; groups are drawn as before."""
         if not self.alone:
             return replace(self, groups=self.groups[kept])
         count = int(kept.sum())
@@ -71,7 +71,7 @@ class Draw:
         return replace(self, groups=np.arange(count), count=count, seed=seed)
 
     def generator(self) -> np.random.Generator:
-        """Return a generator at its beginning."""
+        """Return a new generator with the seed."""
         return np.random.default_rng(self.seed)
 
     def weights(self) -> Iterator[Floats]:
@@ -84,21 +84,21 @@ class Draw:
             yield rng.multinomial(self.count, shares, size=rows).astype(float)
 
     def sums(self, values: Floats) -> Floats:
-        """Return a row of sums over the runs of each sample, from a row of values for each run."""
+        """Return the sums over the runs of each sample, from a row of values for each run."""
         of_groups = np.zeros((self.count, values.shape[1]))
         np.add.at(of_groups, self.groups, values)
-        return self.again(of_groups)
+        return self.group_sums(of_groups)
 
-    def again(self, of_groups: Floats) -> Floats:
-        """Return the sums of each sample, a row, from those of each group."""
+    def group_sums(self, of_groups: Floats) -> Floats:
+        """Return the sums over the groups of each sample, from a row of values for each group."""
         return np.concatenate([weights @ of_groups for weights in self.weights()])
 
 
 def widened(level: float, groups: int) -> float:
-    """Return the level whose percentiles hold the truth at `level`, with few groups too.
+    """Return the level whose percentiles contain the truth at `level`, also with few groups.
 
     Hesterberg (2015), The American Statistician 69(4): 371-386, 3.3: quantiles of Student's t, and
-    sqrt(n / (n - 1)) for what a bootstrap of n groups is too narrow by; as it is below 2 groups.
+    sqrt(n / (n - 1)) because a bootstrap of n groups is too narrow by that factor.
 
     >>> round(widened(0.95, 12), 4), round(widened(0.95, 1000), 4)
     (0.9785, 0.9504)
@@ -110,7 +110,7 @@ def widened(level: float, groups: int) -> float:
 
 
 def quantile(values: Floats, share: float) -> float:
-    """Return a sample quantile with straight lines between values, some of which may be infinite.
+    """Return a sample quantile, linear between values, some of which may be infinite.
 
     >>> quantile(np.array([1.0, 3.0, np.inf]), 0.5), quantile(np.array([1.0, 3.0, np.inf]), 0.75)
     (3.0, inf)
@@ -127,10 +127,9 @@ def quantile(values: Floats, share: float) -> float:
 
 
 def percentiles(samples: Floats, level: float) -> tuple[Floats, Floats]:
-    """Return the ends of the middle of samples, along their first axis.
+    """Return the ends of the central interval of samples along the first axis.
 
-    Ordered samples, equally many outside on either side, at level (count + 1): some may be
-    infinite, between which nothing lies.
+    The ends are ordered samples, at level (count + 1), because samples may be infinite.
     """
     ordered = np.sort(samples, axis=0)
     outside = max(int(0.5 * (1.0 - level) * (len(ordered) + 1) + ROUNDING), 1)
@@ -139,7 +138,7 @@ def percentiles(samples: Floats, level: float) -> tuple[Floats, Floats]:
 
 Failed: TypeAlias = Literal["left-out", "collapse"]
 OUTCOME = "outcome"
-NEVER_RUN = (BAD_INPUT, BROKEN)  # they say nothing about the structure
+NEVER_RUN = (BAD_INPUT, BROKEN)  # they do not describe the structure
 
 
 @dataclass(frozen=True)
@@ -147,115 +146,111 @@ class Counted:
     """The runs that an estimate is made of."""
 
     table: pd.DataFrame  # their rows
-    demand: Floats  # of each of them; infinite for a run that failed and counts as collapse
-    left_out: int  # how many runs failed and are left out, or count as collapse
+    demand: Floats  # of each of them; infinite for a run that counts as collapse
+    left_out: int  # number of failed runs that are left out, or count as collapse
     collapsed: int
     kept: NDArray[np.bool_]  # whether each row of the full table counts, and whether it completed
-    through: NDArray[np.bool_]
+    completed: NDArray[np.bool_]
 
     @property
     def sentence(self) -> str:
-        """How many runs there are, and how failed ones count."""
-        return describe_all(len(self.table) + self.left_out, self.left_out, self.collapsed)
+        """How many runs failed and how they count."""
+        return describe_failures(len(self.table) + self.left_out, self.left_out, self.collapsed)
 
 
-def describe_all(runs: int, left_out: int, collapsed: int) -> str:
+def describe_failures(runs: int, left_out: int, collapsed: int) -> str:
     """Return how many runs failed and how they count: "2 of 40 runs failed and are left out"."""
     done = [
         f"{count} of {runs} runs failed and {what}"
         for count, what in ((left_out, "are left out"), (collapsed, "count as collapse"))
         if count
     ]
-    return "; ".join(done) or f"all {runs} runs completed"
+    return "; ".join(done) or f"{runs} runs, none failed"
 
 
 def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Counted:
     """Return the rows that count, with their demand.
 
-    Without a column `outcome` all runs completed. Runs that could not start for their input or
-    for a fault of the program are left out in any case. A run whose pier exceeded its limits
-    exceeds every capacity of a pier; its other demands are those computed, but for "collapse".
+    Without a column `outcome` all runs completed. Runs with bad input or a program error are
+    always left out. A run whose pier exceeded its limits exceeds every capacity of a pier; its
+    other demands are the computed ones unless `failed` is "collapse".
     """
     if failed not in get_args(Failed):
-        raise InputError(f'failed is "left-out" or "collapse", not {failed!r}')
+        raise InputError(f'failed must be "left-out" or "collapse", not {failed!r}')
     values = numbers(table, demand)
-    through = np.ones(len(table), dtype=bool)
-    pier = ~through  # runs whose pier exceeded its limits; all else in them was computed
+    completed = np.ones(len(table), dtype=bool)
+    pier = ~completed  # runs whose pier exceeded its limits; all else in them was computed
     if OUTCOME in table:
-        through = (table[OUTCOME] == COMPLETED).to_numpy(dtype=bool)
+        completed = (table[OUTCOME] == COMPLETED).to_numpy(dtype=bool)
         pier = (table[OUTCOME] == PIER_BEYOND_LIMIT).to_numpy(dtype=bool)
     if failed == "left-out" and not demand.startswith("pier_"):
-        through = through | pier
-    missing = through & ~np.isfinite(values)
+        completed = completed | pier
+    missing = completed & ~np.isfinite(values)
     if missing.any():
         raise InputError(
-            f"{missing.sum()} of {through.sum()} completed runs have no number in "
-            f'"{demand}"; take the runs that have one'
+            f'{missing.sum()} of {completed.sum()} completed runs have no number in "{demand}"; '
+            "select the runs that have one"
         )
-    if not (through | pier).any():
+    kept = completed | pier
+    if not kept.any():
         raise InputError(f"none of {len(table)} runs completed")
-    kept = through | pier
     if failed == "collapse" and OUTCOME in table:
         kept = kept | ~table[OUTCOME].isin(NEVER_RUN).to_numpy(dtype=bool)
-    demands = np.where(through, values, np.inf)[kept]
-    collapsed = int(kept.sum() - through.sum())
-    return Counted(table[kept], demands, int((~kept).sum()), collapsed, kept, through)
+    demands = np.where(completed, values, np.inf)[kept]
+    collapsed = int(kept.sum() - completed.sum())
+    return Counted(table[kept], demands, int((~kept).sum()), collapsed, kept, completed)
 
 
 def column(table: pd.DataFrame, name: str) -> list[Any]:
-    """Return a column as it is; InputError with the nearest name if there is none."""
+    """Return the values of a column; InputError with the nearest name if there is none."""
     if name not in table:
         raise InputError(f'no column "{name}"{nearest(name, [str(k) for k in table.columns])}')
     return table[name].tolist()
 
 
 def numbers(table: pd.DataFrame, name: str) -> Floats:
-    """Return a column as numbers; InputError if it does not exist or holds something else."""
+    """Return a column of numbers; InputError if it does not exist or has other values."""
     values = column(table, name)
     try:
         return np.asarray(values, dtype=float)
     except (TypeError, ValueError):
-        raise InputError(f'column "{name}" does not hold numbers') from None
+        raise InputError(f'column "{name}" does not contain numbers') from None
 
 
 def positive(table: pd.DataFrame, name: str) -> Floats:
-    """Return a column of positive numbers, whose logarithm is taken."""
+    """Return a column whose logarithm is used; InputError for a number that is not positive."""
     values = numbers(table, name)
     wrong = values[~(np.isfinite(values) & (values > 0.0))]
     if len(wrong):
-        raise InputError(f'column "{name}" has {wrong[0]:g}; its logarithm is taken: above 0 only')
+        raise InputError(f'column "{name}" has {wrong[0]:g}; it must be greater than 0')
     return values
 
 
-MOST_LEVELS = 20  # that have a row each; more numbers are put into classes
-MOST_TEMPERATURES = 8  # with a curve each; more are put into classes
-CLASSES = 4
+MOST_LEVELS, TEMPERATURE_CLASSES = 20, 12  # rows of different values; classes of more values
+MOST_TEMPERATURES, CLASSES = 8, 4  # temperatures with a curve each; classes of more temperatures
 CLASS = "temperature"  # column of such a class
 FRACTILES = (0.05, 0.16, 0.5, 0.84, 0.95)
-TEMPERATURE_CLASSES = 12  # of temperatures that are more than `MOST_LEVELS`
 
 
 def equal_classes(values: Floats, count: int) -> Ints:
-    """Return the class of each number, from 0, of so many that are equally filled."""
+    """Return the number of the class of each value, of `count` classes of equal size."""
     rank = np.argsort(np.argsort(values, kind="stable"), kind="stable")
     return np.asarray(rank * count // len(values))
 
 
 def in_classes(table: pd.DataFrame, by: str) -> tuple[pd.DataFrame, str]:
-    """Return the table and the column whose values have a curve each, in their order.
+    """Return the table and the column of its curves.
 
-    A temperature with many values is put into classes such as "-10 to -1 degC".
+    More than 8 temperatures are put into classes such as "-10 to -1 degC".
     """
     if by != AMBIENT or table[AMBIENT].nunique() <= MOST_TEMPERATURES:
         return table, by
     ordered = table.sort_values(AMBIENT, kind="stable")
     air = ordered[AMBIENT].to_numpy(dtype=float)
     place = equal_classes(air, CLASSES)
-    names = np.empty(CLASSES, dtype=object)
-    for k in range(CLASSES):
-        mine = air[place == k]
-        names[k] = f"{mine[0]:.0f} to {mine[-1]:.0f} °C".replace("-", "\N{MINUS SIGN}")
-    return ordered.assign(**{CLASS: names[place]}), CLASS
+    ends = [air[place == k][[0, -1]] for k in range(CLASSES)]
+    names = [f"{a:.0f} to {b:.0f} °C".replace("-", "\N{MINUS SIGN}") for a, b in ends]
+    return ordered.assign(**{CLASS: np.array(names, dtype=object)[place]}), CLASS
 
 
 def demand_against(
@@ -270,8 +265,8 @@ def demand_against(
 ) -> pd.DataFrame:
     """Return mean, fractiles (`shares`) and band of the median of a demand at each temperature.
 
-    More than 20 different values of `across` are put into 12 classes of equally many runs, at
-    their mean; the columns `by` have rows of their own. A collapse is an infinite demand.
+    More than 20 different values of `across` are put into 12 classes of equal size, at their
+    mean; each combination of the columns `by` has its rows. A collapse is an infinite demand.
     """
     check_level(level)
     runs = counted(table, demand, failed)
@@ -292,7 +287,7 @@ def demand_against(
         mine = np.array(cells[label, cell])
         known = np.sort(every[mine][~np.isnan(every[mine])])
         row: dict[str, Any] = {**dict(zip(by, label, strict=True)), across: values[cell]}
-        row |= {"runs": len(known), "failed": int((~runs.through[mine]).sum())}
+        row |= {"runs": len(known), "failed": int((~runs.completed[mine]).sum())}
         rows.append(row | _spread(known, shares, level))
     return pd.DataFrame(rows)
 
@@ -311,7 +306,7 @@ def _spread(known: Floats, shares: Sequence[float], level: float) -> dict[str, f
 
 
 def _median_places(count: int, level: float) -> tuple[int, int]:
-    """Return places of ordered values between which the median lies with that confidence.
+    """Return the places of the ordered values that bound the median with that confidence.
 
     >>> _median_places(20, 0.95)  # the 6th and the 15th
     (5, 14)
@@ -327,19 +322,17 @@ WORST = 10
 
 
 def ranked_by(table: pd.DataFrame) -> str:
-    """Return the column that runs are ranked by: the first of `RANKED` that has numbers."""
-    found = [name for name in RANKED if name in table and table[name].notna().any()]
-    if not found:
-        raise InputError(f"what are runs to be ranked by? None of {', '.join(RANKED)} is there")
-    return found[0]
+    """Return the column that ranks runs: the first of `RANKED` that has numbers."""
+    for name in RANKED:
+        if name in table and table[name].notna().any():
+            return name
+    raise InputError(f"runs cannot be ranked: none of {', '.join(RANKED)} has numbers")
 
 
 def worst_runs(table: pd.DataFrame, count: int = WORST, by: str | None = None) -> list[int]:
-    """Return the numbers of the completed runs with the largest demand, the worst first."""
+    """Return the numbers of the completed runs with the largest demand, in decreasing order."""
     completed = table[table[OUTCOME] == COMPLETED]
     if len(completed) == 0:
         return []
-    name = by or ranked_by(completed)
-    order = pd.Series(numbers(completed, name), index=completed.index)
-    worst = order.sort_values(ascending=False, kind="stable").index[:count]
-    return [int(run) for run in completed.loc[worst, "run"]]
+    order = np.argsort(-numbers(completed, by or ranked_by(completed)), kind="stable")
+    return [int(run) for run in completed["run"].iloc[order[:count]]]

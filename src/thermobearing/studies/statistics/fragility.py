@@ -1,13 +1,13 @@
 """Fragility: the probability of exceeding a capacity, given the intensity of the motion.
 
-Three of the field's estimators of a lognormal curve, each with bands:
+Three estimators of a lognormal curve, each with bands:
 
-- stripes: runs beyond the capacity counted at each intensity; maximum likelihood (Baker 2015);
-- ida: the intensity at which each motion reaches it (Porter and others 2007; Baker 2015);
+- stripes: number of exceedances at each intensity; maximum likelihood (Baker 2015);
+- ida: the intensity at which each motion reaches the capacity (Porter and others 2007; Baker 2015);
 - cloud: regression of the demand in logarithms, ln D = ln a + b ln IM + error (Cornell, Jalayer,
   Hamburger & Foutch 2002, J. Struct. Eng. 128(4): 526-533; Jalayer & Cornell 2009, Earthquake Eng.
-  Struct. Dyn. 38(8): 951-972). Where runs that failed count as collapse, their share is a logistic
-  curve: P = P(beyond | no collapse) (1 - P(collapse)) + P(collapse), the five parameters of
+  Struct. Dyn. 38(8): 951-972). If failed runs count as collapse, their share is a logistic curve:
+  P = P(exceedance | no collapse) (1 - P(collapse)) + P(collapse), the five parameters of
   Jalayer, Ebrahimian, Miano, Manfredi & Sezen (2017, Earthquake Eng. Struct. Dyn. 46(15):
   2639-2663).
 
@@ -20,8 +20,8 @@ the time (total probability): the temperature is independent of the size of an e
 Incremental dynamic analysis has curves of demand against intensity, their fractiles (16, 50 and
 84 %, demand given intensity) and the intensity at which a curve first reaches a capacity:
 Vamvatsikos, D., Cornell, C.A. (2002), Earthquake Engineering and Structural Dynamics 31(3):
-491-514; (2004), Earthquake Spectra 20(2): 523-553. Between two runs a curve is straight here, not
-a spline; it begins at zero.
+491-514; (2004), Earthquake Spectra 20(2): 523-553. Here a curve is linear between two runs, not a
+spline; it begins at zero.
 """
 
 from collections.abc import Mapping, Sequence
@@ -43,7 +43,7 @@ from thermobearing.studies.statistics.demand import (
     check_level,
     column,
     counted,
-    describe_all,
+    describe_failures,
     percentiles,
     positive,
     quantile,
@@ -70,15 +70,11 @@ class IdaCurve(NamedTuple):
 
     name: tuple[Any, ...]  # values of the columns that identify the curve
     intensity: Floats  # increasing, beginning with 0
-    demand: Floats  # at each, beginning with 0; infinite where a run failed and counts as collapse
-    first: int  # place of its first run among the runs that count
+    demand: Floats  # at each, beginning with 0; infinite for a run that counts as collapse
+    first: int  # index of its first run among the runs that count
 
     def _at(self, intensity: Floats) -> Floats:
-        """Return the demand at intensities; NaN beyond the last run.
-
-        It is infinite beyond the last run before a collapse: what collapsed does not stand up
-        again at a larger intensity.
-        """
+        """Return the demand at intensities; NaN above the last run, infinite above a collapse."""
         failed = np.isinf(self.demand)
         first = int(failed.argmax()) if failed.any() else len(failed)
         found = np.full(len(intensity), np.inf if failed.any() else np.nan)
@@ -87,10 +83,9 @@ class IdaCurve(NamedTuple):
         return found
 
     def _crossing(self, capacity: float) -> float:
-        """Return the lowest intensity with a demand at the capacity; infinite without one.
+        """Return the lowest intensity at which the demand reaches the capacity, or infinity.
 
-        Towards a collapse it is the largest intensity of a completed run (that of the collapse,
-        if none completed).
+        Before a collapse it is the largest intensity of a completed run, if there is one.
         """
         beyond = np.flatnonzero(self.demand >= capacity)
         if len(beyond) == 0:
@@ -106,19 +101,19 @@ class IdaCurve(NamedTuple):
 class Ida(NamedTuple):
     """Curves of all motions."""
 
-    curves: list[IdaCurve]  # one for each motion (and whatever else differs)
+    curves: list[IdaCurve]
     by: tuple[str, ...]  # columns that identify curves
     demand: str  # names of the columns
     intensity: str
-    sentence: str  # how runs that failed count
+    sentence: str  # how failed runs count
 
     def fractiles(
         self, intensity: Floats | None = None, shares: Sequence[float] = FRACTILES
     ) -> pd.DataFrame:
-        """Return fractiles of the demand over the curves, by default at every intensity run.
+        """Return fractiles of the demand over the curves, by default at all intensities of runs.
 
-        The columns are the intensity, `curves` (that reach so far), and one for each share, such
-        as `0.5`; infinite where so many curves collapsed.
+        The columns are the intensity, `curves` (the number of curves there), and one for each
+        share, such as `0.5`.
         """
         if intensity is None:
             intensity = np.unique(np.concatenate([curve.intensity[1:] for curve in self.curves]))
@@ -170,15 +165,14 @@ def _ida(runs: Counted, values: Floats, demand: str, intensity: str, by: Sequenc
             twice = x[:-1][np.diff(x) == 0.0][0]
             which = ", ".join(f"{key} {value}" for key, value in zip(by, label, strict=True))
             raise InputError(
-                f"two runs of {which} at {intensity} = {twice:g}: name the column in which they "
-                f'differ in "by"'
+                f"two runs of {which} have {intensity} = {twice:g}: add the column in which they "
+                'differ to "by"'
             )
         curves.append(IdaCurve(label, np.append(0.0, x), np.append(0.0, y), mine[0]))
     if all(len(curve.intensity) == 2 for curve in curves):
         raise InputError(
-            f"each of the {len(curves)} curves has a run at one intensity only, so that it is no "
-            "curve: the same draws are needed at several intensities (`paired = true` in "
-            "[design]); or take stripes or cloud"
+            f"IDA needs the same draw at several intensities (`paired = true` in [design]); each "
+            f"of the {len(curves)} curves has one run; use stripes or cloud instead"
         )
     return Ida(curves, tuple(by), demand, intensity, runs.sentence)
 
@@ -208,7 +202,7 @@ class Fragility:
     @property
     def sentence(self) -> str:
         """How many runs failed and how they count."""
-        return describe_all(self.runs + self.left_out, self.left_out, self.collapsed)
+        return describe_failures(self.runs + self.left_out, self.left_out, self.collapsed)
 
     @property
     def outcome(self) -> str:
@@ -316,8 +310,8 @@ class Options(TypedDict, total=False):
     """Keyword arguments of fragility curves."""
 
     method: Method  # "stripes" by default
-    failed: Failed  # runs that failed are "left-out" (default), or count as "collapse"
-    groups: str | None  # column that the bootstrap draws again with all its runs; None: single runs
+    failed: Failed  # failed runs are "left-out" (default), or count as "collapse"
+    groups: str | None  # column whose values the bootstrap resamples; None: single runs
     curves: Sequence[str]  # columns that identify curves of the method "ida"
     level: float  # confidence of the bands, 0.95 by default
     samples: int  # of the bootstrap
@@ -434,7 +428,7 @@ def _fragility(
 
 
 def _studentised(estimate: Estimate, draw: Draw, at: Floats, level: float) -> Estimate:
-    """Return the estimate with a band that holds the truth at `level` with few motions too."""
+    """Return the estimate with a band that is valid at `level`, also with few motions."""
     if estimate.outcome == NONE_BEYOND:
         order = np.lexsort((at, draw.groups))
         last = np.append(np.diff(draw.groups[order]) > 0, True)

@@ -1,9 +1,9 @@
 """Annual rate of exceedance of a capacity: hazard curve and fragility integrated.
 
 The rate is the integral of the probability of exceedance over the rates of intensities,
-lambda = int P(beyond | im) |dH(im)| (Cornell 1996; Cornell and others 2002), done numerically.
-Between its points a hazard curve is a power law. For a hazard H = k0 im^-k and a lognormal
-fragility it is
+lambda = int P(exceedance | im) |dH(im)| (Cornell 1996; Cornell and others 2002), by numerical
+integration. Between its points a hazard curve is a power law. For a hazard H = k0 im^-k and a
+lognormal fragility it is
 
     lambda = H(median) exp(k^2 beta^2 / 2)
 
@@ -28,52 +28,51 @@ from thermobearing.tables.columns import plain_title, read_columns
 
 STEP = 0.02  # of the logarithm of intensity, at most, in the integral
 MOST_STEPS = 10_000
-POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # of Gauss, in each step
-TOO_LATE = 0.01  # probability of going beyond at the least intensity of a hazard curve
-# Share of the rate above which intensities beyond the last point of the curve give a warning.
-TOO_EARLY = 0.05
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss points of a step
+# Notes: probability of exceedance at the first intensity of the hazard curve; share of the rate
+# that larger intensities than the last may add.
+TOO_LATE, TOO_EARLY = 0.01, 0.05
 
 
 @dataclass(frozen=True)
 class Hazard:
-    """How often a year an intensity is exceeded at a site."""
+    """Annual rate of exceedance of an intensity at a site."""
 
     intensity: Floats  # increasing, > 0, in the unit of the measure
     rate: Floats  # of exceedance [1/year], decreasing, > 0
-    measure: str = ""  # of the intensity: "PGA" [m/s2], "PGV" [m/s], "Sa" [m/s2], or your own word
+    measure: str = ""  # of the intensity: "PGA" [m/s2], "PGV" [m/s], "Sa" [m/s2], or another
 
     def __post_init__(self) -> None:
         for name in ("intensity", "rate"):
             try:
                 values = np.asarray(getattr(self, name), dtype=float)
             except (TypeError, ValueError):
-                raise InputError(f"{name} of a hazard curve: expected a list of numbers") from None
+                raise InputError(f"{name} of a hazard curve: must be a list of numbers") from None
             object.__setattr__(self, name, values)
         im, rate = self.intensity, self.rate
         if im.ndim != 1 or im.shape != rate.shape or len(im) < 2:
-            raise InputError("a hazard curve needs two equally long lists of 2 numbers or more")
+            raise InputError(
+                "a hazard curve needs two lists of the same length, of 2 numbers or more"
+            )
         for name, values, word in (("intensity", im, "increase"), ("rate", rate, "decrease")):
             if not (np.isfinite(values) & (values > 0.0)).all():
-                raise InputError(f"{name} of a hazard curve: above 0 only")
+                raise InputError(f"{name} of a hazard curve: must be greater than 0")
             wrong = np.flatnonzero(np.diff(values if word == "increase" else -values) <= 0.0)
             if len(wrong):
                 first, then = values[wrong[0] : wrong[0] + 2]
                 raise InputError(
-                    f"{name} of a hazard curve does not {word} from {first:g} to {then:g}"
+                    f"{name} of a hazard curve must {word}, not go from {first:g} to {then:g}"
                 )
 
     def at(self, intensity: Any) -> Floats:
-        """Return the annual rate of exceedance of intensities; NaN beyond the ends of the curve."""
+        """Return the annual rate of exceedance of intensities; NaN outside the curve."""
         x = np.log(np.atleast_1d(np.asarray(intensity, dtype=float)))
         known = np.log(self.intensity)
         found = np.interp(x, known, np.log(self.rate), left=np.nan, right=np.nan)
         return np.asarray(np.exp(found))
 
-    def points(self) -> tuple[Floats, Floats]:
-        """Return the intensities of an integral, and the annual rate that each stands for.
-
-        They are those of Gauss in short steps, none of which holds a kink of the curve.
-        """
+    def _points(self) -> tuple[Floats, Floats]:
+        """Return Gauss points between the points of the curve: intensities and annual rates."""
         x = np.log(self.intensity)
         steps = min(int(np.ceil((x[-1] - x[0]) / STEP)), MOST_STEPS)
         ends = np.unique(np.concatenate([x, np.linspace(x[0], x[-1], steps + 1)]))
@@ -89,11 +88,11 @@ class Hazard:
 
 
 def load_hazard(path: str | Path, measure: str = "PGA", unit: str | None = None) -> Hazard:
-    r"""Return a hazard curve from a file with columns of intensity and rate."""
+    """Return a hazard curve from a file with columns of intensity and of rate or return period."""
     unit = unit or INTENSITY_UNITS.get(measure)
     if unit is None:
         known = ", ".join(INTENSITY_UNITS)
-        raise InputError(f'the unit of "{measure}" is missing; known without: {known}')
+        raise InputError(f'the unit of "{measure}" is missing; only {known} need none')
     name, period = plain_title(measure), "return period"
     wanted = {name: unit, "rate": "1/year", period: "year"}
     found = read_columns(path, wanted, optional=("rate", period))
@@ -102,7 +101,7 @@ def load_hazard(path: str | Path, measure: str = "PGA", unit: str | None = None)
     try:
         if "rate" not in found:
             if not (found[period] > 0.0).all():
-                raise InputError(f"{period}: above 0 only")
+                raise InputError(f"{period}: must be greater than 0")
             found["rate"] = 1.0 / found[period]
         return Hazard(found[name], found["rate"], measure)
     except InputError as error:
@@ -113,30 +112,30 @@ def load_hazard(path: str | Path, measure: str = "PGA", unit: str | None = None)
 class Rate:
     """Annual rate of exceedance of a capacity."""
 
-    rate: float  # [1/year]; NaN where there is no fragility curve
-    low: float  # ends of its band; where no motion went beyond the rate is 0, and below `high`
+    rate: float  # [1/year]; NaN without a fragility curve
+    low: float  # ends of its band; if no motion exceeded the capacity, the rate is 0
     high: float
     family: Floats  # of each bootstrap sample
-    notes: tuple[str, ...] = ()  # sentences on what the ends of the hazard curve leave out
+    notes: tuple[str, ...] = ()  # on intensities outside the hazard curve
     groups: int = 0  # motions that the bootstrap draws from; 0 where it does not matter
 
     @property
     def return_period(self) -> float:
-        """Mean time between two such earthquakes [year]."""
+        """Mean time between exceedances [year]."""
         return 1.0 / self.rate if self.rate > 0.0 else float("inf")
 
     def probability(self, years: float) -> float:
-        """Return the probability of such an earthquake in so many years (a Poisson process)."""
+        """Return the probability of an exceedance in some years (a Poisson process)."""
         return float(-np.expm1(-self.rate * years))
 
 
 def annual_rate(curve: Fragility, hazard: Hazard) -> Rate:
-    """Return the annual rate of exceedance of a capacity: fragility and hazard integrated.
+    """Return the annual rate of exceedance of a capacity.
 
-    Earthquakes beyond the last intensity of the hazard curve count with the probability there,
-    those below the first not at all; notes say where that may matter.
+    Earthquakes above the last intensity of the hazard curve count with the probability there;
+    those below the first do not count. The notes state where that may matter.
     """
-    at, weights = hazard.points()
+    at, weights = hazard._points()
     start, stop, last = hazard.intensity[:1], hazard.intensity[-1:], float(hazard.rate[-1])
 
     def _total(probability: Callable[[Any], Floats]) -> Floats:
@@ -152,8 +151,8 @@ def annual_rate(curve: Fragility, hazard: Hazard) -> Rate:
     first, end = float(curve.probability(start)[0]), float(curve.probability(stop)[0])
     if first > TOO_LATE:
         notes.append(
-            f"the hazard curve begins at {begins}, where more than "
-            f"{100.0 * TOO_LATE:g} % go beyond: smaller earthquakes are not counted"
+            f"the hazard curve begins at {begins}, where the probability of exceedance is above "
+            f"{100.0 * TOO_LATE:g} %: smaller earthquakes are not counted"
         )
     if last * (1.0 - end) > TOO_EARLY * rate:
         notes.append(
@@ -165,18 +164,18 @@ def annual_rate(curve: Fragility, hazard: Hazard) -> Rate:
 
 
 def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, float]:
-    """Return one rate over another, and the ends of its band; NaN where either has no rate.
+    """Return the ratio of two rates and its band; NaN where one of them has no rate.
 
     The bootstrap of both must have drawn the same motions.
     """
     if len(rate.family) != len(to.family):
-        raise InputError("the bands of two rates must be of the same bootstrap samples")
+        raise InputError("the bands of two rates need the same number of bootstrap samples")
     if np.isnan(rate.rate + to.rate) or rate.rate == to.rate == 0.0:
         return np.nan, np.nan, np.nan
     total = np.append(rate.family, rate.rate), np.append(to.family, to.rate)
     with np.errstate(divide="ignore", invalid="ignore"):
         each = total[0] / total[1]
-    known = each[:-1][~np.isnan(each[:-1])]  # not the samples in which neither goes beyond
+    known = each[:-1][~np.isnan(each[:-1])]  # without samples that have no exceedance
     if len(known) == 0:
         return float(each[-1]), np.nan, np.nan
     low, high = percentiles(known[:, None], widened(level, rate.groups))
@@ -184,19 +183,19 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
 
 
 def shares_of_time(levels: Sequence[float], temperatures: Any) -> Floats:
-    """Return the share of the time of each of some temperatures.
+    """Return the share of the time of each temperature level.
 
-    An hour between two of them counts for both, by how close it is, so that what is linear in the
-    temperature between them is met; one beyond the ends counts for the end.
+    An hour between two levels counts for both by linear interpolation; an hour outside counts
+    for the nearest level.
     """
     at = np.asarray(levels, dtype=float)
     values = np.asarray(temperatures, dtype=float).ravel()
     if len(at) == 0 or len(values) == 0 or not np.isfinite(values).all():
-        raise InputError("needs temperatures: levels, and those of the site without gaps")
+        raise InputError("needs temperature levels, and temperatures of the site without gaps")
     order = np.argsort(at)
     known = at[order]
     if (np.diff(known) <= 0.0).any():
-        raise InputError("a level of the temperature stands there twice")
+        raise InputError("a temperature level is given twice")
     place = np.interp(values, known, np.arange(len(known), dtype=float))
     low = np.minimum(place.astype(int), max(len(known) - 2, 0))
     part = place - low

@@ -2,11 +2,11 @@
 
 Each returns the curve and those of all bootstrap samples; `fragility` cites the methods.
 
-The likelihood of z of n runs beyond a capacity at each of some intensities is that of Baker
-(2015), Eq. 11: binomial terms with P = Phi(ln(im/theta)/beta). With slope b = 1/beta and intercept
-a = -ln(theta)/beta it is a probit regression, whose logarithm is concave in a and b (Pratt 1981,
-JASA 76: 103-106), so that Newton's method finds the only maximum. The fits of all bootstrap
-samples are made together.
+The likelihood of z exceedances in n runs at several intensities is that of Baker (2015), Eq. 11:
+binomial terms with P = Phi(ln(im/theta)/beta). With slope b = 1/beta and intercept
+a = -ln(theta)/beta it is a probit regression, whose log-likelihood is concave in a and b (Pratt
+1981, JASA 76: 103-106), so that Newton's method finds the only maximum. All bootstrap samples are
+estimated at once.
 
 Baker, J. W. (2015). Efficient analytical fragility function fitting using dynamic structural
 analysis. Earthquake Spectra 31(1): 579-599.
@@ -41,24 +41,24 @@ Link = Literal["probit", "logit"]
 MOST_ROUNDS, MOST_HALVINGS = 60, 30
 STEADY = 1e-10  # of a standard score: the largest change of the last step
 FLAT = 1e-6  # slope of a curve that does not rise
-UNREACHED = 0.6  # dispersion that bounds a capacity that no motion reached; chosen
+UNREACHED = 0.6  # assumed dispersion of a capacity that no motion reached
 ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
-STEEPEST = 3.0  # dispersion of an estimate over that of a bootstrap curve; chosen, as of 6 motions
-SAME = 1e-12  # logarithms that differ by less are the same but for rounding
-MOST_STRIPES = 200  # more intensities are put into so many classes, equally filled
+STEEPEST = 3.0  # limit of the dispersion of an estimate over that of a bootstrap curve
+SAME = 1e-12  # difference of logarithms by rounding
+MOST_STRIPES = 200  # more intensities are put into as many classes
 MORE_BETWEEN = (
-    "all runs up to {0:.4g} stay below, all from {1:.4g} go beyond: add intensities between"
+    "no run exceeds the capacity up to {0:.4g}, all do from {1:.4g}: add intensities between"
 )
 ONE_MIXED = (
-    "none goes beyond below {0:.4g} and all do above it; at {0:.4g} itself {1:.0f} of {2:.0f}: one "
-    "intensity does not determine the dispersion, add intensities close to it"
+    "no run exceeds the capacity below {0:.4g}, {1:.0f} of {2:.0f} at {0:.4g}, and all above: one "
+    "intensity does not determine the dispersion; add intensities close to it"
 )
 REASONS = {
-    "none_beyond": "no run went beyond the capacity: add larger intensities",
-    "all_beyond": "every run went beyond the capacity: add smaller intensities",
-    "not_rising": "the share beyond the capacity does not rise with the intensity: does this "
-    "measure rank the motions here? Add runs or intensities",
-    "one_beyond": "one motion only reached the capacity: add larger intensities",
+    "none_beyond": "no run exceeds the capacity: add larger intensities",
+    "all_beyond": "all runs exceed the capacity: add smaller intensities",
+    "not_rising": "the share of exceedances does not rise with the intensity: add runs or "
+    "intensities, or use another intensity measure",
+    "one_beyond": "only one motion reaches the capacity: add larger intensities",
 }
 
 
@@ -66,7 +66,7 @@ REASONS = {
 class Curves:
     """Curves P = F(slope (ln im - place)), F normal or logistic; one a row."""
 
-    place: Floats  # logarithm of the median; infinite where none (+) or all (-) are beyond
+    place: Floats  # logarithm of the median; infinite if none (+) or all (-) exceed the capacity
     slope: Floats  # one over the dispersion; infinite for a jump
     link: Link = "probit"  # "probit" or "logit"
 
@@ -80,7 +80,7 @@ class Curves:
 
 
 def _terms(score: Floats, link: Link) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
-    """Return ln P and ln(1 - P), their first and (negative) second _derivatives in the score."""
+    """Return ln P and ln(1 - P), their first and negative second derivatives by the score."""
     if link == "logit":
         yes, p = log_expit(score), expit(score)
         return yes, log_expit(-score), 1.0 - p, -p, p * (1.0 - p), p * (1.0 - p)
@@ -97,12 +97,11 @@ def _likelihood(score: Floats, yes: Floats, no: Floats, link: Link = "probit") -
 
 
 def _fit_curves(im: Floats, yes: Floats, no: Floats, link: Link = "probit") -> Curves:
-    """Return the likeliest curve of each row of counts.
+    """Return the most likely curve of each row of counts.
 
-    `im` are intensities > 0, each once; `yes` and `no` the runs beyond and not beyond, shape
-    (rows, intensities). Counts without a likeliest curve have the limit that the likelihood rises
-    to: a jump half-way between the intensities it lies between, nothing, everything, or (where the
-    share does not rise with intensity) the same share everywhere.
+    `im`: different intensities > 0; `yes`, `no`: numbers of exceedances and non-exceedances, shape
+    (rows, intensities). Without a maximum of the likelihood, the curve is its limit: a jump
+    half-way between two intensities, 0, 1, or a constant share if it does not rise.
     """
     x = np.log(im)
     place, slope, open_ = _limits(x, yes, no, link)
@@ -123,7 +122,7 @@ def _score_of_share(yes: Floats, no: Floats, link: Link) -> Floats:
 
 
 def _limits(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Floats, Bools]:
-    """Return curves of counts that have no likeliest one, and which rows have one."""
+    """Return the limit curves of counts without a maximum, and the rows that have one."""
     lowest_yes = np.where(yes > 0, x, np.inf).min(-1)
     highest_no = np.where(no > 0, x, -np.inf).max(-1)
     place = np.full(len(yes), np.nan)
@@ -133,7 +132,7 @@ def _limits(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Flo
     apart = ~none & ~every & (highest_no <= lowest_yes)
     place[apart] = _between(x, yes[apart], no[apart], highest_no[apart], lowest_yes[apart])
     slope[none | every] = 1.0
-    # Apart the wrong way round, or at one intensity: no curve rises through them.
+    # Separated in the wrong order, or at one intensity: the share does not rise.
     highest_yes = np.where(yes > 0, x, -np.inf).max(-1)
     lowest_no = np.where(no > 0, x, np.inf).min(-1)
     open_ = ~none & ~every & ~apart
@@ -144,13 +143,15 @@ def _limits(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Flo
 
 
 def _between(x: Floats, yes: Floats, no: Floats, highest_no: Floats, lowest_yes: Floats) -> Floats:
-    """Return where counts that are apart pass one half: amid the intensities on both sides of it.
+    """Return where separated counts pass one half: midway between the adjacent intensities.
 
-    At one intensity some may be beyond and some not; with less than half of them it is passed
-    between that one and the next above, with more between it and the next below.
+    If one intensity has both outcomes, it is between this one and the next above if fewer than
+    half of its runs exceed the capacity, and the next below if more do.
     """
     here = (x == highest_no[:, None]) & (x == lowest_yes[:, None])
-    more = np.where(here, yes - no, 0.0).sum(-1)  # beyond than not, where both are
+    more = np.where(here, yes - no, 0.0).sum(
+        -1
+    )  # exceedances than non-exceedances, where both occur
     met = yes + no > 0
     above = np.where(met & (x > highest_no[:, None]), x, np.inf).min(-1)
     below = np.where(met & (x < lowest_yes[:, None]), x, -np.inf).max(-1)
@@ -177,7 +178,7 @@ def _newton(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Flo
 
 def _climb(
     value: Callable[[Floats, Floats], Floats],
-    _derivatives: Callable[[Floats, Floats], tuple[Floats, ...]],
+    derivatives: Callable[[Floats, Floats], tuple[Floats, ...]],
     a: Floats,
     b: Floats,
     *,
@@ -185,11 +186,11 @@ def _climb(
 ) -> tuple[Floats, Floats]:
     """Return intercepts and slopes that maximise a concave likelihood, by Newton's method.
 
-    `derivatives` are the first ones (a, b) and the second ones with the sign changed (aa, ab, bb).
-    A step is halved as long as the likelihood would fall; with `positive` b stays above zero.
+    `derivatives`: first (a, b) and negative second (aa, ab, bb). A step is halved as long as the
+    likelihood decreases; with `positive`, b stays above zero.
     """
     for _ in range(MOST_ROUNDS):
-        g0, g1, h0, h1, h2 = _derivatives(a, b)
+        g0, g1, h0, h1, h2 = derivatives(a, b)
         area = np.maximum(h0 * h2 - h1**2, 1e-300)
         da, db = (h2 * g0 - h1 * g1) / area, (h0 * g1 - h1 * g0) / area
         step = np.ones(len(b))
@@ -209,13 +210,13 @@ def _climb(
 
 
 def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
-    """Return curves of the bootstrap of `groups` as draws of the true curve: studentised.
+    """Return studentised curves of a bootstrap of `groups`: draws of the true curve.
 
-    A bootstrap curve misses the estimate, in units of its dispersion, as the estimate misses
-    the truth: median and logarithm of the dispersion are reflected so (Davison & Hinkley 1997,
-    2.4 and 5.2). A bootstrap of n groups is too narrow by sqrt(n / (n - 1)), and the dispersion is
-    not studentised itself: it is spread as `widened` has it for the confidence `level`. A jump has
-    no dispersion to divide by, so that ratios end at `STEEPEST`. Flat curves stay as they are.
+    The error of a bootstrap curve, in units of its dispersion, is distributed as that of the
+    estimate: median and logarithm of the dispersion are reflected (Davison & Hinkley 1997, 2.4 and
+    5.2). A bootstrap of n groups is too narrow by sqrt(n / (n - 1)); the spread of the dispersion
+    is that of `widened` for the confidence `level`. Ratios are limited by `STEEPEST`, since a jump
+    has no dispersion. Flat curves stay.
     """
     if not (np.isfinite(best.place[0]) and 2.0 * FLAT < best.slope[0] < np.inf):
         return others
@@ -231,11 +232,10 @@ def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
 
 
 def unreached(largest: Floats, shares: Floats) -> Curves:
-    """Return curves under which no motion, of these largest intensities, goes beyond.
+    """Return curves for which no motion exceeds the capacity with the given probabilities.
 
-    They do so with the given probabilities: spread evenly over (0, 1) these are draws of the true
-    curve whose percentiles are the bounds of Clopper & Pearson (1934, Biometrika 26: 404-413) for
-    no success at all.
+    `largest`: largest intensity of each motion. For probabilities evenly spread over (0, 1) the
+    percentiles are the bounds of Clopper & Pearson (1934, Biometrika 26: 404-413) for no success.
     """
     x = np.log(largest)
     place = np.linspace(x.min() - 8.0 * UNREACHED, x.max() + 8.0 * UNREACHED, 2000)
@@ -246,10 +246,9 @@ def unreached(largest: Floats, shares: Floats) -> Curves:
 def _fit_capacities(
     reached: Floats, at: Floats, weight_reached: Floats, weight_at: Floats
 ) -> Curves:
-    """Return the likeliest lognormal distribution of capacities, for each row of weights.
+    """Return the most likely lognormal distribution of capacities, for each row of weights.
 
-    `reached` are capacities, `at` intensities that were not enough; all > 0. A jump where all
-    capacities are the same, infinite where none was reached.
+    `reached`: capacities; `at`: largest intensities of motions that did not reach theirs; all > 0.
     """
     y, c = np.log(reached), np.log(at)
     count = weight_reached.sum(-1)
@@ -334,10 +333,10 @@ def _with_collapse(curves: Curves, collapse: Curves | None, intensity: Floats) -
     return beyond * (1.0 - share) + share
 
 
-def classes(at: Floats) -> tuple[Floats, Ints]:
-    """Return the different intensities, and which of them each run has.
+def _classes(at: Floats) -> tuple[Floats, Ints]:
+    """Return the different intensities, and the index of that of each run.
 
-    Many are put into classes of equal number, at the geometric mean of their runs.
+    Many intensities are put into classes of equal size, at the geometric mean of their runs.
     """
     levels, place = np.unique(at, return_inverse=True)
     if len(levels) <= MOST_STRIPES:
@@ -348,8 +347,8 @@ def classes(at: Floats) -> tuple[Floats, Ints]:
 
 
 def counts(at: Floats, beyond: Bools, name: str) -> pd.DataFrame:
-    """Return runs, and how many of them are beyond, at each intensity or class of them."""
-    levels, place = classes(at)
+    """Return the numbers of runs and of exceedances at each intensity or class."""
+    levels, place = _classes(at)
     runs = np.bincount(place, minlength=len(levels))
     over = np.bincount(place, beyond, minlength=len(levels)).astype(int)
     return pd.DataFrame({name: levels, "runs": runs, "beyond": over})
@@ -358,14 +357,14 @@ def counts(at: Floats, beyond: Bools, name: str) -> pd.DataFrame:
 def _counted(
     at: Floats, beyond: Bools, draw: Draw
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return intensities; runs beyond and not at each, and the same of every bootstrap sample."""
-    levels, place = classes(at)
+    """Return intensities, exceedances and non-exceedances at each, and those of all samples."""
+    levels, place = _classes(at)
     size = len(levels)
     yes, no = (
         np.bincount(place, part, minlength=size).astype(float)[None, :]
         for part in (beyond, ~beyond)
     )
-    if draw.alone:  # drawn again within each stripe: a binomial number
+    if draw.alone:  # resampled within each stripe: a binomial number
         runs = (yes + no)[0]
         shape = (draw.samples, size)
         drawn = draw.generator().binomial(runs.astype(int), yes[0] / runs, size=shape)
@@ -373,7 +372,7 @@ def _counted(
         return levels, yes, no, again, runs - again
     cells = np.zeros((draw.count, 2 * size))
     np.add.at(cells, (draw.groups, place + np.where(beyond, 0, size)), 1.0)
-    again = draw.again(cells)
+    again = draw.group_sums(cells)
     return levels, yes, no, again[:, :size], again[:, size:]
 
 
@@ -403,7 +402,7 @@ def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str
 def incremental(table: pd.DataFrame, groups: Ints, draw: Draw) -> Estimate:
     """Return the lognormal curve of the intensities at which motions reach a capacity.
 
-    `table` is that of `Ida.crossings`; `groups` are those of each of its curves in the draw.
+    `table`: from `Ida.crossings`; `groups`: groups of its curves in the draw.
     """
     reached = np.isfinite(table["capacity"].to_numpy(dtype=float))
     y = table.loc[reached, "capacity"].to_numpy(dtype=float)
@@ -434,12 +433,11 @@ def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
     stood = np.isfinite(demand)
     if stood.sum() < 3 or len(np.unique(at[stood])) < 2:
         raise InputError(
-            f"{stood.sum()} runs that did not collapse: a regression needs three, at two "
-            "intensities at least"
+            f"{stood.sum()} runs did not collapse: a regression needs three at two intensities"
         )
     x = np.where(stood, np.log(at), 0.0)
     y = np.where(stood, np.log(np.where(stood, demand, 1.0) / capacity), 0.0)
-    # About their means, so that the sums of squares lose no digits.
+    # Deviations from the means keep the digits of the sums of squares.
     x_mean, y_mean = x[stood].mean(), y[stood].mean()
     x, y = np.where(stood, x - x_mean, 0.0), np.where(stood, y - y_mean, 0.0)
     terms = np.column_stack([stood.astype(float), x, y, x * x, x * y, y * y])

@@ -1,15 +1,15 @@
 """Sensitivity of a demand: the share of each factor in its variance.
 
-From Saltelli's arrangement (matrices A and B, and A with one column of B): Sobol' indices of first
+From Saltelli's arrangement (matrices A and B, and A with one column of B): Sobol' indices, of first
 order by Saltelli, Annoni, Azzini, Campolongo, Ratto & Tarantola (2010, Computer Physics
-Communications 181(2): 259-270, Table 2 b) and total ones by Jansen (1999; the same table, f). They
-are those of `scipy.stats._sobol_indices`, which accepts powers of two only; here a row with a
-failed run leaves all matrices. The bootstrap draws rows.
+Communications 181(2): 259-270, Table 2 b) and total by Jansen (1999; the same table, f). They equal
+those of `scipy.stats.sobol_indices`, which accepts powers of two only; here a sample with a failed
+run is removed from all matrices. The bootstrap resamples samples.
 
-From any other design: the correlation ratio of each factor by itself, the variance of the means
-over its levels (numbers without levels: over classes of equally many runs), less what as many
-classes would explain by chance (epsilon squared: Kelley 1935, PNAS 21: 554-559). In a full
-factorial design they and what is left over as interaction add up to one.
+From any other design: the correlation ratio of each factor, which is the variance of the means over
+its levels (numbers without levels: over classes of equal size), corrected for chance (epsilon
+squared: Kelley 1935, PNAS 21: 554-559). In a full factorial design the ratios and the interaction
+add up to one.
 """
 
 from collections.abc import Sequence
@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats, Ints
 from thermobearing.studies.statistics.demand import (
     LEVEL,
     MOST_LEVELS,
@@ -34,12 +34,12 @@ from thermobearing.studies.statistics.demand import (
     percentiles,
 )
 
-Floats = NDArray[np.float64]
 MATRIX, SAMPLE = "matrix", "sample"
 SWAPPED = "AB "
 LEAST_ROWS = 8
 MOST_CLASSES = 60
-MOST_LOTS = 2000  # of runs that the bootstrap draws as one
+MOST_LOTS = 2000  # that the bootstrap draws from; of more runs, lots of several
+REST = "together and the rest"  # row of the interaction of factors
 
 
 def _sobol_indices(
@@ -47,8 +47,8 @@ def _sobol_indices(
 ) -> tuple[Floats, Floats]:
     """Return first-order and total indices; with `draw` a row of them for each sample.
 
-    `a` and `b` are values at the rows of the matrices A and B, `swapped` those at A with one column
-    of B: shape (factors, rows).
+    `a`, `b`: values of the matrices A and B; `swapped`: those of A with one column of B, shape
+    (factors, rows).
     """
     middle = np.concatenate([a, b]).mean()
     a, b, swapped = a - middle, b - middle, swapped - middle
@@ -81,8 +81,8 @@ def sobol_table(
 ) -> pd.DataFrame:
     """Return Sobol' indices of every drawn factor of a study in Saltelli's arrangement.
 
-    The table has the columns `matrix` ("A", "B", "AB <factor>") and `sample`, of one combination of
-    levels. Rows of the result have `first` and `total` with their bands, `rows` and `left_out`.
+    The table has the columns `matrix` ("A", "B", "AB <factor>") and `sample`, for one combination
+    of levels. The result has `first` and `total` with their bands, `rows` and `left_out`.
     """
     runs = _runs(table, demand, failed, level)
     matrix, sample = column(table, MATRIX), column(table, SAMPLE)
@@ -95,19 +95,19 @@ def sobol_table(
     known[runs.kept] = runs.demand
     if len(table) != values.size:
         raise InputError(
-            f"{len(table)} runs, and not one for each of {len(names)} matrices and {len(numbers)} "
-            "samples: take the runs of one combination of levels"
+            f"{len(table)} runs do not form {len(names)} matrices of {len(numbers)} samples: "
+            "select the runs of one combination of levels"
         )
     for value, name, number in zip(known, matrix, sample, strict=True):
         values[place[name], numbers[number]] = value
     complete = np.isfinite(values).all(axis=0)
     if complete.sum() < LEAST_ROWS:
         raise InputError(
-            f"{complete.sum()} complete rows of {len(complete)}: {LEAST_ROWS} are needed"
+            f"{complete.sum()} of {len(complete)} samples are complete: {LEAST_ROWS} are needed"
         )
     values = values[:, complete]
     if np.ptp(values[:2]) == 0.0:
-        raise InputError(f'"{demand}" is the same in all runs: there is no variance')
+        raise InputError(f'"{demand}" is the same in all runs and has no variance')
     draw = Draw.of_labels(None, values.shape[1], samples, seed)
     first, total = _sobol_indices(values[0], values[1], values[2:])
     firsts, totals = _sobol_indices(values[0], values[1], values[2:], draw)
@@ -128,16 +128,16 @@ def variance_shares(
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> pd.DataFrame:
-    """Return the share of the variance that each factor explains by itself (correlation ratio).
+    """Return the share of the variance that each factor explains alone (correlation ratio).
 
-    The column `sample` draws the factors `together` at once: their shares cannot be separated, and
-    they have one. The last row, "together and the rest", is what no factor explains by itself.
+    The factors `together` have the same draws and therefore one share. The last row is the
+    interaction, and what else no factor explains alone.
     """
     runs = _runs(table, demand, failed, level)
     values = runs.demand - runs.demand.mean()
     if len(values) < LEAST_ROWS or np.ptp(values) == 0.0:
         raise InputError(
-            f'"{demand}" of {len(values)} runs: at least {LEAST_ROWS} are needed that differ'
+            f'"{demand}" has {len(values)} values: at least {LEAST_ROWS} that differ are needed'
         )
     apart = [factor for factor in factors if len(together) < 2 or factor not in together]
     codes = [_codes(column(runs.table, factor)) for factor in apart]
@@ -145,7 +145,7 @@ def variance_shares(
         apart.append(", ".join(together))
         codes.append(np.asarray(pd.factorize(runs.table[SAMPLE])[0], dtype=np.int64))
     lot = np.arange(len(values))
-    if len(values) > MOST_LOTS:  # so many lots of runs have the spread of single ones
+    if len(values) > MOST_LOTS:
         lot = np.random.default_rng(seed).permutation(len(values)) % MOST_LOTS
     cells = [_cells(values, code, lot) for code in codes]
     ones = np.ones((1, int(lot.max()) + 1))
@@ -156,27 +156,27 @@ def variance_shares(
     )
     shares = np.append(estimates, max(1.0 - estimates.sum(), 0.0))
     again = np.column_stack([again, np.maximum(1.0 - again.sum(axis=1), 0.0)])
-    # Runs drawn twice make classes look alike inside: the samples are moved to the estimate.
+    # Runs that are drawn twice make classes look uniform: the samples are moved to the estimate.
     low, high = percentiles(again - again.mean(axis=0) + shares, level)
-    found: dict[str, Any] = {"factor": [*apart, "together and the rest"], "share": shares}
+    found: dict[str, Any] = {"factor": [*apart, REST], "share": shares}
     found |= {"share_low": low, "share_high": high}
     table = pd.DataFrame(found).assign(levels=[*(int(c.max()) + 1 for c in codes), 0])
     return table.assign(rows=len(values), left_out=runs.left_out)
 
 
 def _runs(table: pd.DataFrame, demand: str, failed: Failed, level: float) -> Counted:
-    """Return the runs whose demand varies; InputError where failed ones count as collapse."""
+    """Return the runs that count; InputError if failed ones count as collapse."""
     check_level(level)
     if failed == "collapse":
-        raise InputError('an infinite demand has no variance: failed = "left-out" here')
+        raise InputError('an infinite demand has no variance: set failed = "left-out"')
     return counted(table, demand, failed)
 
 
-def _codes(values: list[Any]) -> NDArray[np.int64]:
-    """Return the class of each run: its level, or one of equally filled classes of many numbers.
+def _codes(values: list[Any]) -> Ints:
+    """Return the class of each run: its level, or one of several classes of numbers.
 
-    As many classes as each has runs, so that little of a slope is left inside of them. Runs
-    without the number are a class by themselves.
+    There are as many classes as runs in each, so that a slope has little variance within a class.
+    Runs without the number have a class.
     """
     codes, different = pd.factorize(np.asarray(values, dtype=object), use_na_sentinel=False)
     if len(different) <= MOST_LEVELS or not all(isinstance(v, int | float) for v in different):
@@ -189,10 +189,8 @@ def _codes(values: list[Any]) -> NDArray[np.int64]:
     return codes
 
 
-def _cells(
-    values: Floats, codes: NDArray[np.int64], lot: NDArray[np.int64]
-) -> tuple[Floats, Floats, Floats]:
-    """Return count and sum of each class in each lot of runs, and sum of squares of the lot."""
+def _cells(values: Floats, codes: Ints, lot: Ints) -> tuple[Floats, Floats, Floats]:
+    """Return count and sum of each class in each lot of runs, and the sum of squares of the lot."""
     lots, classes = int(lot.max()) + 1, int(codes.max()) + 1
     place = lot * classes + codes
     count = np.bincount(place, minlength=lots * classes).astype(float)
@@ -202,7 +200,7 @@ def _cells(
 
 
 def _ratios(cells: tuple[Floats, Floats, Floats], weights: Floats) -> Floats:
-    """Return epsilon squared of each row of weights of the lots."""
+    """Return epsilon squared for each row of weights of the lots."""
     count, sums, second = (weights @ part for part in cells)
     total, first = count.sum(axis=1), sums.sum(axis=1)
     squares = second[:, 0] - first**2 / total
