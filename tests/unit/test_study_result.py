@@ -341,7 +341,7 @@ def test_a_question_is_kept_and_read_back(directory: Path) -> None:
         ({"hazard": {"intensity": ["1 m/s2", "2 m/s2"]}}, "give rate, or return_period"),
         (
             {"hazard": {"intensity": ["1 m/s2", "2 m/s2"], "rate": ["1 1/year", "2 1/year"]}},
-            "does not decrease",
+            "rate of a hazard curve",
         ),
         ({"hazard": {"intensity": ["1", "2"], "rate": ["2 1/year", "1 1/year"]}}, "has no unit"),
         ({"weather": "warm-town"}, "no climate"),
