@@ -15,7 +15,7 @@ from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.uncertainty.covariance import _assumed_groups, shifted, usual_groups
+from thermobearing.identify.uncertainty.covariance import _assumed_groups, chosen_groups, shifted
 
 Floats = NDArray[np.float64]
 
@@ -164,7 +164,7 @@ def chamber_off(kind: str, kelvin: float) -> Row:
 def with_another_file(bearing: tb.Bearing, seed: int) -> tb.Bearing:
     """A bearing whose numbers that a fit takes from the file are off, by chance."""
     rng = np.random.default_rng(seed)
-    for group in _assumed_groups(bearing, default_free(bearing, AMBIENTS), usual_groups()):
+    for group in _assumed_groups(bearing, default_free(bearing, AMBIENTS), chosen_groups(None)):
         off = float(np.clip(rng.normal(), -2.4, 2.4))
         bearing = shifted(bearing, group, abs(off) if group.name == "E2" else off)
     return bearing

@@ -15,10 +15,10 @@ from tests import tolerances as tol
 from tests.unit.inputs import command, write_test
 from thermobearing.identify.comparison import Comparison
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
-from thermobearing.identify.records.cycles import compare_largest_loop, compare_loops
+from thermobearing.identify.records.cycles import compare_loops
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.validate.result import BEYOND, REPORTED, WITHIN, CrossValidation, Validation
-from thermobearing.validate.run import cross_validate, split_tests
+from thermobearing.validate.run import _split_tests, cross_validate
 
 HDR = "shen-hdr-specimen"
 TEST = tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None)
@@ -101,7 +101,7 @@ def test_parameters_by_fold(folded: CrossValidation) -> None:
     assert table.index.tolist() == [0, 1, 2, 3, 4, 5]
     assert table["tests"].tolist() == [5, 4, 4, 4, 4, 4]
     held = (item.record for item in folded.held_out.comparisons)
-    without_it = folded.find_fold(next(record for record in held if record.name == "fault"))
+    without_it = folded._find_fold(next(record for record in held if record.name == "fault"))
     assert table["K_r"][without_it] == pytest.approx(30.738, rel=0.01)
     others = table["K_r"].drop([0, without_it])
     assert (others > 31.5).all()
@@ -122,7 +122,7 @@ def test_groups_have_every_temperature() -> None:
 def test_one_test_given_twice_is_one(tmp_path: Path, good: list[TestRecord]) -> None:
     files = [write_test(tmp_path, record) for record in good[:2]]
     held = files[1].with_suffix(".toml")  # the same test by its sidecar
-    kept, out = split_tests([*files, good[2]], [held, files[1]])
+    kept, out = _split_tests([*files, good[2]], [held, files[1]])
     assert [record.name for record in kept] == ["at-20", "at10"]
     assert [record.name for record in out] == ["at-10"]
 
@@ -318,9 +318,8 @@ def sines(sizes: tuple[float, ...]) -> TestRecord:
 def test_measures_of_loops_whose_answer_is_known() -> None:
     record = sines((10.0, 40.0, 40.0, 20.0))
     force = np.where(record.force > 0.0, 1.5, 0.5) * record.force
-    loops = compare_loops(record, force)
+    loops, top = compare_loops(record, force)
     assert [loop.number for loop in loops] == [1, 1, 2, 1]
-    top = compare_largest_loop(record, force, loops)
     assert top is loops[1]  # the first of equals
     assert top.displacement_max == pytest.approx(40.0)
     assert top.displacement_min == pytest.approx(-40.0)
@@ -331,7 +330,7 @@ def test_measures_of_loops_whose_answer_is_known() -> None:
     assert top.ratios["F+"] == pytest.approx(1.5)
     assert top.ratios["F-"] == pytest.approx(0.5)
     assert top.ratios["K_eq"] == pytest.approx(1.0)
-    assert compare_largest_loop(sines((0.0,)), force, []) is None
+    assert compare_loops(sines((0.0,)), force) == ([], None)
 
 
 def test_the_largest_loop_may_be_no_full_cycle() -> None:
@@ -342,8 +341,7 @@ def test_the_largest_loop_may_be_no_full_cycle() -> None:
     force = np.where(np.arange(len(record.time)) < half, 0.5, 1.0) * record.force
     x[4001:], force[4001:] = 0.5 * x[4001:], 0.5 * force[4001:]
     record = replace(record, displacement=x, force=force)  # 5, 20, -40, 30, -30
-    loops = compare_loops(record, force)
-    top = compare_largest_loop(record, force, loops)
+    loops, top = compare_loops(record, force)
     assert top is not None
     assert (top.first, top.last) == pytest.approx((half, 5000), abs=1)
     assert (top.cycle, top.number) == (0, 0)

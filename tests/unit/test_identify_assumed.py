@@ -37,7 +37,8 @@ HDR, LHDR, LRB = (
 
 def names(bearing: Bearing, free: list[str]) -> list[str]:
     return [
-        group.name for group in covariance._assumed_groups(bearing, free, covariance.usual_groups())
+        group.name
+        for group in covariance._assumed_groups(bearing, free, covariance.chosen_groups(None))
     ]
 
 
@@ -51,7 +52,7 @@ def test_groups_are_what_the_bearing_has_and_the_fit_has_not() -> None:
 
 
 def test_every_symbol_is_a_parameter_and_every_group_has_a_source() -> None:
-    for group in covariance.usual_groups():
+    for group in covariance.chosen_groups(None):
         assert group.source
         if group.keys[0] in parameters.KINDS:
             assert group.name == parameters.KINDS[group.keys[0]].symbol
@@ -69,7 +70,7 @@ def test_every_symbol_is_a_parameter_and_every_group_has_a_source() -> None:
     ],
 )
 def test_shifted_numbers(name: str, key: str, sigmas: float, value: float) -> None:
-    (group,) = (g for g in covariance.usual_groups() if g.name == name)
+    (group,) = (g for g in covariance.chosen_groups(None) if g.name == name)
     part: object = covariance.shifted(LHDR, group, sigmas)
     for word in key.split("."):
         part = getattr(part, word)
@@ -107,7 +108,7 @@ def test_values_are_contradicted_beyond_both_limits(
     sigmas: float, stderr: float, contradicted: bool
 ) -> None:
     """Five standard errors of the tests, and three of tests and source: 3 sqrt(1 + 0.1^2)."""
-    group = covariance.usual_groups()[0]
+    group = covariance.chosen_groups(None)[0]
     assert covariance.Evidence(group, -sigmas, stderr, 0.1).contradicted is contradicted
 
 
@@ -165,7 +166,7 @@ def linear(residuals: np.ndarray, jacobian: np.ndarray) -> Linear:
 
 
 def told(name: str) -> covariance.Assumed:
-    (group,) = (g for g in covariance.usual_groups() if g.name == name)
+    (group,) = (g for g in covariance.chosen_groups(None) if g.name == name)
     return covariance.Assumed((group,), np.zeros((0, 1)))
 
 
@@ -222,16 +223,16 @@ def records(
 
 def told_sensitivity(bearing: Bearing, tests: list[TestRecord]) -> dict[str, Sensitivity]:
     problem = Problem(tests, parameters.parameter_set(bearing, [parameters.K_R], [23.0]))
-    keys = candidates(problem, covariance.usual_groups())
+    keys = candidates(problem, covariance.chosen_groups(None))
     wide = problem.with_parameters(parameters.parameter_set(bearing, keys, [23.0]))
-    return {s.key: s for s in sensitivities(wide, wide.pset.start, covariance.usual_groups())}
+    return {s.key: s for s in sensitivities(wide, wide.pset.start, covariance.chosen_groups(None))}
 
 
 def test_candidates_are_what_the_bearing_has() -> None:
     (record,) = records(LRB, COOL, (23.0,))
     problem = Problem([record], parameters.parameter_set(LRB, [parameters.K_R], [23.0]))
     symbols = {
-        parameters.KINDS[key].symbol for key in candidates(problem, covariance.usual_groups())
+        parameters.KINDS[key].symbol for key in candidates(problem, covariance.chosen_groups(None))
     }
     assert symbols == {"K_r", "m_T", "K_l", "sigma_Y", "E2"}
 

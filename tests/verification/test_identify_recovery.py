@@ -16,7 +16,7 @@ from thermobearing.identify.fit.parameters import default_free, with_values
 from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.uncertainty.covariance import _assumed_groups, shifted, usual_groups
+from thermobearing.identify.uncertainty.covariance import _assumed_groups, chosen_groups, shifted
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 LHDR = tb.load_bearing("shen-lhdr-specimen")
@@ -268,7 +268,9 @@ def intervals_with_a_file_that_is_off(bearing: tb.Bearing, seed: int) -> list[bo
     """Whether the intervals of a fit hold the truth, whose other numbers the fit does not know."""
     rng = np.random.default_rng(1000 + seed)
     truth = bearing
-    for group in _assumed_groups(bearing, default_free(bearing, (-20.0, 23.0)), usual_groups()):
+    for group in _assumed_groups(
+        bearing, default_free(bearing, (-20.0, 23.0)), chosen_groups(None)
+    ):
         off = float(np.clip(rng.normal(), -2.4, 2.4))
         truth = shifted(truth, group, abs(off) if group.name == "E2" else off)
     test = tb.cyclic_test(**SHORT, wave="sine" if bearing.lead else "triangular")

@@ -10,7 +10,7 @@ import pandas as pd
 from thermobearing.border.errors import printable
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import Prediction
-from thermobearing.identify.records.cycles import Loop, compare_largest_loop, compare_loops
+from thermobearing.identify.records.cycles import Loop, compare_loops
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import Row
@@ -63,14 +63,16 @@ class Comparison:
     @cached_property
     def loops(self) -> list[Loop]:
         """Full cycles in the test and in the model."""
-        return compare_loops(self.record, self.prediction.force) if self.prediction else []
+        return self._loops[0]
 
     @cached_property
     def largest(self) -> Loop | None:
         """The loop of the largest displacement, which may be no full cycle."""
-        if self.prediction is None:
-            return None
-        return compare_largest_loop(self.record, self.prediction.force, self.loops)
+        return self._loops[1]
+
+    @cached_property
+    def _loops(self) -> tuple[list[Loop], Loop | None]:
+        return compare_loops(self.record, self.prediction.force) if self.prediction else ([], None)
 
     @cached_property
     def thermocouples(self) -> list[dict[str, Any]]:

@@ -44,7 +44,7 @@ class ComparisonFigures(drawing.Figures):
         super().__init__(found)
         self._subject = subject
         self._done = [item for item in comparisons if item.prediction is not None]
-        self._names = list(dict.fromkeys(model_name(item) for item in self._done))
+        self._names = list(dict.fromkeys(self._model_name(item) for item in self._done))
         several = drawing.ordered_colours(len(self._names), "turbo")
         self._colours = dict(zip(self._names, several, strict=True))
         if len(self._names) == 1:
@@ -54,9 +54,17 @@ class ComparisonFigures(drawing.Figures):
     def _title(self, what: str) -> str:
         return f"{self._subject}: {what}"
 
+    @staticmethod
+    def _model_name(item: Comparison) -> str:
+        return f"{item.bearing}, {item.model}"
+
+    @staticmethod
+    def _test_name(record: TestRecord) -> str:
+        return f"{record.name}, {drawing.degrees(record.ambient)}"
+
     def _of(self, record: TestRecord) -> list[tuple[Comparison, str]]:
         """Return the comparisons of a test with models that completed it, and their colours."""
-        return [(c, self._colours[model_name(c)]) for c in self._done if c.record is record]
+        return [(c, self._colours[self._model_name(c)]) for c in self._done if c.record is record]
 
     def _legend(self, figure: Figure, *more: Line2D) -> None:
         pairs = self._colours.items()
@@ -85,7 +93,7 @@ class ComparisonFigures(drawing.Figures):
         shown = axes[: len(self._records)]
         for place, record in zip(shown, self._records, strict=True):
             self._draw_loops(place, record)
-            title = name_test(record)
+            title = self._test_name(record)
             if len(self._names) == 1:
                 title += "".join(f", R² = {item.R2:.4f}" for item, _ in self._of(record))
             drawing.name_axes(place, "displacement [mm]", "force [kN]", title)
@@ -142,7 +150,7 @@ class ComparisonFigures(drawing.Figures):
                 right.plot(grid, normal, color=colour, linewidth=0.8, linestyle="--")
                 spreads.append(f"{sigma:.2g}")
             left.axhline(0.0, color=drawing.INK, linewidth=0.8)
-            drawing.name_axes(left, "sample", label, name_test(record))
+            drawing.name_axes(left, "sample", label, self._test_name(record))
             spread = f"standard deviation {', '.join(spreads)} %" if spreads else ""
             drawing.name_axes(right, label, "density", spread)
         normal_line = Line2D([], [], color=drawing.INK, lw=0.8, ls="--", label="normal")
@@ -163,24 +171,17 @@ class ComparisonFigures(drawing.Figures):
                 ax.plot(record.time, test, color=colour, linewidth=1.4, label=label)
                 for item, _ in self._of(record):
                     assert item.prediction is not None
-                    look: drawing.Look = {"linewidth": 1.0, "linestyle": dashes[model_name(item)]}
+                    look: drawing.Look = {
+                        "linewidth": 1.0,
+                        "linestyle": dashes[self._model_name(item)],
+                    }
                     ax.plot(record.time, item.prediction.temperatures[place], color=colour, **look)
             ax.legend(fontsize=drawing.SMALL, frameon=False)
-            drawing.name_axes(ax, "time [s]", "temperature [degC]", name_test(record))
+            drawing.name_axes(ax, "time [s]", "temperature [degC]", self._test_name(record))
         lines = {"test": "-", **dashes}.items()
         handles = [Line2D([], [], color=drawing.INK, ls=k, label=name) for name, k in lines]
         drawing.legend_below(figure, handles)
         return figure
-
-
-def model_name(item: Comparison) -> str:
-    """Return the name of a bearing and its model in a legend."""
-    return f"{item.bearing}, {item.model}"
-
-
-def name_test(record: TestRecord) -> str:
-    """Return the name and ambient temperature of a test for the title of a panel."""
-    return f"{record.name}, {drawing.degrees(record.ambient)}"
 
 
 class IdentificationFigures(ComparisonFigures):
@@ -252,7 +253,9 @@ class IdentificationFigures(ComparisonFigures):
                 title += ": " + words.replace("-", "\N{MINUS SIGN}")
             drawing.name_axes(ax, "cycle", unit, title)
         handles = [
-            Line2D([], [], color=c, marker=drawing.MARKERS[k % 8], label=name_test(fit.record))
+            Line2D(
+                [], [], color=c, marker=drawing.MARKERS[k % 8], label=self._test_name(fit.record)
+            )
             for k, (fit, c) in enumerate(zip(fits, colours, strict=True))
         ]
         broad = Line2D([], [], color=PALE_TEST, linewidth=6.0, label="test (band)")

@@ -44,7 +44,6 @@ BRIEF += ["determined"]
 CYCLE_MEASURES = ("G_eq_error", "h_eq_error", "energy_error", "force_max_error")
 MARKED = " Marked: beyond what the bearing was tested at."
 LOOP_POINTS = 2000  # of a test
-ROLE = ("role", "test")
 CAPTIONS = {
     "loops": "Measured loops (band) and the fitted model (line) of every test.",
     "cycles": "Measures of each cycle in test and model, with the error of each test.",
@@ -216,7 +215,7 @@ def thermocouples_table(rows: Sequence[Row], caption: str = "") -> Table:
     return make_table(pd.DataFrame(rows), caption=caption, keys=3)
 
 
-def errors_table(caption: str, tests: Sequence[Row], keys: Sequence[str]) -> Table:
+def errors_table(caption: str, tests: Sequence[Row]) -> Table:
     """Return the largest error of each quantity of each test, and those beyond a limit."""
     frame = pd.DataFrame(tests)
     if frame.empty:
@@ -232,6 +231,8 @@ def errors_table(caption: str, tests: Sequence[Row], keys: Sequence[str]) -> Tab
     marks = ["ambient" in str(names).split() for names in beyond]
     note = "Largest error over the cycles (model over test, less one)."
     note += MARKED if any(marks) else ""
+    keys = [name for name in ("role", "test") if name in frame]
+    keys += [name for name in ("bearing", "model") if frame[name].nunique() > 1]
     columns = [*keys, "ambient_degC", "R2", *(f"{name}_error" for name in names), "beyond_a_limit"]
     marked = {"ambient_degC": marks}
     return make_table(frame, columns, caption, keys=len(keys), marked=marked, note=note)
@@ -375,7 +376,7 @@ def _report_tables(saved: SavedResult) -> dict[str, Table]:
         "records": agreement_table(summary["records"]),
         "cycles": None if cycles is None else cycles_table(cycles),
         "thermocouples": thermocouples_table(summary["thermocouples"]),
-        "held_out": errors_table("Tests that judge the fit", held["tests"], ROLE),
+        "held_out": errors_table("Tests that judge the fit", held["tests"]),
         "posterior": posterior_table(summary.get("posterior") or {}),
         "undetermined": _undetermined_table(summary),
     }

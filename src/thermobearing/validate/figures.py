@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from thermobearing.identify.figures import TEST, ComparisonFigures, model_name, name_test
+from thermobearing.identify.figures import TEST, ComparisonFigures
 from thermobearing.results import drawing
 from thermobearing.validate.result import RATIOS, CrossValidation, Validation
 
@@ -45,7 +45,7 @@ class ValidationFigures(ComparisonFigures):
                 for item, colour in self._of(record):
                     if item.largest is None:
                         continue
-                    number = self._names.index(model_name(item))
+                    number = self._names.index(self._model_name(item))
                     at = place + (number - 0.5 * (len(self._names) - 1)) * SPREAD
                     off = [0.0, 100.0 * (item.largest.ratios[measure] - 1.0)]
                     look: drawing.Look = {"color": colour, "linewidth": 1.4, "ms": 4.5}
@@ -58,7 +58,9 @@ class ValidationFigures(ComparisonFigures):
             ax.grid(False, axis="y")
             drawing.name_axes(ax, "error [%]")
         drawing.head_grid(axes, [WORDS.get(name, name) for name in RATIOS], [])
-        axes[0].set_yticks(range(count), [name_test(r).replace(", ", "\n") for r in self._records])
+        axes[0].set_yticks(
+            range(count), [self._test_name(r).replace(", ", "\n") for r in self._records]
+        )
         self._legend_of_limits(figure)
         return figure
 
@@ -90,7 +92,7 @@ class ValidationFigures(ComparisonFigures):
             foot, side = number // columns == len(RATIOS) - 1, number % columns == 0
             name = f"{WORDS.get(measure, measure)}\nerror [%]"
             drawing.name_axes(ax, "cycle" if foot else "", name if side else "")
-        drawing.head_grid(axes, [name_test(record) for record in self._records], [])
+        drawing.head_grid(axes, [self._test_name(record) for record in self._records], [])
         figure.align_ylabels()
         self._legend_of_limits(figure)
         return figure

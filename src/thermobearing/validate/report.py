@@ -7,6 +7,7 @@ from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_a
 from thermobearing.identify.report import (
     cycles_table,
     error_check,
+    errors_table,
     loop_trace,
     tests_table,
     thermocouples_table,
@@ -16,7 +17,7 @@ from thermobearing.report import content
 from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import counted, degrees, joined, percent, tidy
 from thermobearing.results.saved import SavedResult
-from thermobearing.validate.result import errors_of_tests
+from thermobearing.validate.result import ERRORS
 
 Summary = Mapping[str, Any]
 CAPTIONS = {
@@ -101,8 +102,7 @@ def _whose(item: Mapping[str, Any], items: list[Mapping[str, Any]]) -> str:
 
 
 def _report_tables(saved: SavedResult) -> dict[str, Table]:
-    caption = "Largest errors of the model in each test"
-    found = {"errors": errors_of_tests(saved["table"], caption)}
+    found = {"errors": errors_table(ERRORS, saved["table"].to_dict("records"))}
     if "cycles" in saved.tables:
         found["cycles"] = cycles_table(saved["cycles"])
     items = saved.summary["comparisons"]

@@ -40,6 +40,7 @@ QUANTITIES = {
     "NRMSE": "root mean square error of the force",
 }
 RATIOS = ("F+", "F-", "K_eq", "h_eq", "energy")  # of the largest loop, model over test
+ERRORS = "Largest errors of the model in each test"
 WITHIN, BEYOND, REPORTED = "within", "beyond", "reported"
 FITTED, HELD_OUT = "fitted", "held out"
 
@@ -175,9 +176,9 @@ class Validation(Result):
 
     def tables(self) -> dict[str, Table]:
         """Tables of the largest errors of each test, and of thermocouples."""
-        from thermobearing.identify.report import thermocouples_table
+        from thermobearing.identify.report import errors_table, thermocouples_table
 
-        found = {"errors": errors_of_tests(self.table, "Largest errors of the model in each test")}
+        found = {"errors": errors_table(ERRORS, self.table.to_dict("records"))}
         if len(self.thermocouples):
             found["thermocouples"] = thermocouples_table(self.thermocouples.to_dict("records"))
         return found
@@ -216,14 +217,6 @@ class Validation(Result):
             for item in self.comparisons
         ]
         write_csv(folder / FIT_TABLE, pd.concat(samples, ignore_index=True))
-
-
-def errors_of_tests(table: pd.DataFrame, caption: str) -> Table:
-    """Return the largest errors of each test; bearing and model where there are several."""
-    from thermobearing.identify.report import errors_table
-
-    keys = ["test", *(name for name in ("bearing", "model") if table[name].nunique() > 1)]
-    return errors_table(caption, table.to_dict("records"), keys)
 
 
 @dataclass(frozen=True, repr=False)
@@ -283,7 +276,7 @@ class CrossValidation(Result):
         ]
         return Validation(items, self.held_out.limits)
 
-    def find_fold(self, record: TestRecord) -> int:
+    def _find_fold(self, record: TestRecord) -> int:
         """Return the fold that a test is held out of, from 1; 0 if none."""
         groups = self.groups if self.folds else []
         found = (k for k, group in enumerate(groups, 1) if any(record is one for one in group))
@@ -296,7 +289,7 @@ class CrossValidation(Result):
         for role, found in ((FITTED, self.fitted), (HELD_OUT, self.held_out)):
             part = found.table.copy()
             records = [item.record for item in found.comparisons]
-            of_folds = [self.find_fold(record) if role == HELD_OUT else 0 for record in records]
+            of_folds = [self._find_fold(record) if role == HELD_OUT else 0 for record in records]
             part.insert(0, "fold", of_folds)
             part.insert(0, "role", role)
             parts.append(part)
@@ -342,12 +335,15 @@ class CrossValidation(Result):
 
     def tables(self) -> dict[str, Table]:
         """Tables of the final fit, of parameters by fold, and of both kinds of tests."""
+        from thermobearing.identify.report import errors_table
+
         found = self.final.tables()
         if self.folds:
             found["folds"] = self._folds_table()
-        begins = "Largest errors in each test"
         for role, judged in (("used in the calibration", self.fitted), (HELD_OUT, self.held_out)):
-            found[role] = errors_of_tests(judged.table, f"{begins} {role}")
+            found[role] = errors_table(
+                f"Largest errors in each test {role}", judged.table.to_dict("records")
+            )
         return found
 
     def _folds_table(self) -> Table:

@@ -87,7 +87,7 @@ def validate_bearing(
     largest = check_limits(limits)
     found = [as_bearing(item) for item in chosen]
     assumed = _refuse_unusable(tests, found[0])
-    judged = judge(found, [_as_fitted(record) for record in tests], wanted, largest)
+    judged = _judge(found, [_as_fitted(record) for record in tests], wanted, largest)
     return replace(judged, warnings=[*assumed, *judged.warnings])
 
 
@@ -109,7 +109,7 @@ def check_limits(limits: Mapping[str, float] | None) -> dict[str, float]:
     return LIMITS | {name: float(value) for name, value in (limits or {}).items()}
 
 
-def judge(
+def _judge(
     bearings: Sequence[Bearing],
     records: Sequence[TestRecord],
     models: Sequence[Model] = ("multi-layer",),
@@ -224,7 +224,7 @@ def cross_validate(
     >>> found.verdict
     'within'
     """
-    tests, out = split_tests(records, hold_out)
+    tests, out = _split_tests(records, hold_out)
     if bool(out) == (folds is not None):
         raise InputError("give either tests to hold out or a number of folds")
     if not tests:
@@ -242,7 +242,7 @@ def cross_validate(
     alike = {id(record): _as_fitted(record) for record in [*tests, *out]}
     groups = [[alike[id(record)] for record in group] for group in groups]
     judged = [
-        judge([one.bearing], group) for one, group in zip(fits or [final], groups, strict=True)
+        _judge([one.bearing], group) for one, group in zip(fits or [final], groups, strict=True)
     ]
     warnings = [
         f"held out{f' of fold {number}' if folds else ''}: {text}"
@@ -254,12 +254,12 @@ def cross_validate(
         final=final,
         folds=fits,
         groups=groups,
-        fitted=judge([final.bearing], [alike[id(r)] for r in tests], limits=largest),
+        fitted=_judge([final.bearing], [alike[id(r)] for r in tests], limits=largest),
         held_out=Validation(items, largest, warnings),
     )
 
 
-def split_tests(
+def _split_tests(
     records: Sequence[Test] | Test, hold_out: Sequence[Test] | Test
 ) -> tuple[list[TestRecord], list[TestRecord]]:
     """Return the tests to fit and those held out, without duplicates."""

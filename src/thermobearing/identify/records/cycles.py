@@ -179,34 +179,28 @@ class Loop:
         return row
 
 
-def compare_loops(record: TestRecord, force: Floats) -> list[Loop]:
-    """Return the full cycles of a record in the test and in the model.
+def compare_loops(record: TestRecord, force: Floats) -> tuple[list[Loop], Loop | None]:
+    """Return the full cycles of a record in the test and in the model, and the largest loop.
 
-    `force` is the model's at the samples [kN]. Closing cycles and those without work are left out.
+    `force` is the model's at the samples [kN]. Closing cycles and loops that dissipate no energy
+    are left out. The largest loop is the first of those within 1 % of the largest, so that noise
+    does not choose between a first cycle and a later one. It may be no full cycle; None without
+    one.
     """
-    found = []
-    for place, cycle in enumerate(full_cycles(record), start=1):
-        loop = _loop(record, force, cycle.first, cycle.last, place, cycle.number)
-        if not cycle.closing and loop.test["energy"] > 0.0:
-            found.append(loop)
-    return found
-
-
-def compare_largest_loop(record: TestRecord, force: Floats, loops: list[Loop]) -> Loop | None:
-    """Return the largest loop of a record in the test and in the model; None without one.
-
-    Of loops within 1 % of the largest it is the first, so that noise does not choose between a
-    first cycle and a later one. `loops` come from `compare_loops`; one of the same samples is
-    returned as it is.
-    """
+    loops = [
+        _loop(record, force, cycle.first, cycle.last, place, cycle.number)
+        for place, cycle in enumerate(full_cycles(record), start=1)
+        if not cycle.closing
+    ]
+    loops = [loop for loop in loops if loop.test["energy"] > 0.0]
     found = find_largest_loop(record.displacement, ALIKE)
     if found is None:
-        return None
+        return loops, None
     for loop in loops:  # which may begin a sample later, inside its zeros
         if abs(loop.first - found[0]) <= 1 and abs(loop.last - found[1]) <= 1:
-            return loop
-    loop = _loop(record, force, *found)
-    return loop if loop.test["energy"] > 0.0 else None
+            return loops, loop
+    largest = _loop(record, force, *found)
+    return loops, largest if largest.test["energy"] > 0.0 else None
 
 
 def _loop(

@@ -85,7 +85,7 @@ class Groups(Strict):
 
 
 @cache
-def usual_groups() -> tuple[Group, ...]:
+def _usual_groups() -> tuple[Group, ...]:
     """Return the uncertainties that the package comes with."""
     path = data_path("identify", "assumed.toml")
     return tuple(validated(Groups, read_toml(path), str(path)).groups)
@@ -97,7 +97,7 @@ def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
     `given` holds relative standard uncertainties in [0, 2] by the name of a group or a key of one;
     that of "ambient" is in K.
     """
-    groups = list(usual_groups())
+    groups = list(_usual_groups())
     for name, value in (given or {}).items():
         places = [i for i, g in enumerate(groups) if name == g.name or name in g.keys]
         if not places:
@@ -342,7 +342,7 @@ def effective_samples(residuals: Floats) -> float:
 def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = None) -> Uncertainty:
     """Return standard errors, intervals and warnings at the optimum of a fit."""
     linear = linearised(problem, cube)
-    groups = usual_groups() if groups is None else groups
+    groups = chosen_groups(None) if groups is None else groups
     assumed = _propagate(linear, linearise_assumed(problem, cube, groups))
     inside = np.ix_(linear.inside, linear.inside)
     of_tests, covariance = np.zeros((2, len(cube), len(cube)))
