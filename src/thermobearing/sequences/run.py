@@ -100,23 +100,29 @@ def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> Specimen
     def force(x: float) -> float:
         return element.set_trial(x, dt, air).force
 
+    fault = InputError(
+        f"{case.label(number)}: no displacement within {FARTHEST:g} mm unloads the specimen; give "
+        'between = "as-left"'
+    )
     way, far = -np.sign(force(start)), NEAREST
     if not way:
         return state.model_copy(update={"zero": start})
     while force(start + way * far) * way < 0.0:
         far *= 2.0
         if far > FARTHEST:
-            raise InputError(
-                f"{case.label(number)}: no displacement within {FARTHEST:g} mm unloads the "
-                'specimen; give between = "as-left"'
-            )
+            raise fault
     end = brentq(force, start, start + way * far, xtol=1e-9)
     dt = max(abs(end - start) / UNLOADING / PIECES, 1e-3)
     for piece in range(1, PIECES):
         element.set_trial(start + (end - start) * piece / PIECES, dt, air)
         element.commit()
     at = start + (end - start) * (PIECES - 1) / PIECES
-    end = brentq(force, at, start + 2.0 * (end - start), xtol=1e-12)
+    beyond = start + 2.0 * (end - start)
+    if force(at) * force(beyond) > 0.0:  # the force changed its sign earlier than at first
+        at = start
+    if not force(at) * force(beyond) <= 0.0:
+        raise fault
+    end = brentq(force, at, beyond, xtol=1e-12)
     element.set_trial(end, dt, air)
     element.commit()
     left, lead = element.state, state.lead_temperature is not None
