@@ -27,7 +27,7 @@ from thermobearing.core.records import Floats
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.result import LARGEST_DAMPING_SHARE
 from thermobearing.structure import run
-from thermobearing.structure.figures import lay_out
+from thermobearing.structure.figures import _lay_out
 from thermobearing.structure.forces import build_bearings
 from thermobearing.structure.matrices import (
     bare_modes,
@@ -531,12 +531,12 @@ def test_effective_masses_are_all_mass_that_moves() -> None:
 
 
 def test_piers_stand_side_by_side_and_the_deck_lies_over_them() -> None:
-    layout = lay_out(bridge_of(two_piers()))
+    layout = _lay_out(bridge_of(two_piers()))
     assert layout.columns["A"] < layout.columns["deck"] < layout.columns["B"]
     assert layout.ends["A"] == (0.0, 10.0)
     assert layout.ends["deck"][0] > 10.0
     assert layout.scaled
-    assert not lay_out(load_structure("hybrid-pier")).scaled
+    assert not _lay_out(load_structure("hybrid-pier")).scaled
 
 
 ON_THE_GROUND = """name = "mass"

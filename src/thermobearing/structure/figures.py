@@ -1,9 +1,10 @@
 """A structure drawn: bodies, masses, springs, hinges and bearings; its mode shapes.
 
-Heights are those of the model; side by side stand the bodies that carry others, in a column for
-each, wherever the bridge has them.
+Heights are those of the model. Supports stand side by side in the order of the bearing lines, at
+equal distances; lines on the ground stand on an abutment of their own.
 """
 
+import textwrap
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -17,53 +18,76 @@ from thermobearing.core.records import Floats
 from thermobearing.results import drawing
 from thermobearing.structure.matrices import displacement_row, mean_height
 from thermobearing.structure.model import GROUND, Structure
-from thermobearing.structure.result import TONNES, StructureResult
+from thermobearing.structure.result import StructureResult
 
 M = 1e-3  # m per mm
 MOST_MODES = 6
 PIER, DECK, SPRING, BEARING, HINGE = "#6b7280", "#374151", "#0077BB", "#EE7733", "#CC3311"
 TEETH = 5  # of a spring
+SEAT = 0.26  # distance of two lines on one pier, of the spacing of piers
+OVERHANG = 0.09  # of a deck beyond its last line, likewise
+NAME = 0.09  # distance of the name of a body, likewise
+LEGEND = 105  # letters of a line of the legend
+TEXT: drawing.Look = {
+    "textcoords": "offset points",
+    "fontsize": drawing.SMALL,
+    "zorder": 8,
+    "color": drawing.INK,
+}
+ON_DECK: drawing.Look = {"color": "white", "fontsize": drawing.SMALL - 1.0}
+NONE: drawing.Look = {"linestyle": "none"}
+HANDLES: dict[str, drawing.Look] = {
+    "mass": {"color": drawing.INK, "marker": "o"} | NONE,
+    "bearings": {"color": BEARING, "marker": "s"} | NONE,
+    "spring": {"color": SPRING},
+    "hinge": {"color": "white", "markeredgecolor": HINGE, "marker": "o"} | NONE,
+}
 
 
-class Layout(NamedTuple):
-    """Places of bodies: columns of supports, ends, decks on bearings [m]."""
+class _Layout(NamedTuple):
+    """Places of bodies and bearing lines, and ends of bodies [m]."""
 
-    columns: dict[str, float]
+    columns: dict[str, float]  # of bodies
+    seats: dict[str, float]  # of bearing lines
     ends: dict[str, tuple[float, float]]
     decks: tuple[str, ...]
     spacing: float
     scaled: bool  # heights are those of the model
 
-    def x(self, name: str) -> float:
-        """Return the place of a body, or of the ground, along the bridge."""
-        return self.columns.get(name, -0.5 * self.spacing)
+
+def _root(structure: Structure, name: str) -> str:
+    """Return the body on which others stand that stands on none."""
+    while (below := structure.body(name).on) not in (None, GROUND):
+        name = str(below)
+    return name
 
 
-def lay_out(structure: Structure) -> Layout:
-    """Return columns for the bodies that do not lie on bearings, decks over all of them."""
+def _lay_out(structure: Structure) -> _Layout:
+    """Return a place for each support, decks over their lines."""
     decks = tuple(dict.fromkeys(line.body for line in structure.bearings))
-    roots: dict[str, list[str]] = {}
-    for body in structure.bodies:
-        if body.name not in decks:
-            root = body.name
-            while structure.body(root).on not in (None, GROUND):
-                root = structure.body(root).on or root
-            roots.setdefault(root, []).append(body.name)
+    upright = [body.name for body in structure.bodies if body.name not in decks]
     ends = {body.name: _ends(structure, body.name) for body in structure.bodies}
-    heights = [height for pair in ends.values() for height in pair]
-    scaled = np.ptp(heights) > 0.0
+    scaled = np.ptp(list(ends.values())) > 0.0
     if not scaled:  # without heights one above the other
-        names = [body.name for body in structure.bodies]
-        ends = {name: (0.0, 1.0) for name in names if name not in decks}
-        ends |= {name: (1.0, 1.0) for name in decks}
-        heights = [0.0, 1.0]
-    spacing = 0.8 * max(float(np.ptp(heights)), 1e-6)
+        ends = {name: (1.0, 1.0) if name in decks else (0.0, 1.0) for name in ends}
+    spacing = 0.8 * max(float(np.ptp(list(ends.values()))), 1e-6)
     lift = 0.07 * spacing  # room for the bearings under a deck
-    ends |= {name: (high + lift, high + lift) for name, (_, high) in ends.items() if name in decks}
-    columns = {name: spacing * k for k, group in enumerate(roots.values()) for name in group}
-    middle = spacing * 0.5 * max(len(roots) - 1, 0)
-    columns |= dict.fromkeys(decks, middle)
-    return Layout(columns, ends, decks, spacing, bool(scaled))
+    ends |= {name: (ends[name][1] + lift,) * 2 for name in decks}
+    supports = {
+        line.name: ("ground", line.name) if line.base == GROUND else _root(structure, line.base)
+        for line in structure.bearings
+    }
+    order = list(dict.fromkeys([*supports.values(), *(_root(structure, n) for n in upright)]))
+    columns = {name: spacing * order.index(_root(structure, name)) for name in upright}
+    seats = {}
+    for name, support in supports.items():
+        same = [other for other in supports if supports[other] == support]
+        aside = SEAT * (same.index(name) - 0.5 * (len(same) - 1))
+        seats[name] = spacing * (order.index(support) + aside)
+    for deck in decks:
+        under = [seats[line.name] for line in structure.bearings if line.body == deck]
+        columns[deck] = 0.5 * (min(under) + max(under))
+    return _Layout(columns, seats, ends, decks, spacing, bool(scaled))
 
 
 def _ends(structure: Structure, name: str) -> tuple[float, float]:
@@ -89,43 +113,50 @@ class StructureFigures(drawing.Figures):
     def __init__(self, result: StructureResult) -> None:
         super().__init__(result)
         self._structure = result.structure
-        self._layout = lay_out(result.structure)
+        self._layout = _lay_out(result.structure)
 
     def model(self) -> Figure:
-        """Return bodies, masses, springs, hinges and bearings with their sizes."""
+        """Return bodies, masses, springs, hinges and bearings; the legend states their sizes."""
         layout, structure = self._layout, self._structure
-        wide = max(6.5, 3.0 + 2.6 * len(set(layout.columns.values())))
-        figure, (ax,) = drawing.panels(1, 1, (wide, 5.6), f"{structure.name}: the model")
+        places = [*layout.columns.values(), *layout.seats.values()]
+        wide = max(6.5, 3.0 + 1.3 * len(set(places)))
+        labels = self._sizes()
+        height = 4.6 + 0.16 * sum(1 + label.count("\n") for _, label in labels)
+        figure, (ax,) = drawing.panels(1, 1, (wide, height), f"{structure.name}: the model")
         ax.grid(False, axis="x")
+        low = min(low for low, _ in layout.ends.values())
         for body in structure.bodies:
             self._body(ax, body.name)
         for spring in structure.springs:
             self._spring(ax, spring)
         for hinge in structure.hinges:
-            at = M * structure.body(hinge.body).base_height
-            x = layout.x(hinge.body)
-            ax.plot([x], [at], "o", color="white", markeredgecolor=HINGE, markersize=9, zorder=6)
-            moment = hinge.yield_moment / 1e3
-            _say(ax, x, at, f"{hinge.name}: {moment:g} kN m, {1e3 * hinge.yield_rotation:g} mrad")
-        for k, line in enumerate(structure.bearings):
-            self._bearings(ax, line, k)
+            at = [layout.columns[hinge.body]], [M * structure.body(hinge.body).base_height]
+            ax.plot(*at, zorder=6, markersize=9, **HANDLES["hinge"])
+        for line in structure.bearings:
+            self._bearings(ax, line, low)
         for mass in structure.masses:
-            x, y = layout.x(mass.body), M * mass.height
-            y = y if layout.scaled else layout.ends[mass.body][1]
+            y = M * mass.height if layout.scaled else layout.ends[mass.body][1]
             y = float(np.clip(y, *layout.ends[mass.body]))
-            ax.plot([x], [y], "o", color=drawing.INK, markersize=7, zorder=7)
-            deck = mass.body in layout.decks
-            up = -13.0 if deck else 0.0
-            _say(ax, x, y, f"{TONNES * mass.mass:g} t", up, ha="right")
-        low = min(low for low, _ in layout.ends.values())
+            ax.plot([layout.columns[mass.body]], [y], markersize=7, zorder=7, **HANDLES["mass"])
         ax.axhline(low, color=drawing.GREY, linewidth=0.8, linestyle=(0, (6, 3)), zorder=0)
         ax.set_xticks([])
-        right = max(layout.columns.values())
-        ax.set_xlim(-1.0 * layout.spacing, right + 1.3 * layout.spacing)
+        ax.set_xlim(min(places) - 0.6 * layout.spacing, max(places) + 0.6 * layout.spacing)
         ax.margins(y=0.12)
         drawing.name_axes(ax, "", self._height())
-        drawing.legend_below(figure, self._handles())
+        handles = [Line2D([], [], label=label, **HANDLES[part]) for part, label in labels]
+        look: drawing.Look = {"loc": "outside lower center", "frameon": False}
+        figure.legend(handles=handles, fontsize=drawing.SMALL, **look)
         return figure
+
+    def _sizes(self) -> list[tuple[str, str]]:
+        """Return a line of the legend for each kind of part: equal ones share their size."""
+        found = []
+        for part, table in self._result.parts.groupby("part", sort=False):
+            each = table.groupby("name", sort=False)["size"].agg(", ".join)
+            names = each.reset_index().groupby("size", sort=False)["name"].agg(", ".join)
+            text = "; ".join(f"{size} ({who})" for size, who in names.items())
+            found.append((str(part), textwrap.fill(f"{part}: {text}", LEGEND)))
+        return found
 
     def modes(self) -> Figure:
         """Return the first six mode shapes; bearings with their equivalent stiffness."""
@@ -150,9 +181,9 @@ class StructureFigures(drawing.Figures):
                 look: dict[str, Any] = {"color": "#CC3311", "linewidth": 1.8}
                 self._shape(ax, name, factor * values, look)
             row = table.iloc[k]
-            told = f"{row['period_s']:.3f} s, damping {row['damping_ratio']:.1%}, "
-            told += f"mass {row['effective_mass']:.0%}"
-            drawing.name_axes(ax, "", self._height() if k % columns == 0 else "", told)
+            head = f"{row['period_s']:.3f} s, damping {row['damping_ratio']:.1%}, "
+            head += f"mass {row['effective_mass']:.0%}"
+            drawing.name_axes(ax, "", self._height() if k % columns == 0 else "", head)
             ax.title.set_fontsize(drawing.SMALL)
         return figure
 
@@ -171,85 +202,67 @@ class StructureFigures(drawing.Figures):
     def _shape(self, ax: Axes, name: str, moved: Floats, look: dict[str, Any]) -> None:
         layout, (low, high) = self._layout, self._layout.ends[name]
         if name in layout.decks:
-            left, right = self._span(name)
-            ax.plot(np.array([left, right]) + moved[0], [high, high], **look)
+            ax.plot(self._span(name) + moved[0], [high, high], **look)
         else:
-            x = layout.x(name)
-            ax.plot(x + moved, [low, high], marker="o", markersize=2.5, **look)
+            ax.plot(layout.columns[name] + moved, [low, high], marker="o", markersize=2.5, **look)
 
-    def _span(self, name: str) -> tuple[float, float]:
-        layout = self._layout
-        under = [layout.x(line.base) for line in self._structure.bearings if line.body == name]
-        return min(under) - 0.35 * layout.spacing, max(under) + 0.35 * layout.spacing
+    def _span(self, name: str) -> Floats:
+        """Return the ends of a deck along the bridge."""
+        lines = [line for line in self._structure.bearings if line.body == name]
+        under = [self._layout.seats[line.name] for line in lines]
+        beyond = OVERHANG * self._layout.spacing * (1.0 if len(lines) > 1 else 3.0)
+        return np.array([min(under) - beyond, max(under) + beyond])
 
     def _body(self, ax: Axes, name: str) -> None:
         """Draw a deck across, anything else upright."""
         layout, (low, high) = self._layout, self._layout.ends[name]
+        x, look = layout.columns[name], {"solid_capstyle": "butt", "zorder": 1}
         if name in layout.decks:
-            left, right = self._span(name)
-            ax.plot([left, right], [high, high], color=DECK, linewidth=7, solid_capstyle="butt")
-            _say(ax, right, high, name)
+            span = self._span(name)
+            ax.plot(span, [high, high], color=DECK, linewidth=11, **look)
+            seats = sorted(layout.seats[b.name] for b in self._structure.bearings if b.body == name)
+            free = seats if len(seats) > 1 else [span[0], x]  # of bearings and of the mass
+            at = (free[0] + 0.37 * (free[1] - free[0]), high)
+            ax.annotate(name, at, (0, 0), ha="center", va="center", **TEXT | ON_DECK)
             return
-        x = layout.x(name)
         if low == high:
-            half = 0.15 * layout.spacing
-            ax.plot([x - half, x + half], [low] * 2, color=PIER, linewidth=6)
+            across = [x - 0.15 * layout.spacing, x + 0.15 * layout.spacing]
+            ax.plot(across, [low] * 2, color=PIER, linewidth=6)
         else:
-            look: dict[str, Any] = {"color": PIER, "alpha": 0.45, "zorder": 1}
-            look["linewidth"] = 12.5 if self._structure.body(name).moves else 10.0
-            ax.plot([x, x], [low, high], solid_capstyle="butt", **look)
-        _say(ax, x - 0.22 * layout.spacing, 0.5 * (low + high), name, ha="right", fontweight="bold")
+            width = 12.5 if self._structure.body(name).moves else 10.0
+            ax.plot([x, x], [low, high], color=PIER, alpha=0.45, linewidth=width, **look)
+        words = textwrap.fill(name, 10)
+        at = (x - NAME * layout.spacing, 0.5 * (low + high))
+        ax.annotate(words, at, (0, 0), ha="right", va="center", fontweight="bold", **TEXT)
 
     def _spring(self, ax: Axes, spring: Any) -> None:
         """Draw teeth towards its base, or an open ring against rotation."""
         layout = self._layout
-        x, low = layout.x(spring.body), layout.ends[spring.body][0]
+        x, low = layout.columns[spring.body], layout.ends[spring.body][0]
         y = max(M * spring.height, low)
         if spring.stiffness is None:
             ax.plot([x], [low], "o", color="none", markeredgecolor=SPRING, markersize=15, zorder=5)
-            size = f"{spring.rotational_stiffness / 1e3:g} kN m/rad"
-            _say(ax, x, low, f"{spring.name}: {size}", up=-14)
             return
-        far = x - 0.45 * layout.spacing if spring.base == GROUND else layout.x(spring.base)
+        far = x - 0.35 * layout.spacing if spring.base == GROUND else layout.columns[spring.base]
         across = np.linspace(far, x, 2 * TEETH + 2)
         teeth = np.where(np.arange(2 * TEETH + 2) % 2, 1.0, -1.0) * 0.02 * layout.spacing
         teeth[[0, -1]] = 0.0
         ax.plot(across, y + teeth, color=SPRING, linewidth=1.3, zorder=4)
         ax.plot([far, far], [y - 0.04 * layout.spacing, y + 0.04 * layout.spacing], color=SPRING)
-        _say(ax, x, y, f"{spring.name}: {spring.stiffness:g} kN/mm", up=-26)
 
-    def _bearings(self, ax: Axes, line: Any, number: int) -> None:
-        """Draw a box between the two bodies of a line."""
-        layout = self._layout
-        x = layout.x(line.base)
-        y = M * line.height if line.base == GROUND else layout.ends[line.base][1]
+    def _bearings(self, ax: Axes, line: Any, low: float) -> None:
+        """Draw a box between the two bodies of a line, on an abutment if its base is the ground."""
+        layout, ground = self._layout, line.base == GROUND
+        x, wide = layout.seats[line.name], 0.14 * layout.spacing
+        y = M * line.height if ground else layout.ends[line.base][1]
         top = layout.ends[line.body][1]
+        if ground and y > low:
+            look: drawing.Look = {"facecolor": drawing.STEEL, "linewidth": 0}
+            ax.add_patch(Rectangle((x - 0.5 * wide, low), wide, y - low, zorder=1, **look))
         height = max(top - y, 0.03 * layout.spacing)
-        wide = 0.16 * layout.spacing
-        box = Rectangle((x - 0.5 * wide, y), wide, height, color=BEARING, zorder=5)
-        ax.add_patch(box)
-        told = f"{line.name}: {line.count} x {line.equivalent_stiffness:.4g} kN/mm"
-        _say(ax, x, top, told, up=14 + 11 * (number % 2))
-
-    def _handles(self) -> list[Line2D]:
-        none: dict[str, Any] = {"linestyle": "none"}
-        found = [Line2D([], [], color=drawing.INK, marker="o", label="mass", **none)]
-        found.append(Line2D([], [], color=BEARING, marker="s", label="bearings", **none))
-        if self._structure.springs:
-            found.append(Line2D([], [], color=SPRING, label="spring"))
-        if self._structure.hinges:
-            ring: dict[str, Any] = {"color": "white", "markeredgecolor": HINGE}
-            found.append(Line2D([], [], marker="o", label="hinge", **ring, **none))
-        return found
+        ax.add_patch(Rectangle((x - 0.5 * wide, y), wide, height, color=BEARING, zorder=5))
+        ax.annotate(line.name, (x, top), (0, 8), ha="center", va="bottom", **TEXT)
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return the function that draws each figure, by name of its file."""
         return {"model": self.model, "modes": self.modes}
-
-
-def _say(ax: Axes, x: float, y: float, text: str, up: float = 0.0, **look: Any) -> None:
-    """Write words at the right of a point, or at the left of it with ha = "right"."""
-    usual: drawing.Look = {"va": "center", "ha": "left", "fontsize": drawing.SMALL, "zorder": 8}
-    look = usual | look
-    at = (-12.0 if look["ha"] == "right" else 12.0, up)
-    ax.annotate(text, (x, y), at, textcoords="offset points", **look)
