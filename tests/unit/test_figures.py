@@ -197,7 +197,7 @@ def test_full_stack_shows_the_whole_height(tmp_path: Path) -> None:
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert {"upper face", "lower face", "rubber 6"} <= set(texts)
     assert figure.axes[0].get_ylim()[0] > 96.0
-    assert "layer 6 (lower face)" in shown(result.plot.layer_temperatures())
+    assert "layers 1 to 6 (lower face)" in shown(result.plot.layer_temperatures())
     assert len(result.plot.save_all(tmp_path)) == 6
 
 

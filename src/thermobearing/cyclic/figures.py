@@ -29,6 +29,7 @@ from thermobearing.results.profiles import (
     draw_stack,
 )
 from thermobearing.results.ranges import limits_passed
+from thermobearing.results.selection import layer_groups
 from thermobearing.results.time_axis import DrawnAxis, Stretch, write_above
 
 MOST_POINTS = 2000  # bins of a history across the page, about one per pixel
@@ -363,12 +364,12 @@ class Figures(drawing.Figures):
         """
         self._require("layer_temperatures")
         rubber = self._data["rubber_temperature"].values
-        names = drawing.layer_names(self._data.sizes["layer"], bool(self._data.attrs["half_stack"]))
-        colours = drawing.ordered_colours(len(names), "plasma")
-        widths = 2.0 - 1.2 * np.arange(len(names)) / len(names)  # where two agree, both are seen
+        groups = drawn_layers(self._result)
+        colours = drawing.ordered_colours(len(groups), "plasma")
+        widths = 2.0 - 1.2 * np.arange(len(groups)) / len(groups)  # where two agree, both are seen
         lines: list[Line] = [
-            (rubber[:, :, j], {"color": colours[j], "label": name, "linewidth": widths[j]})
-            for j, name in enumerate(names)
+            (rubber[:, :, j], {"color": colours[k], "label": name, "linewidth": widths[k]})
+            for k, (name, j) in enumerate(groups)
         ]
         what = "temperature of the rubber layers"
         figure, axes = self._draw_in_time(what, "rubber temperature [°C]", lines)
@@ -415,9 +416,10 @@ class Figures(drawing.Figures):
             cycles = result["cycle"].values[run, inside]
             for row, number in enumerate((1, int(cycles.max()))):
                 ax = axes[row * count + run]
-                self._draw_shares(ax, run, inside[cycles == number])
+                shares = self._draw_shares(ax, run, inside[cycles == number])
                 y = "force [kN]" if run == 0 else ""
-                drawing.name_axes(ax, y=y, title=f"{titles[run]}, cycle {number}")
+                at_peak = f"(peak: {shares})".replace(" ", drawing.UNBROKEN)
+                drawing.name_axes(ax, y=y, title=f"{titles[run]}, cycle {number} {at_peak}")
         for ax in axes[count:]:
             drawing.name_axes(ax, "time in the cycle [s]")
         handles = [Line2D([], [], label="bearing force f", **FORCE)]
@@ -425,8 +427,8 @@ class Figures(drawing.Figures):
         drawing.legend_below(figure, handles)
         return figure
 
-    def _draw_shares(self, ax: Axes, run: int, rows: np.ndarray) -> None:
-        """Draw all branches over one cycle, with their shares of the force at its peak."""
+    def _draw_shares(self, ax: Axes, run: int, rows: np.ndarray) -> str:
+        """Draw all branches over one cycle; return their shares of the force at its peak."""
         time = self._result.time(run)[rows]
         force = self._data["force"].values[run, rows]
         ax.plot(time - time[0], force, **FORCE)
@@ -435,10 +437,8 @@ class Figures(drawing.Figures):
             values = self._data[name].values[run, rows]
             ax.plot(time - time[0], values, color=colour, linewidth=1.3)
             shares.append(f"{values[peak] / force[peak]:.0%}")
-        text = "at the peak: " + " + ".join(shares)
-        look: drawing.Look = {"fontsize": drawing.SMALL - 0.5, "color": drawing.GREY}
-        ax.text(0.98, 0.95, text, ha="right", va="top", transform=ax.transAxes, **look)
         ax.axhline(0.0, color=drawing.GREY, linewidth=0.6)
+        return " + ".join(shares)
 
     def profiles(self) -> Figure:
         """Draw the temperature through the height at the end of each amplitude, as Fig. 4.10.
@@ -543,6 +543,13 @@ class Figures(drawing.Figures):
         marks = zip(others, colours, strict=True)
         drawing.legend_below(figure, [Line2D([], [], color=c, label=n) for (n, _), c in marks])
         return figure
+
+
+def drawn_layers(result: Result) -> list[tuple[str, int]]:
+    """Return name and index of the rubber layers to draw, one of those that are alike."""
+    rubber, half = result["rubber_temperature"].values, bool(result.dataset.attrs["half_stack"])
+    span = float(np.max(np.nanmax(rubber, axis=(1, 2)) - np.nanmin(rubber, axis=(1, 2))))
+    return layer_groups(rubber, half, drawing.ALIKE * span)
 
 
 def _at_cycles(result: Result, ambient: float, row: str) -> Floats:

@@ -14,7 +14,7 @@ from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import RIGS, Analysis, Rig
 from thermobearing.cyclic.dataset import written_part
-from thermobearing.cyclic.figures import TimeAxis
+from thermobearing.cyclic.figures import TimeAxis, drawn_layers
 from thermobearing.cyclic.reported import (
     analysis_table,
     bearing_tables,
@@ -350,11 +350,13 @@ def _temperature_plot(result: Result) -> Plot:
     Long rests are cut out: loadings last seconds, and would be strokes in hours of cooling.
     """
     data = result.dataset
-    names = drawing.layer_names(data.sizes["layer"], bool(data.attrs["half_stack"]))
-    colours = drawing.ordered_colours(len(names), "plasma")
+    groups = drawn_layers(result)
+    colours = drawing.ordered_colours(len(groups), "plasma")
     rubber, time = data["rubber_temperature"].values, TimeAxis(result, cut=True)
     choices: dict[str, list[Trace]] = {}
-    lines = [(name, rubber[:, :, j], colours[j], "line") for j, name in enumerate(names)]
+    lines = [
+        (name, rubber[:, :, j], c, "line") for (name, j), c in zip(groups, colours, strict=True)
+    ]
     if result.has_lead:
         lines.append(("lead", data["lead_temperature"].values, drawing.INK, "dashed"))
     for run, ambient, _ in _runs(result):

@@ -7,11 +7,12 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.cyclic.comparison import comparison_table
-from thermobearing.cyclic.result import Result, column_quantity, run_name
+from thermobearing.cyclic.result import Result, run_name
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import MARKED, beyond_mark
 from thermobearing.results.metrics import CycleMeasures
+from thermobearing.results.selection import layer_groups, layer_names
 
 MEASURES = ("G_eq_MPa", "K_eq_kN_mm", "h_eq", "energy_kN_mm")
 BACKBONE = ("characteristic_strength_kN", "post_yield_stiffness_kN_mm")
@@ -19,6 +20,7 @@ LABELS = ("ambient_degC", "amplitude_strain", "cycle")
 LIMITED = {"ambient_degC": "ambient", "amplitude_strain": "strain"}
 LIMITED |= {"cycle": "cycles", "lead_degC": "lead_temperature"}
 MOST_ROWS = 60
+SAME = 0.05  # of the temperatures of layers that share a column [K]
 MODELS = [f"{name} largest K" for name in ("inner layer", "lead")]
 MODELS += [f"{name} %" for name in ("peak force", "last G_e", "last h_eq", "last energy")]
 MEANINGS = (
@@ -53,8 +55,12 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
         cycles_shown = "the first and the last cycle of each amplitude"
     area = float(result.dataset.attrs["area_mm2"])
     peak = np.maximum(cycles["stress_max_MPa"], -cycles["stress_min_MPa"]) * (area / 1e3)
-    layers = [name for name in cycles.columns if name.startswith("rubber")]
-    heat = [column_quantity(name) for name in layers]
+    layers = cycles.filter(regex="^rubber")
+    groups = layer_groups(layers.to_numpy(), False, SAME) if len(layers.columns) else []
+    heat = [
+        quantity("rubber_degC", name=layers.columns[j], head=head.partition(" (")[0].capitalize())
+        for head, j in groups
+    ]
     if brief:
         heat = [quantity("rubber_degC", name=inner_layer(result), head="Inner rubber")]
     columns: list[str | Quantity] = [
@@ -118,8 +124,6 @@ def warming(result: Result) -> pd.DataFrame:
 
     Of more than three layers the first and the last; empty where they were not kept.
     """
-    from thermobearing.results.drawing import layer_names
-
     data = result.dataset
     if "rubber_temperature" not in data:
         return pd.DataFrame()

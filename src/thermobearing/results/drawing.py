@@ -70,6 +70,7 @@ LIMIT: Look = {"color": "#a33", "linewidth": 0.8, "linestyle": (0, (6, 2, 1, 2))
 UNTESTED = "#f6dede"  # outside the calibration range
 DRAWING = threading.RLock()  # fonts of matplotlib are shared, and not for several threads
 FORMULAS = MathTextParser("agg")
+ALIKE = 0.03  # of the range of temperatures: layers this close are drawn as one
 LOOP_STEP = 1 / 250  # distance of kept points of a loop, of the size of the panel
 
 
@@ -261,14 +262,6 @@ def thin_loops(
     if len(turns) < most:  # else noise causes the turns
         kept = np.union1d(kept, turns)
     return np.union1d(kept, [len(x) - 1]).astype(np.int64)
-
-
-def layer_names(count: int, half: bool) -> list[str]:
-    """Layers from the upper face, with where the first and the last one are."""
-    names = [f"layer {j}" for j in range(1, count + 1)]
-    names[-1] += " (innermost)" if half else " (lower face)"
-    names[0] = "layer 1 (outermost)" if half else "layer 1 (upper face)"
-    return names
 
 
 def ambient_handle() -> Line2D:

@@ -90,3 +90,28 @@ def _percent(part: float, total: float) -> float:
 def more(found: float, expected: float) -> float:
     """Return how much a number is larger than expected [%]; NaN if that is zero."""
     return _percent(float(found) - float(expected), float(expected))
+
+
+def layer_names(count: int, half: bool) -> list[str]:
+    """Layers from the upper face, with where the first and the last one are."""
+    names = [f"layer {j}" for j in range(1, count + 1)]
+    names[-1] += " (innermost)" if half else " (lower face)"
+    names[0] = "layer 1 (outermost)" if half else "layer 1 (upper face)"
+    return names
+
+
+def layer_groups(temperature: Floats, half: bool, within: float) -> list[tuple[str, int]]:
+    """Return name and last index of each group of adjacent layers that are alike.
+
+    `temperature` has the layers on its last axis; those of a group differ nowhere by more than
+    `within` from its first layer [K].
+    """
+    names, first = layer_names(temperature.shape[-1], half), 0
+    groups: list[tuple[str, int]] = []
+    for j, name in enumerate(names):
+        if j and np.nanmax(np.abs(temperature[..., j] - temperature[..., first])) <= within:
+            groups[-1] = f"layers {first + 1} to{name.removeprefix('layer')}", j
+        else:
+            first = j
+            groups.append((name, j))
+    return groups

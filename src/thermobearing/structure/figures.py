@@ -216,7 +216,8 @@ class StructureFigures(drawing.Figures):
     def _body(self, ax: Axes, name: str) -> None:
         """Draw a deck across, anything else upright."""
         layout, (low, high) = self._layout, self._layout.ends[name]
-        x, look = layout.columns[name], {"solid_capstyle": "butt", "zorder": 1}
+        x = layout.columns[name]
+        look: drawing.Look = {"solid_capstyle": "butt", "zorder": 1}
         if name in layout.decks:
             span = self._span(name)
             ax.plot(span, [high, high], color=DECK, linewidth=11, **look)
