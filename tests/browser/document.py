@@ -86,7 +86,7 @@ def document() -> pieces.Document:
         pieces.Heading(1, "The answer"),
         pieces.Bullets(["It holds.", "It is warm.", "All is well."], "answer"),
         pieces.Heading(1, "Checks"),
-        pieces.ChecksBlock(checks),
+        pieces.TableBlock("checks", pieces.checks_table(checks)),
         pieces.Bullets(["The strain left the tested range."], "warning"),
         pieces.Heading(1, "Results"),
         pieces.Heading(3, "Tables"),

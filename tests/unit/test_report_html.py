@@ -23,7 +23,6 @@ from thermobearing.report.pieces import (
     Block,
     Bullets,
     Check,
-    ChecksBlock,
     Document,
     FigureBlock,
     Heading,
@@ -34,6 +33,7 @@ from thermobearing.report.pieces import (
     ReportFigure,
     TableBlock,
     Trace,
+    checks_table,
 )
 from thermobearing.report.template import arranged
 
@@ -185,7 +185,7 @@ def test_cells_of_a_table():
     assert '<td class="amount" data-value=""></td>' in text  # nothing, and so below all others
     assert '<td class="amount">steel</td>' in text  # most of its column are numbers
     assert re.search(r'class="marked amount" data-value="2">†<span.+?</span> 2.0</td>', text)
-    assert '<p class="note">† beyond what was tested. N.</p>' in text
+    assert '<p class="note">† outside the calibration range. N.</p>' in text
     assert 'Force <span class="unit">[kN]</span></button>' in text
     assert "<button" not in table_text(Table("Two", columns, rows[:2]))
 
@@ -213,12 +213,12 @@ def test_broad_tables_are_turned_on_paper():
 
 
 def test_long_tables_open_with_the_rows_that_govern():
-    rows = [(f"run {k}", float(k)) for k in range(100)]
+    rows = [(f"run {k}", float(k)) for k in range(MOST_ROWS + 60)]
     columns, marked = [Quantity("Run"), Quantity("Force", "kN", "g")], frozenset({(3, 1)})
     text = table_text(Table("x", columns, rows, marked=marked, governing="Force"))
     shown, folded = (re.findall(r">(run \d+)<", part) for part in text.split("<details"))
-    assert shown[:3] == ["run 3", "run 99", "run 98"]
-    assert (len(shown), len(folded)) == (MOST_ROWS, 100 - MOST_ROWS)
+    assert shown[:3] == ["run 3", f"run {MOST_ROWS + 59}", f"run {MOST_ROWS + 58}"]
+    assert (len(shown), len(folded)) == (MOST_ROWS, 60)
     assert folded[:4] == ["run 0", "run 1", "run 2", "run 4"]
     plain = table_text(Table("x", columns, rows))
     assert re.findall(r">(run \d+)<", plain) == [row[0] for row in rows]
@@ -231,7 +231,7 @@ def test_verdicts_are_words_and_signs():
         Check("gap", 12.0, 10.0, "mm", "sheet", "within", lower=True),
         Check("lead", 80.0, float("nan"), "°C", "", "not judged"),
     ]
-    words = re.sub(r"<.+?>", "|", body(ChecksBlock(checks)))
+    words = re.sub(r"<.+?>", "|", body(TableBlock("checks", checks_table(checks))))
     for told in ("✕ exceeded", "✓ within", "≤ 400", "≥ 10", "|none|", "– not judged"):
         assert told in words
 
@@ -326,7 +326,9 @@ def test_boxes_say_what_they_are():
     text = html_page(
         Document("x", {}, None, [Bullets(["a", "b"], "answer"), Paragraph("c", "warning")], {})
     )
-    assert '<div class="box answer" role="note"><p class="box-name">Answer</p>\n<p>a</p>' in text
+    assert (
+        '<div class="box answer" role="note"><p class="box-name">Main results</p>\n<p>a</p>' in text
+    )
     assert "⚠ Warning</p>\n<p>c</p>" in text
 
 
@@ -403,7 +405,10 @@ def test_headings_with_nothing_under_them_are_left_out(tmp_path):
 
 def test_warnings_are_marked_and_checks_come_whole(tmp_path):
     blocks = blocks_of("{{ warnings }}\n{{ checks }}", tmp_path)
-    assert blocks == [Bullets(["it melts"], "warning"), ChecksBlock(PIECES.checks)]
+    assert blocks == [
+        Bullets(["it melts"], "warning"),
+        TableBlock("checks", checks_table(PIECES.checks)),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -453,4 +458,18 @@ def test_checks_are_listed_by_severity(tmp_path):
     verdicts = ["within", "not judged", "exceeded", "within", "exceeded"]
     checks = [Check(str(k), 1.0, 2.0, "kN", "-", verdict) for k, verdict in enumerate(verdicts)]
     blocks = blocks_of("{{ checks }}\n", tmp_path, replace(PIECES, checks=checks))
-    assert [check.what for check in blocks[0].checks] == ["2", "4", "1", "0", "3"]
+    assert [row[0] for row in blocks[0].table.rows] == ["2", "4", "1", "0", "3"]
+    document = arranged(replace(PIECES, checks=checks))
+    (first,) = [b for b in document if isinstance(b, TableBlock) and b.name == "exceeded"]
+    assert [row[0] for row in first.table.rows] == ["2", "4"]
+    (actions,) = [b for b in document if isinstance(b, Bullets) and len(b.items) == 2]
+    assert actions.kind == ""
+
+
+@pytest.mark.parametrize(
+    ("value", "limit", "shown"),
+    [(19.8585, 30.0, (19.9, "≤ 30")), (250.4, 250.0, (250.4, "≤ 250")), (3, np.nan, (3, "none"))],
+)
+def test_checks_have_three_digits_and_more_where_they_decide(value, limit, shown):
+    (row,) = checks_table([Check("x", value, limit, "kN", "-", "exceeded")]).rows
+    assert row[1:3] == shown

@@ -120,9 +120,9 @@ def test_text_of_users_is_text(whole: bytes) -> None:
 
 def test_it_says_what_a_document_says(whole: bytes) -> None:
     told = joined(whole)
-    pieces = ["Contents", "1 Question", "313 kN", "≤ 2.5", "exceeded", "Table 3.2"]
-    pieces += ["beyond what the bearing was tested at", "−312.6", "Figure 1: A parabola"]
-    pieces += [f"page 1 of {len(text_of(whole))}", "thermobearing 0.2.0 · input 0123456789ab"]
+    pieces = ["Contents", "1 Scope", "313 kN", "≤ 2.5", "exceeded", "Table 3.2"]
+    pieces += ["outside the calibration range", "−312.6", "Figure 1: A parabola"]
+    pieces += [f"page 1 of {len(text_of(whole))}", "thermobearing 0.2.0"]
     for piece in pieces:
         assert piece in told, piece
     assert "B12-7, revision C" in text_of(whole)[1]  # the running head

@@ -238,7 +238,7 @@ def _factor_tables(summary: Summary) -> dict[str, Table]:
             values[key] = factor * row["value"]
     reference = degrees([summary["reference_degC"]])
     columns = [quantity("strain", form="g"), *map(Quantity, ("Cycle", "Quantity", "Unit"))]
-    columns.append(Quantity(f"Value at {reference}"))
+    columns.append(Quantity(f"Value at {reference}", form=".3g"))
     columns += [Quantity(f"Factor at {degrees([air])}", form=".2f") for air in airs]
     cells: list[list[Any]] = []
     marked: set[tuple[int, int]] = set()
@@ -250,8 +250,12 @@ def _factor_tables(summary: Summary) -> dict[str, Table]:
             for place, one in enumerate(each)
             if one is not None and "ambient" in str(one.get("beyond_tested") or "").split()
         }
-    note = "first: the first cycle; heated: mean of the cycles with the bearing's own heat."
-    note += " In brackets: band over the samples." * bands + f" {content.MARKED}." * bool(marked)
+    note = "first: the first cycle; heated: the last cycle, after self-heating; mean: the mean of "
+    note += (
+        "the cycles."
+        + " In brackets: band over the samples." * bands
+        + f" {content.MARKED}." * bool(marked)
+    )
     caption = f"Temperature factors over {reference}"
     ratio = summary["stiffness_ratio"]
     bounds_note = f"K_2/K_1 = {ratio['K_2_over_K_1']:g}: {ratio['source']}. {BOUNDS_NOTE}."
@@ -261,17 +265,26 @@ def _factor_tables(summary: Summary) -> dict[str, Table]:
     bounds = pd.DataFrame(summary["bounds"])
     tables = {
         "factors": Table(caption, columns, cells, 4, frozenset(marked), note),
-        "bounds": make_table(bounds, names, "Lower and upper bilinear model", note=bounds_note),
+        "bounds": make_table(
+            bounds, names, "Lower and upper bilinear model", keys=4, note=bounds_note
+        ),
     }
     if summary.get("coldest_day"):
         words = [[tidy(text)] for text in summary["coldest_day"]]
+        note = f"{FOOTNOTE}." if any("*" in text for (text,) in words) else ""
         caption = "The coldest day, compared with published factors"
-        tables["coldest"] = Table(caption, [Quantity("Factors")], words, note=f"{FOOTNOTE}.")
+        tables["coldest"] = Table(caption, [Quantity("Factors")], words, note=note)
     if summary["codes"]:
-        heads = [Quantity(head) for head in ("Code", "Says", "Source", "Verified")]
-        keys = ("code", "says", "source")
-        said = [[*(c[k] for k in keys), not c.get("unverified", False)] for c in summary["codes"]]
-        tables["codes"] = Table("What codes say", heads, said)
+        codes = pd.DataFrame(summary["codes"])
+        names = [Quantity(name.capitalize(), name=name) for name in ("code", "provision", "source")]
+        unverified = codes["unverified"]
+        note = f"{FOOTNOTE}."
+        if not unverified.all():
+            codes["code"] += np.where(unverified, "*", "")
+        elif len(codes):
+            note = "None of these provisions was verified against the text of the code."
+        codes = codes.rename(columns={"says": "provision"})
+        tables["codes"] = make_table(codes, names, "Provisions of codes", note=note)
     return tables
 
 

@@ -64,7 +64,7 @@ class Quantity:
 
     head: str
     unit: str = ""
-    form: str = ".4g"
+    form: str = ".3g"
     name: str = ""
     stored: str = ""
     factor: float = 1.0
@@ -101,10 +101,18 @@ class Quantity:
         if isinstance(value, bool | np.bool_):
             return "yes" if value else "no"
         if isinstance(value, int | float | np.integer | np.floating):
-            text = format(int(value) if self.form == "d" else value, self.form)
-            text = text.lstrip("-") if float(text) == 0.0 else text
-            return text.replace("-", MINUS)
+            return format_number(value, self.form)
         return str(value)
+
+
+def format_number(value: float, form: str = ".3g") -> str:
+    """Return a number with a true minus sign, and without an exponent from 1e-4 to 1e6."""
+    text = format(int(value) if form == "d" else value, form)
+    if "e" in text and form.endswith("g") and 1e-4 <= abs(value) < 1e6:
+        text = format(value, ".0f" if abs(value) >= 1.0 else ".6f")
+        text = text.rstrip("0") if "." in text else text
+    text = text.lstrip("-") if float(text) == 0.0 else text
+    return text.replace("e-0", "e-").replace("e+0", "e").replace("-", MINUS)
 
 
 @cache

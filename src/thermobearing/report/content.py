@@ -28,7 +28,14 @@ from thermobearing.report.pieces import (
     Plot,
     ReportFigure,
 )
-from thermobearing.report.words import counted, identity_rows, plain, printed_unit, tidy
+from thermobearing.report.words import (
+    counted,
+    identity_rows,
+    joined,
+    plain,
+    printed_unit,
+    tidy,
+)
 from thermobearing.results.directory import COMPARISON, FIGURES, SUMMARY
 from thermobearing.results.ranges import NOT_GIVEN, SLACK, TESTED, parted, rate_note, ring_note
 from thermobearing.results.saved import SavedResult
@@ -127,7 +134,7 @@ def saved_identity(saved: SavedResult, otherwise: str) -> dict[str, str]:
 # is more is a fault of the computation.
 BOOKS_CLOSE = 1e-6
 MARKED = "Marked: outside the calibration range of the bearing"
-TESTED_RANGE = "tested range"  # how the source of those limits begins
+TESTED_RANGE = "calibration range"  # how the source of those limits begins
 RIG = {"force": "force", "stroke": "stroke", "speed": "speed"}
 TESTS = {name: title for name, (_, title, _, _) in TESTED.items()}
 TESTS |= {"strain": "shear strain", "ambient": "ambient temperature"}
@@ -198,39 +205,32 @@ def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table
     return Table("Numerical quality", columns, cells), warnings
 
 
+INSIDE = "results lie inside the calibration range."
+
+
 def verdict_of(checks: Sequence[Check]) -> str:
-    """Return what the checks come to: what is exceeded first, then what could not be judged."""
+    """Return how many checks are exceeded, and how many could not be assessed."""
     if not checks:
         return "No limit was given."
-    found = []
-    for verdict in (EXCEEDED, NOT_JUDGED):
-        if names := [check.what for check in checks if check.verdict == verdict]:
-            more = f" and {len(names) - 3} more" if len(names) > 3 else ""
-            first = f"{', '.join(names[:3])}{more}"
-            found.append(f"{len(names)} {'is' if len(names) == 1 else 'are'} {verdict}: {first}")
-    many = counted(len(checks), "check")
-    if found:
-        return f"Of {many}, {'; '.join(found)}."
-    return f"All {many} are within their limits." if len(checks) > 1 else ONE_CHECK
-
-
-ONE_CHECK = "The check is within its limit."
+    many, verdicts = counted(len(checks), "check"), [check.verdict for check in checks]
+    exceeded, unknown = (verdicts.count(one) for one in (EXCEEDED, NOT_JUDGED))
+    if not exceeded + unknown:
+        return f"All {many} are passed." if len(checks) > 1 else "The check is passed."
+    found = [f"{exceeded} exceed{'s' * (exceeded == 1)} the limit"] if exceeded else []
+    found += [f"{unknown} cannot be assessed"] if unknown else []
+    return f"Of {many}, {joined(found)}."
 
 
 def _verdict(
     checks: Sequence[Check], validity: Sequence[str], unknown: str = "", rate: str = ""
 ) -> str:
     """Return the sentences on limits and validity, the last of an answer."""
-    known_range = "the range that the parameters were identified in"
     if unknown:
-        text = f"{known_range.capitalize()} is not given, so validity is not judged."
+        text = "The calibration range is not given, so that validity cannot be assessed."
     elif validity:
-        shown = [text.rstrip(".").split(" (")[0].split(", outside")[0] for text in validity[:2]]
-        more = f"; and {len(validity) - 2} more" if len(validity) > 2 else ""
-        text = f"Beyond {known_range}, results are extrapolated: {'; '.join(shown)}{more}."
+        text = "Some results lie outside the calibration range and are extrapolated."
     else:
-        start = "But for strain rates, nothing" if rate else "Nothing"
-        text = f"{start} left {known_range}."
+        text = f"{'Except for strain rates, all' if rate else 'All'} {INSIDE}"
     return f"{verdict_of(checks)} {text}"
 
 
@@ -242,7 +242,7 @@ def beyond_mark(rows: Iterable[Row], run: str, limit: str, value: float) -> bool
 
 # Inputs.
 QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s+(.+))?")
-COLUMNS = (Quantity("What"), Quantity("Value", form=".6g"), Quantity("Unit"), Quantity("Source"))
+COLUMNS = (Quantity("What"), Quantity("Value", form=".4g"), Quantity("Unit"), Quantity("Source"))
 RANGES = ("tested_range.",)  # keys whose two values are ends
 
 

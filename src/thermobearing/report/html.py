@@ -23,7 +23,6 @@ from thermobearing.report.pieces import (
     VERDICTS,
     Block,
     Bullets,
-    ChecksBlock,
     Document,
     FigureBlock,
     Heading,
@@ -31,7 +30,6 @@ from thermobearing.report.pieces import (
     Paragraph,
     ReportFigure,
     TableBlock,
-    checks_table,
     column_letters,
 )
 
@@ -40,9 +38,9 @@ SENTENCES = MarkdownIt("zero", {"html": False}).enable(["emphasis", "backticks",
 HEADINGS = MarkdownIt("zero", {"html": False}).enable(["emphasis", "backticks", "escape"])
 MARK = "\N{DAGGER}"
 MARKED = "Marked:"  # a note that begins so says itself what the mark means
-MARK_WORDS = "beyond what was tested"
+MARK_WORDS = "outside the calibration range"
 FEWEST_TO_SORT = 3  # rows; two are seen at once
-MOST_ROWS = 40  # of a table that are open; the rest is folded
+MOST_ROWS = 200  # of a table that are open; the rest is folded
 UPRIGHT = 130  # letters in a row of a table that fit on a page; more is turned, as page.css knows
 SHORT = 12  # rows that stay on one page
 PADDING = 4  # of a column on a screen, in letters; one less on paper
@@ -66,7 +64,7 @@ def html_page(document: Document) -> str:
         scripts=list(map(Markup, scripts)),
         logo=_image_address(document.logo) if document.logo else "",
         sections=_sections(document.blocks),
-        box_names={"answer": "Answer", "warning": "\N{WARNING SIGN} Warning"},
+        box_names={"answer": "Main results", "warning": "\N{WARNING SIGN} Warning"},
         mark=MARK,
         mark_words=MARK_WORDS,
     )
@@ -152,8 +150,6 @@ def _sections(blocks: Sequence[Block]) -> list[Section]:
                 part = {"kind": "text", "lines": block.items, "box": block.kind, "listed": listed}
             case TableBlock():
                 part = _table(block.table, next(tables), places)
-            case ChecksBlock():
-                part = _table(checks_table(block.checks), next(tables), places)
             case FigureBlock():
                 part = _figure(block.figure, next(figures), most)
         sections[-1].parts.append(part)
@@ -170,8 +166,8 @@ def _anchor(text: str, taken: set[str]) -> str:
 
 def _places(blocks: Sequence[Block]) -> dict[str, str]:
     """Return the anchors of figures and tables by their names."""
-    shown = [block for block in blocks if isinstance(block, TableBlock | ChecksBlock)]
-    found = {b.name: f"table-{k}" for k, b in enumerate(shown, 1) if isinstance(b, TableBlock)}
+    shown = [block for block in blocks if isinstance(block, TableBlock)]
+    found = {block.name: f"table-{k}" for k, block in enumerate(shown, 1)}
     drawn = [block for block in blocks if isinstance(block, FigureBlock)]
     return found | {block.name: f"figure-{k}" for k, block in enumerate(drawn, 1)}
 

@@ -26,14 +26,12 @@ from thermobearing.report.figures import drawn, missing_words, picture_size
 from thermobearing.report.pieces import (
     Block,
     Bullets,
-    ChecksBlock,
     Document,
     FigureBlock,
     Heading,
     Paragraph,
     ReportFigure,
     TableBlock,
-    checks_table,
     column_letters,
 )
 from thermobearing.report.title import logo_kind
@@ -169,7 +167,7 @@ UPRIGHT, TURNED = (170.0, 222.0), (267.0, 156.0)  # room: width, height [mm], as
 LONG_BOX = 2500  # letters of a box that may go over two pages
 SMALL_PRINT = 0.75  # a picture that must be made smaller than this is shown on a turned page
 GAIN = 1.15  # by which it must be larger there
-UNTESTED = "beyond what the bearing was tested at"
+UNTESTED = "outside the calibration range"
 
 
 def laid_out(document: Document, folder: Path | None) -> Data:
@@ -193,19 +191,10 @@ def laid_out(document: Document, folder: Path | None) -> Data:
             title.get("Project", document.title),
             ", ".join(filter(None, [title.get("Document", ""), revision])),
         ],
-        "foot": _foot(document),
+        "foot": document.foot,
         "contents": sum(item["kind"] == "heading" for item in blocks) > 2,
         "blocks": _turned_together(blocks),
     }
-
-
-def _foot(document: Document) -> str:
-    """Return a short identification of program and input."""
-    identity = {key.lower(): value for key, value in document.identity.items()}
-    program = next((v for k, v in identity.items() if "version" in k or "program" in k), "")
-    program = program if program.startswith("thermobearing") else f"thermobearing {program}"
-    digest = next((v for k, v in identity.items() if "hash" in k or "sha" in k), "")
-    return program.strip() + (f" \N{MIDDLE DOT} input {digest[:12]}" if digest else "")
 
 
 def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
@@ -220,8 +209,6 @@ def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
             return [{"kind": "bullets", "box": block.kind, "items": items, "whole": whole}]
         case TableBlock():
             return _table(block.table)
-        case ChecksBlock():
-            return _table(checks_table(block.checks), right={1, 2})
         case FigureBlock():
             return _figure(block.figure, name, folder)
     raise AssertionError(block)
@@ -313,10 +300,10 @@ class Part(NamedTuple):
         return re.sub(r"\S+", _seamed, text)
 
 
-def _table(table: Table, right: set[int] | None = None) -> list[Data]:
+def _table(table: Table) -> list[Data]:
     """Return a table as text, in parts that fit a page in width, each with the key columns."""
     cells, columns = table.texts(), table.columns
-    numbers = table.numeric() | (right or set())
+    numbers = table.numeric()
     parts = fitted(column_letters(table, cells), table.keys)
     note = table.note or (f"Marked: {UNTESTED}." if table.marked else "")
     found = []

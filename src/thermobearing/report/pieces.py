@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.register import Quantity, format_number
 from thermobearing.quantities.tables import Table
 
 if TYPE_CHECKING:
@@ -137,20 +137,31 @@ class Check:
     lower: bool = False
 
 
-def checks_table(checks: Sequence[Check], *, signs: bool = True) -> Table:
+def checks_table(
+    checks: Sequence[Check], caption: str = "Values and their limits", *, signs: bool = True
+) -> Table:
     """Return checks as a table; the limits with a sign, or as plain numbers for a workbook."""
-    number = Quantity("", form=".4g")
     rows = []
     for check in checks:
-        limit: Any = check.limit
-        if signs:
-            sign = "\N{GREATER-THAN OR EQUAL TO}" if check.lower else "\N{LESS-THAN OR EQUAL TO}"
-            limit = f"{sign} {number.text(limit)}" if number.text(limit) else "none"
-        rows.append((check.what, check.value, limit, check.unit, check.source, check.verdict))
+        numbers = _value_and_limit(check) if signs else (check.value, check.limit)
+        rows.append((check.what, *numbers, check.unit, check.source, check.verdict))
     heads = ("Check", "Value", "Limit", "Unit", "Source of the limit", "Verdict")
     exceeded = [k for k, check in enumerate(checks) if check.verdict == EXCEEDED]
     marked = frozenset() if signs else frozenset((k, 5) for k in exceeded)
-    return Table("Values and their limits", list(map(Quantity, heads)), rows, marked=marked)
+    columns = [Quantity(head, form=".6g") for head in heads]
+    return Table(caption, columns, rows, marked=marked)
+
+
+def _value_and_limit(check: Check) -> tuple[float, str]:
+    """Return both with three significant digits; with more where they would look the same."""
+    if not np.isfinite(check.limit):
+        return float(f"{check.value:.3g}"), "none"
+    sign = "\N{GREATER-THAN OR EQUAL TO}" if check.lower else "\N{LESS-THAN OR EQUAL TO}"
+    for form in (".3g", ".4g", ".6g"):
+        value, limit = format(check.value, form), format_number(check.limit, form)
+        if float(value) != float(format(check.limit, form)) or check.value == check.limit:
+            break
+    return float(value), f"{sign} {limit}"
 
 
 @dataclass(frozen=True)
@@ -222,21 +233,14 @@ class FigureBlock:
     figure: ReportFigure
 
 
-@dataclass(frozen=True)
-class ChecksBlock:
-    """The checks of a result."""
-
-    checks: Sequence[Check]
-
-
-Block = Heading | Paragraph | Bullets | TableBlock | FigureBlock | ChecksBlock
+Block = Heading | Paragraph | Bullets | TableBlock | FigureBlock
 
 
 @dataclass(frozen=True)
 class Document:
     """What is written, whatever the format: the title block as given, the blocks in reading order.
 
-    The logo is a PNG or SVG; `identity` is that of `Pieces`, short at the foot of every page.
+    The logo is a PNG or SVG; `identity` is that of `Pieces`.
     """
 
     title: str
@@ -244,3 +248,9 @@ class Document:
     logo: bytes | None
     blocks: Sequence[Block]
     identity: Mapping[str, str]
+
+    @property
+    def foot(self) -> str:
+        """Version of the program and date of the result, for the foot of every page."""
+        shown = [text for key, text in self.identity.items() if key.startswith(("Version", "Date"))]
+        return " \N{MIDDLE DOT} ".join(shown)

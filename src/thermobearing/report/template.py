@@ -2,10 +2,10 @@
 
 A line is a heading (`#`), a list item (`- `), text of a paragraph, or one placeholder:
 
-    {{ question }}  {{ answer }}  {{ inputs }}  {{ checks }}  {{ validity }}  {{ books }}
-    {{ assumptions }}  {{ warnings }}  {{ identity }}
-    {{ table NAME }}  {{ figure NAME }}      a piece by its name
-    {{ tables }}  {{ figures }}              all that are not called by name
+    {{ question }}  {{ answer }}  {{ exceeded }}  {{ actions }}  {{ inputs }}  {{ checks }}
+    {{ validity }}  {{ books }}  {{ assumptions }}  {{ warnings }}  {{ identity }}
+    {{ table NAME }}  {{ figure NAME }}      a table or figure by its name
+    {{ tables }}  {{ figures }}              all tables or figures that are not called by name
 
 Names of pieces that a result does not always have end with a question mark: `{{ table lead? }}`.
 A heading under which nothing stands is left out.
@@ -19,25 +19,34 @@ from thermobearing.border.errors import InputError, closest
 from thermobearing.border.library import data_path
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
+from thermobearing.report.content import TESTED_RANGE
 from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_JUDGED,
     PASSED,
     Block,
     Bullets,
-    ChecksBlock,
     Document,
     FigureBlock,
     Heading,
     Paragraph,
     Pieces,
     TableBlock,
+    checks_table,
 )
 from thermobearing.tables.text import read_text
 
 PLACEHOLDER = re.compile(r"\{\{\s*(\w+)(?:\s+([\w.-]+)(\?)?)?\s*\}\}")
 HEADING = re.compile(r"(#{1,3})\s+(.+)")
-VALID = "othing left the range that the parameters were identified in."
+ALL_VALID = "ll results lie inside the calibration range."
+EXTRAPOLATED = "Results outside the calibration range of a bearing are extrapolated."
+ACTIONS = {  # what to do about a check, by its verdict and the beginning of the limit's source
+    f"{EXCEEDED} {TESTED_RANGE}": "Do not rely on results outside the calibration range, or extend "
+    "the range by tests of the bearing.",
+    f"{EXCEEDED} rig": "Reduce the amplitude or the speed of the test, or choose another rig.",
+    EXCEEDED: "Change the bearing or the structure until no limit is exceeded.",
+    NOT_JUDGED: "Compare values without a limit with the limits of your design code.",
+}
 SEVERITY = (EXCEEDED, NOT_JUDGED, PASSED)
 
 
@@ -111,18 +120,34 @@ def _nearest(name: str, known: Mapping[str, object] | Sequence[str]) -> str:
 
 def _validity(pieces: Pieces) -> list[Block]:
     notes = _listed(pieces.notes)
-    found: Block = Paragraph(f"{'But for the following, n' if notes else 'N'}{VALID}")
+    found: Block = Paragraph(f"{'Except for the following, a' if notes else 'A'}{ALL_VALID}")
     if pieces.validity_unknown:
         found = Paragraph(pieces.validity_unknown, "warning")
     elif pieces.validity:
-        found = Bullets(pieces.validity, "warning")
+        return [Paragraph(EXTRAPOLATED), Bullets(pieces.validity, "warning"), *notes]
     return [found, *notes]
 
 
 def _checks(pieces: Pieces) -> list[Block]:
     """Return the checks by severity."""
     ranked = sorted(pieces.checks, key=lambda check: SEVERITY.index(check.verdict))
-    return [ChecksBlock(ranked)] if ranked else []
+    return [TableBlock("checks", checks_table(ranked))] if ranked else []
+
+
+def _exceeded(pieces: Pieces) -> list[Block]:
+    """Return the checks that are exceeded."""
+    failed = [check for check in pieces.checks if check.verdict == EXCEEDED]
+    return [TableBlock("exceeded", checks_table(failed, "Exceeded limits"))] if failed else []
+
+
+def _actions(pieces: Pieces) -> list[Block]:
+    """Return what to do about exceeded limits and unknown ones."""
+    found = dict.fromkeys(
+        next(text for start, text in ACTIONS.items() if f"{c.verdict} {c.source}".startswith(start))
+        for c in sorted(pieces.checks, key=lambda check: SEVERITY.index(check.verdict))
+        if c.verdict != PASSED
+    )
+    return [Paragraph("**Recommended actions**"), Bullets(list(found))] if found else []
 
 
 def _identity(pieces: Pieces) -> list[Block]:
@@ -139,6 +164,8 @@ SECTIONS: Mapping[str, Callable[[Pieces], list[Block]]] = {
     "question": lambda pieces: [Paragraph(pieces.question)],
     "answer": lambda pieces: _listed(pieces.answer, "answer"),
     "inputs": lambda pieces: [TableBlock(name, t) for name, t in pieces.inputs.items()],
+    "exceeded": _exceeded,
+    "actions": _actions,
     "checks": _checks,
     "validity": _validity,
     "books": lambda pieces: [TableBlock("books", pieces.books)] if pieces.books else [],

@@ -5,6 +5,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 from thermobearing.quantities.register import FACTORS, MINUS, TYPESET
+from thermobearing.quantities.register import format_number as number
 
 SHARE = re.compile(r"(\d)%")
 NEGATIVE = re.compile(r"(?<![\w.-])-(?=\d)")
@@ -18,14 +19,6 @@ def joined(items: Iterable[str], last: str = "and") -> str:
     if len(found) < 2:
         return "".join(found)
     return f"{', '.join(found[:-1])} {last} {found[-1]}"
-
-
-def number(value: float, form: str = ".3g") -> str:
-    """Return a number in a sentence, with a true minus sign and no exponent below a million."""
-    text = format(value, form)
-    if "e" in text and 1e-4 <= abs(value) < 1e6:
-        text = format(value, ".0f") if abs(value) >= 1.0 else format(value, ".6f").rstrip("0")
-    return text.replace("e-0", "e-").replace("e+0", "e").replace("-", MINUS)
 
 
 def degrees(values: Sequence[float]) -> str:
@@ -82,10 +75,7 @@ def printed_unit(unit: str) -> tuple[str, float]:
 def identity_rows(
     version: str, inputs: str, command: str, what: str = "case.resolved.toml"
 ) -> dict[str, str]:
-    """Return the rows of the last table of a document."""
+    """Return version, command, and the digest by which a reader can verify the file `what`."""
     digest = hashlib.sha256(inputs.encode("utf-8", "surrogateescape")).hexdigest()
-    return {
-        "Version": f"thermobearing {version}",
-        f"Input (SHA-256 of {what})": digest,
-        "Command": command,
-    }
+    found = {"Version": f"thermobearing {version}", "Command": command}
+    return found | {f"SHA-256 of {what}": digest}

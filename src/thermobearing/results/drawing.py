@@ -54,6 +54,7 @@ WIDEST = 7.1  # of a figure [inch]: a page of A4 between its margins
 FLATTER = 0.6  # power of the factor by which a figure becomes narrower, for its height
 LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
 MARGIN = 0.6  # between panels, for their labels [inch]
+NARROW = 2.5  # panels below this width break the note on the calibration range [inch]
 SHORTEST_LINE = 24  # letters of a title before it is broken
 UNBROKEN = "\N{NO-BREAK SPACE}"
 HANDLE = 4.5  # width of a legend's line and gaps, of the font size
@@ -301,7 +302,10 @@ def shade_untested(
             if last > first:
                 span(first, last, color=UNTESTED, zorder=0.2, linewidth=0)
         ax.set(**{f"{along}lim": (low, high)})
-        ax.text(*place, "shaded: outside calibration range", transform=ax.transAxes, **look)
+        grid = ax.get_gridspec()
+        narrow = grid is not None and parent_figure(ax).get_figwidth() < NARROW * grid.ncols
+        text = f"shaded: outside{chr(10) if narrow else ' '}calibration range"
+        ax.text(*place, text, transform=ax.transAxes, **look)
 
 
 def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> None:

@@ -151,8 +151,8 @@ def outside_tests(
             many = f"{len(out)} of {runs} runs, most: " if runs > 1 else ""
             where = str(worst["run"]).removeprefix(f"{name}, ")
             found.append(
-                f"{name}: {title} {factor * worst['asked']:.4g}{unit}, {side} the "
-                f"{factor * worst[end]:.4g}{unit} tested ({many}{where})"
+                f"{name}: {title} {factor * worst['asked']:.3g}{unit}, {side} the "
+                f"{factor * worst[end]:.3g}{unit} tested ({many}{where})"
             )
     return found
 
