@@ -128,6 +128,20 @@ def test_a_part_that_ends_early_is_the_last() -> None:
     assert found.sentence
 
 
+def test_a_specimen_is_unloaded_after_rests() -> None:
+    """The force is zero elsewhere in a fast motion than in the slow one that finds the place."""
+    parts: list[dict[str, Any]] = [
+        {"part": "hybrid", "duration": "0.1 s", "dt": "0.02 s", "motion": "jra-ii-i-1"},
+        {"part": "rest", "within": "20 K"},
+        {"part": "rest", "within": "20 K"},
+    ]
+    given = {"bearing": "shen-hdr-specimen", "ambient": "23 degC", "parts": parts}
+    found = tb.sequence(make_sequence_case(given, "sequence"))
+    assert found.outcome == "completed"
+    for part in found.parts[1:]:
+        assert abs(float(part["force"].values.ravel()[0])) < 1e-6
+
+
 def test_a_rig_in_a_test_and_in_a_study() -> None:
     """The limits of the source, of Table 3.2; the speed of a slow test is that of the specimen."""
     rig = load_rig("shen-rig")

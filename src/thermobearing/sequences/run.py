@@ -97,32 +97,34 @@ def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> Specimen
     element = BearingElement.from_constants(constants, air, initial=state)
     start, dt = state.at, 1.0
 
-    def force(x: float) -> float:
+    def _force(x: float) -> float:
         return element.set_trial(x, dt, air).force
 
-    fault = InputError(
-        f"{case.label(number)}: no displacement within {FARTHEST:g} mm unloads the specimen; give "
-        'between = "as-left"'
-    )
-    way, far = -np.sign(force(start)), NEAREST
-    if not way:
+    def _other_side(x: float) -> float:
+        """Return a displacement at which the force has the other sign; x where there is none."""
+        way, far = -np.sign(_force(x)), NEAREST if _force(x) else 0.0
+        while _force(x + way * far) * way < 0.0:
+            far *= 2.0
+            if far > FARTHEST:
+                raise InputError(
+                    f"{case.label(number)}: no displacement within {FARTHEST:g} mm unloads the "
+                    'specimen; give between = "as-left"'
+                )
+        return float(x + way * far)
+
+    beyond = _other_side(start)
+    if beyond == start:
         return state.model_copy(update={"zero": start})
-    while force(start + way * far) * way < 0.0:
-        far *= 2.0
-        if far > FARTHEST:
-            raise fault
-    end = brentq(force, start, start + way * far, xtol=1e-9)
+    end = brentq(_force, start, beyond, xtol=1e-9)
     dt = max(abs(end - start) / UNLOADING / PIECES, 1e-3)
     for piece in range(1, PIECES):
         element.set_trial(start + (end - start) * piece / PIECES, dt, air)
         element.commit()
     at = start + (end - start) * (PIECES - 1) / PIECES
     beyond = start + 2.0 * (end - start)
-    if force(at) * force(beyond) > 0.0:  # the force changed its sign earlier than at first
-        at = start
-    if not force(at) * force(beyond) <= 0.0:
-        raise fault
-    end = brentq(force, at, beyond, xtol=1e-12)
+    if _force(at) * _force(beyond) > 0.0:  # a faster motion: the force is zero elsewhere
+        beyond = _other_side(at)
+    end = brentq(_force, at, beyond, xtol=1e-12)
     element.set_trial(end, dt, air)
     element.commit()
     left, lead = element.state, state.lead_temperature is not None
