@@ -149,7 +149,7 @@ def test_a_changed_file_is_refused(tmp_path: Path) -> None:
         record.write_text("\n".join(f"{value:.6f}" for value in values))
         if factor == 300.0:
             run_study(small_study(**table), tmp_path / "out", jobs=1)
-    with pytest.raises(InputError, match=r"a file that it names \(motion, bearing, weather\)"):
+    with pytest.raises(InputError, match=r"\(motion, bearing, weather\)"):
         run_study(small_study(**table), tmp_path / "out", jobs=1)
 
 
@@ -163,7 +163,7 @@ def test_directories_of_others_are_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("years of work")
     with pytest.raises(OutputError, match=r"contains thesis\.tex"):
         run_study(small_study(), tmp_path, jobs=1)
-    with pytest.raises(InputError, match=r"not the directory of a study: no manifest\.json"):
+    with pytest.raises(InputError, match=r"manifest\.json"):
         study_status(tmp_path)
     whole = {"kind": "study", "format": 1, "runs": 8, "_shard_size": 0, "versions": {}, "input": ""}
     for content in ({"kind": "study"}, whole):
@@ -220,9 +220,7 @@ def test_a_program_that_always_breaks_is_no_result(
         raise TypeError("no such thing")
 
     monkeypatch.setattr(peaks, "run_task", broken)
-    with pytest.raises(
-        OutputError, match=r"every run of a shard broke: .*TypeError: no such thing"
-    ):
+    with pytest.raises(OutputError, match="TypeError: no such thing"):
         run_study(small_study(), tmp_path / "out", jobs=1)
     assert study_status(tmp_path / "out").done == 0
 
@@ -301,19 +299,19 @@ def test_a_part_that_cannot_be_marked_as_taken_is_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    "words",
     [
-        ({"executor": "mpi"}, 'executor "mpi": must be "process" or "dask"'),
-        ({"jobs": 0}, r"jobs: 0 is not in \[1, 1024\]"),
-        ({"size": 0}, "size: 0 runs are no shard"),
-        ({"address": "tcp://x:1"}, 'only of executor "dask"'),
-        ({"executor": "dask"}, 'give its scheduler, as address "tcp://host:8786"'),
-        ({"shard": "3"}, 'shard "3": give i/n'),
-        ({"shard": "4/3"}, r'shard "4/3": parts of 3 have the numbers 1 to 3'),
+        {"executor": "mpi"},
+        {"jobs": 0},
+        {"size": 0},
+        {"address": "tcp://x:1"},
+        {"executor": "dask"},
+        {"shard": "3"},
+        {"shard": "4/3"},
     ],
 )
-def test_words_that_cannot_be_used(tmp_path: Path, words: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message):
+def test_bad_arguments_are_named(tmp_path: Path, words: dict[str, Any]) -> None:
+    with pytest.raises(InputError, match=next(iter(words))):
         run_study(small_study(), tmp_path / "out", **words)
 
 
@@ -342,7 +340,7 @@ def test_pace_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     pace = Pace(20, 100)
     assert str(pace) == "20 of 100 runs"
     pace.done, now[0] = 60, 110.0
-    assert str(pace) == "60 of 100 runs, 4 a second, 10 s left"
+    assert str(pace) == "60 of 100 runs, 4 per second, 10 s left"
     assert [say_duration(s) for s in (59.4, 61, 3660)] == ["59 s", "1 min 1 s", "1 h 1 min"]
 
 

@@ -1,16 +1,16 @@
 """The directory of a study: plan, shards, histories and log.
 
-    study.toml         the study, names resolved and defaults filled in
-    manifest.json      number of runs, size of a shard, digest of the input, versions
-    motions.npz        those that were made to fit a spectrum
-    plan.parquet       all runs, with the factors of each
-    shards/00000.parquet  some of them with their results; a shard is done when it has its file
-    histories/         those that are kept, netCDF
-    study.log          what happened when
+    study.toml            the study with names resolved and defaults filled in
+    manifest.json         number of runs, size of a shard, digest of the input, versions
+    motions.npz           matched motions
+    plan.parquet          all runs with their factors
+    shards/00000.parquet  some runs with their results; a shard is complete when its file exists
+    histories/            selected histories, netCDF
+    study.log             progress, with times
 
-Only the log has times, so that a study that is done again has the same bytes. The notes of a
-Parquet file hold the SHA-256 of the file, taken with zeros in its own place: Parquet checks nothing
-by itself, and a changed bit often reads as another number.
+Only the log has times, so that a repeated study has the same bytes. The notes of a Parquet file
+contain the SHA-256 of the file, computed with zeros in its place: Parquet itself checks nothing,
+and a changed bit is often read as another number.
 """
 
 import hashlib
@@ -48,12 +48,12 @@ EXTRA = 'needs pyarrow: pip install "thermobearing[study]"'
 UNIT, MEANING, NOTES = b"unit", b"meaning", b"thermobearing"
 DIGEST, EMPTY = b'"sha256": "', b"0" * 64
 LEVEL = 3  # of compression
-KINDS = {"i": "int64", "u": "int64", "f": "float64", "b": "bool_"}  # the rest is text
-Labels = Mapping[str, tuple[str, str]]  # unit ("1" of a pure number) and meaning of each column
+KINDS = {"i": "int64", "u": "int64", "f": "float64", "b": "bool_"}  # others are text
+Labels = Mapping[str, tuple[str, str]]  # unit ("1" if dimensionless) and meaning by column
 
 
-def _the_parquet() -> Any:
-    """Return the modules pyarrow and pyarrow.parquet, which are an extra."""
+def _load_pyarrow() -> Any:
+    """Return the modules pyarrow and pyarrow.parquet, an optional dependency."""
     try:
         import pyarrow
         import pyarrow.parquet
@@ -63,8 +63,8 @@ def _the_parquet() -> Any:
 
 
 def _parquet_bytes(table: pd.DataFrame, labels: Labels, notes: Mapping[str, Any]) -> bytes:
-    """Return a table as the content of a file; equal tables make equal bytes, and NaN is null."""
-    arrow, parquet = _the_parquet()
+    """Return a table as bytes of a file; equal tables have equal bytes, and NaN is null."""
+    arrow, parquet = _load_pyarrow()
     fields, arrays = [], []
     for name, column in table.items():
         kind = getattr(arrow, KINDS.get(column.dtype.kind, "string"))()
@@ -72,7 +72,7 @@ def _parquet_bytes(table: pd.DataFrame, labels: Labels, notes: Mapping[str, Any]
         marks = {UNIT: unit.encode(), MEANING: meaning.encode()}
         fields.append(arrow.field(str(name), kind, metadata=marks))
         values = column if kind != arrow.string() else [str(value) for value in column]
-        # A number that a run has not is null: others' means would be NaN with it.
+        # A missing number is null, since NaN would make means NaN in other programs.
         arrays.append(arrow.array(values, type=kind, from_pandas=kind == arrow.float64()))
     sealed = json.dumps({**notes, "sha256": EMPTY.decode()}).encode()
     stream = arrow.BufferOutputStream()
@@ -83,7 +83,7 @@ def _parquet_bytes(table: pd.DataFrame, labels: Labels, notes: Mapping[str, Any]
 
 
 def _around_digest(content: bytes) -> tuple[bytes, bytes, bytes]:
-    """Split a file into what is before its digest, the digest, and what is after it."""
+    """Split a file into the parts before, of, and after its digest."""
     place = content.rfind(DIGEST) + len(DIGEST)
     return content[:place], content[place : place + len(EMPTY)], content[place + len(EMPTY) :]
 
@@ -93,8 +93,8 @@ def _digest(before: bytes, after: bytes) -> bytes:
 
 
 def _read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
-    """Return the tables of some files below each other; InputError for one that is unreadable."""
-    arrow, parquet = _the_parquet()
+    """Return the concatenated tables of files; InputError for an unreadable one."""
+    arrow, parquet = _load_pyarrow()
     names = None if columns is None else list(columns)
     found = []
     for path in paths:
@@ -108,7 +108,7 @@ def _read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -
 
 def _read_labels(path: Path) -> dict[str, tuple[str, str]]:
     """Return unit and meaning of the columns of a file."""
-    schema = _the_parquet()[1].read_schema(path)
+    schema = _load_pyarrow()[1].read_schema(path)
     marks = {field.name: field.metadata or {} for field in schema}
     return {
         name: (m.get(UNIT, b"").decode(), m.get(MEANING, b"").decode()) for name, m in marks.items()
@@ -116,11 +116,11 @@ def _read_labels(path: Path) -> dict[str, tuple[str, str]]:
 
 
 def _read_notes(path: Path, *, sealed: bool = True) -> tuple[dict[str, Any], int] | None:
-    """Return notes and number of rows of a file; None if there is none, or it is damaged.
+    """Return notes and number of rows of a file; None if it is missing or damaged.
 
-    Its digest must be right if it is `sealed`; files of directories of format 1 are not.
+    The digest of a `sealed` file is checked; files of directories of format 1 have none.
     """
-    arrow, parquet = _the_parquet()
+    arrow, parquet = _load_pyarrow()
     try:
         content = path.read_bytes()
         before, given, after = _around_digest(content)
@@ -134,18 +134,20 @@ def _read_notes(path: Path, *, sealed: bool = True) -> tuple[dict[str, Any], int
         return None
 
 
-MOST_ROWS = 1_048_575  # of a sheet of a workbook, without its head
+MOST_ROWS = 1_048_575  # of a sheet of a workbook, without the head
 
 
 def write_table(table: pd.DataFrame, path: Path, *, overwrite: bool = False) -> None:
-    """Write a table of runs as text (.csv) or as a workbook (.xlsx)."""
+    """Write a table of runs as .csv or .xlsx."""
     if path.suffix == ".csv":
         write_file(path, without_formulas(table).to_csv(index=False), overwrite=overwrite)
         return
     if path.suffix != ".xlsx":
-        raise InputError(f'"{path}": a table of runs is written as .csv or .xlsx')
+        raise InputError(f'"{path}": must end in .csv or .xlsx')
     if len(table) > MOST_ROWS:
-        raise InputError(f"{len(table)} runs; a sheet has room for {MOST_ROWS}: write .csv")
+        raise InputError(
+            f"a sheet has at most {MOST_ROWS} rows, and there are {len(table)} runs: write .csv"
+        )
     from thermobearing.report.workbook import the_writer
 
     the_writer()
@@ -197,27 +199,26 @@ def _write_histories(path: Path, kept: Sequence[Kept]) -> None:
 
 STUDY, MANIFEST, PLAN, LOG = "study.toml", "manifest.json", "plan.parquet", "study.log"
 SHARDS, HISTORIES_FOLDER, WORST = "shards", "histories", "worst.nc"
-FORMAT = 2  # of the directory; in those of format 1 no file has a digest
+FORMAT = 2  # of the directory; format 1 has no digests of files
 LARGEST_FILE = 100_000_000  # bytes of a manifest or a study
-FEWEST, MOST = 16, 1008  # runs of a shard: a multiple of the lanes of a lockstep
-SHARES = 100  # shards of a study, unless that makes them too small or too large
+FEWEST, MOST = 16, 1008  # runs of a shard: multiples of the lanes in lockstep
+SHARES = 100  # shards of a study, within these limits
 CHANGES_NAMED = 3
-SAME = ("thermobearing", "kernels")  # versions that must not change half-way
+SAME = ("thermobearing", "kernels")  # versions that must not change within a study
 LIBRARIES = ("numpy", "scipy", "numba", "pandas", "pyarrow")
 
 
 def _shard_size(runs: int, lockstep: bool = False) -> int:
-    """Return the runs of a shard: enough to be worth a process, few enough to lose little.
+    """Return the number of runs of a shard, a multiple of 16 that fills the lanes in lockstep.
 
-    A multiple of 16, so that runs of one shape fill their lockstep; in lockstep, where they take a
-    quarter of the time, four times as many.
+    In lockstep, where runs take a quarter of the time, a shard has four times as many.
     """
     share = -(-runs * (4 if lockstep else 1) // SHARES)
     return min(-(-max(1, share) // FEWEST) * FEWEST, MOST)
 
 
 class Store:
-    """A study on the disk, with the content of manifest.json and its numbers of runs and shards."""
+    """The directory of a study, with the content of manifest.json."""
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory
@@ -226,13 +227,13 @@ class Store:
         self.shards = -(-self.runs // int(self.manifest["shard_size"]))
 
     def log(self, text: str) -> None:
-        """Append a line with the time to the log; one that cannot be written is lost."""
+        """Append a line with the time to the log, if it can be written."""
         stamp = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
         with suppress(OSError), (self.directory / LOG).open("a", encoding="utf-8") as file:
             file.write(f"{stamp} {text}\n")
 
     def place(self, shard: int) -> slice:
-        """Return the rows of the plan that a shard has."""
+        """Return the rows of a shard in the plan."""
         size = int(self.manifest["shard_size"])
         return slice(shard * size, min((shard + 1) * size, self.runs))
 
@@ -244,17 +245,17 @@ class Store:
         return self.directory / SHARDS / f"{shard:05d}.parquet"
 
     def _is_done(self, shard: int) -> bool:
-        """Return whether its file exists, belongs to this study, and is as it was written."""
+        """Return whether the file of a shard exists, is undamaged, and belongs to this study."""
         sealed = int(self.manifest["format"]) > 1
         found = _read_notes(self._file(shard), sealed=sealed)
         return found == (self._notes(shard), self.count([shard]))
 
     def done(self) -> list[int]:
-        """Return all shards that are done."""
+        """Return all complete shards."""
         return [shard for shard in range(self.shards) if self._is_done(shard)]
 
     def write(self, shard: int, done: Done) -> None:
-        """Keep the results of a shard; its table comes last, and marks it as done."""
+        """Write the results of a shard; its table comes last and marks it as complete."""
         if done.histories:
             self.write_histories(f"{shard:05d}.nc", done.histories)
         labels = _read_labels(self.directory / PLAN) | {
@@ -264,14 +265,14 @@ class Store:
             write_whole(self._file(shard), _parquet_bytes(done.table, labels, self._notes(shard)))
 
     def write_histories(self, name: str, kept: Sequence[Kept]) -> None:
-        """Keep histories of runs in a file; OutputError as of `write`."""
+        """Write histories of runs into a file."""
         with self._writing():
             _write_histories(self.directory / HISTORIES_FOLDER / name, kept)
 
     def table(
         self, columns: Sequence[str] | None = None, done: Sequence[int] | None = None
     ) -> pd.DataFrame:
-        """Return all runs that are done (or those of some shards), in the order of the plan."""
+        """Return all completed runs (or those of some shards), in the order of the plan."""
         files = [self._file(shard) for shard in (self.done() if done is None else done)]
         if not files:
             empty = _read_parquet([self.directory / PLAN]).head(0)
@@ -281,19 +282,19 @@ class Store:
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """Raise one OutputError where the system refuses to write."""
+        """Raise OutputError if the system refuses to write."""
         try:
             yield
         except (OSError, RuntimeError) as error:  # netCDF reports a failing disk as either
             reason = getattr(error, "strerror", None) or error
             self.log(f"cannot be written: {reason}")
             raise OutputError(
-                f"{self.directory}: cannot be written: {reason}; what is done is kept: start again "
-                "when that is mended"
+                f"{self.directory}: cannot be written: {reason}; completed shards are kept, run "
+                "the same command again"
             ) from error
 
     def clean(self, shards: Sequence[int]) -> None:
-        """Remove what killed writers of some shards left half written."""
+        """Remove the partial files of killed writers of some shards."""
         mine = {f".{shard:05d}." for shard in shards}
         for folder in (self.directory / SHARDS, self.directory / HISTORIES_FOLDER):
             for path in folder.glob(".*") if folder.exists() else []:
@@ -309,11 +310,11 @@ class Store:
 
 
 def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | None) -> Store:
-    """Return the directory of a study and its plan: a new one, or the one that was begun.
+    """Return the directory of a study, which is created or resumed.
 
-    `size` is that of a shard in a new directory; None for that of `_shard_size`.
+    `size`: number of runs of a shard in a new directory; None for `_shard_size`.
     """
-    _the_parquet()
+    _load_pyarrow()
     digest = _input_digest(study, runs)
     planned = _parquet_bytes(runs, label_plan(study, list(map(str, runs))), {"input": digest})
     if not (directory / MANIFEST).exists():
@@ -343,7 +344,7 @@ def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | 
         try:
             write_directory(directory, _fill)
         except OutputError:
-            if not (directory / MANIFEST).exists():  # else another part of it was quicker
+            if not (directory / MANIFEST).exists():  # else another process was quicker
                 raise
     store = Store(directory)
     _refuse_others(store, study, digest)
@@ -374,7 +375,7 @@ def _versions() -> dict[str, str]:
 def _read_manifest(directory: Path) -> dict[str, Any]:
     path = directory / MANIFEST
     if not path.exists():
-        raise InputError(f"is not the directory of a study: no {MANIFEST} there", str(directory))
+        raise InputError(f"is not the directory of a study: it has no {MANIFEST}", str(directory))
     try:
         found = json.loads(read_bytes(path, LARGEST_FILE))
         whole = found["kind"] == "study" and found["format"] in (1, FORMAT)
@@ -384,25 +385,27 @@ def _read_manifest(directory: Path) -> dict[str, Any]:
     except (ValueError, TypeError, KeyError):
         whole = False
     if not whole:
-        raise InputError("is damaged, or of another version; do the study again", str(path))
+        raise InputError(
+            "is damaged or of another version; start the study in a new directory", str(path)
+        )
     return dict(found)
 
 
 def _refuse_others(store: Store, study: Study, digest: str) -> None:
-    """Raise InputError for a directory that was begun with another study, or another version."""
+    """Raise InputError for the directory of another study or another version."""
     name = str(store.directory)
     if digest != store.manifest["input"]:
         raise InputError(
-            f"was begun with another study: {_changes(store, study)}. Choose another directory, or "
-            f"undo the change; {STUDY} there is what was begun, and nothing is lost",
+            f"contains another study: {_changes(store, study)}. Choose another directory, or undo "
+            f"the change; {STUDY} in the directory is the other study",
             name,
         )
     now, then = _versions(), store.manifest["versions"]
     other = [f"{key} {then.get(key)}, now {now[key]}" for key in SAME if now[key] != then.get(key)]
     if other:
         raise InputError(
-            f"was begun with another version ({', '.join(other)}): its runs would not go together. "
-            "Choose another directory, or go on with that version",
+            f"was started with another version ({', '.join(other)}). Choose another directory, or "
+            "resume it with that version",
             name,
         )
 
@@ -415,7 +418,7 @@ def _changes(store: Store, study: Study) -> str:
     now = flat(tomllib.loads(study.to_toml()))
     keys = [key for key in now | was if now.get(key) != was.get(key)]
     if not keys:
-        return "a file that it names (motion, bearing, weather) has changed"
+        return "a file that it refers to (motion, bearing, weather) has changed"
     named = [
         f"{key} = {shortened(repr(now.get(key)))}, was {shortened(repr(was.get(key)))}"
         for key in keys[:CHANGES_NAMED]

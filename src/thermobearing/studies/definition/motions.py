@@ -1,10 +1,10 @@
-"""Motions matched to a spectrum for a study, computed once and kept.
+"""Motions of a study that are matched to a spectrum: computed once and stored.
 
-A fit takes some seconds, so that its motion is kept: a second start, another part of the study or
-a dry run find it. The directory of a study has its own copy, since the last bits of a fit are
-those of the machine that made it, and the names of runs depend on them.
+A match takes seconds, so that its motion is stored in a cache: a second start, another part of the
+study or a dry run reuse it. The directory of a study has its own copy, since the last bits of a
+match depend on the machine, and the ids of runs depend on them.
 
-recipes -> the directory, or the cache, or a fit now -> checked -> a study that has them
+recipes -> from the directory, the cache, or a new match -> checked -> a study with its motions
 """
 
 import hashlib
@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -46,39 +46,33 @@ from thermobearing.studies.definition.record import MotionFactor, Study
 from thermobearing.studies.run.processes import call_on_processes, go_on
 
 SEED, STEP = 1, 0.01  # defaults; [s]
-PHASES = "jra-ii-i"  # default of a spectrum from a file
+PHASES = "jra-ii-i"  # default for a spectrum from a file
 Progress = Callable[[int, int], None]
 MADE = "motions.npz"  # of the directory of a study
 CACHE = "motions"  # folder next to the machine code
-# What numpy, zipfile and zlib raise for a file of which a bit was changed.
+# Errors of numpy, zipfile and zlib for a file with a changed bit.
 DAMAGED: tuple[type[Exception], ...] = (OSError, ValueError, KeyError, TypeError, EOFError)
 DAMAGED += (RuntimeError, OverflowError, zipfile.BadZipFile, zlib.error, struct.error)
-ABOUT = "about"  # entry of a file with what is no array, as JSON
-STAND_IN = f"{PHASES}-1"  # a built-in motion in the place of one that is not made yet
-NAMED = 3  # motions that are named in a message
-
-
-class Fitted(NamedTuple):
-    """A motion that was made, and the root mean square misfit to its spectrum."""
-
-    motion: GroundMotion
-    misfit: float
+ABOUT = "about"  # entry of a file with its texts and numbers, as JSON
+TEXTS = ("name", "description", "citation")
+STAND_IN = f"{PHASES}-1"  # built-in motion in place of one that does not exist yet
+NAMED = 3  # motions that a message names
 
 
 @dataclass(frozen=True)
 class Recipe:
-    """What one motion is made of: random phases of a seed, or those of a record."""
+    """Input of one matched motion: random phases of a seed, or those of a record."""
 
     name: str  # of the motion
-    spectrum: DesignSpectrum  # that it shall fit
-    phases: tuple[str, str] = ("II", "I")  # type and ground of the shaking, of random phases
+    spectrum: DesignSpectrum
+    phases: tuple[str, str] = ("II", "I")  # type and ground class of random phases
     seed: int = SEED  # of random phases
     dt: float = STEP
-    record: GroundMotion | None = None  # whose phases are kept instead
+    record: GroundMotion | None = None  # whose phases are used instead
 
     @property
     def key(self) -> str:
-        """Digest of all that goes into it but its name."""
+        """Digest of the input without the name."""
         parts: list[Any] = [tuple(self.spectrum.curve), self.spectrum.factor]
         raw = b""
         if self.record is None:
@@ -88,18 +82,16 @@ class Recipe:
             raw = self.record.acceleration.astype("<f8").tobytes()
         return hashlib.sha256(json.dumps(parts).encode() + raw).hexdigest()
 
-    def make(self, progress: Progress | None = None) -> Fitted:
-        """Make the motion; takes seconds."""
+    def make(self, progress: Progress | None = None) -> GroundMotion:
+        """Match the motion, which takes seconds."""
         words: dict[str, Any] = {"spectrum": self.spectrum, "progress": progress}
-        if self.record is None:
-            motion = make_motion(*self.phases, self.seed, self.dt, **words)
-        else:
-            motion = match_spectrum(self.record, **words)
-        return Fitted(motion, misfit(motion, self.spectrum.at))
+        if self.record is not None:
+            return match_spectrum(self.record, **words)
+        return make_motion(*self.phases, self.seed, self.dt, **words)
 
 
 def _recipes(factor: MotionFactor) -> list[Recipe]:
-    """Return what the motions of a factor with `matched` are made of."""
+    """Return the recipes of a factor with `matched`."""
     assert factor.matched is not None
     spectrum = load_spectrum(factor.matched, factor.zone_factor or 1.0)
     if factor.levels is None:
@@ -127,7 +119,7 @@ def _recipes(factor: MotionFactor) -> list[Recipe]:
 
 @cache
 def _sources() -> str:
-    """Return a digest of what makes motions: the files of their package, and the libraries."""
+    """Return a digest of the code that matches motions, and of its libraries."""
     found = hashlib.sha256(f"numpy {version('numpy')} scipy {version('scipy')}".encode())
     folder = Path(targets.__file__).parent
     for path in [*sorted(folder.glob("*.py")), data_path("phases", "near-fault.toml")]:
@@ -140,53 +132,38 @@ def _cache_file(recipe: Recipe) -> Path | None:
     return None if folder is None else folder / CACHE / _sources() / f"{recipe.key[:32]}.npz"
 
 
-def _cached(recipe: Recipe) -> Fitted | None:
+def _cached(recipe: Recipe) -> GroundMotion | None:
     file = _cache_file(recipe)
     return None if file is None else _read_made(file).get(recipe.key)
 
 
-def _keep(recipe: Recipe, one: Fitted) -> None:
-    file = _cache_file(recipe)
-    if file is not None:
-        with suppress(OSError):
-            file.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(file, _made_bytes([(recipe, one)]))
-
-
-def _made_bytes(pairs: Sequence[tuple[Recipe, Fitted]]) -> bytes:
-    arrays: dict[str, Any] = {recipe.key: one.motion.acceleration for recipe, one in pairs}
+def _made_bytes(made: Mapping[str, GroundMotion]) -> bytes:
     about = {
-        recipe.key: {
-            "name": recipe.name,
-            "dt": one.motion.dt,
-            "misfit": one.misfit,
-            "description": one.motion.description,
-            "citation": one.motion.citation,
-        }
-        for recipe, one in pairs
+        key: {"dt": one.dt, **{name: getattr(one, name) for name in TEXTS}}
+        for key, one in made.items()
     }
-    stream = io.BytesIO()
+    arrays: dict[str, Any] = {key: one.acceleration for key, one in made.items()}
     arrays[ABOUT] = np.array(json.dumps(about))
+    stream = io.BytesIO()
     np.savez(stream, **arrays)
     return stream.getvalue()
 
 
-def _read_made(path: Path) -> dict[str, Fitted]:
+def _read_made(path: Path) -> dict[str, GroundMotion]:
     """Return the motions of a file by key of their recipe; none if it is damaged or missing."""
     try:
         with np.load(path, allow_pickle=False) as stored:
             found = {}
             for key, about in json.loads(str(stored[ABOUT])).items():
-                words = {name: str(about[name]) for name in ("name", "description", "citation")}
-                motion = GroundMotion(dt=float(about["dt"]), acceleration=stored[key], **words)
-                found[key] = Fitted(motion, float(about["misfit"]))
+                words = {name: str(about[name]) for name in TEXTS}
+                found[key] = GroundMotion(dt=float(about["dt"]), acceleration=stored[key], **words)
             return found
     except DAMAGED:
         return {}
 
 
 def motions_to_be(factor: MotionFactor) -> list[GroundMotion]:
-    """Return a step of rest for each motion that is to be made, as long as its own steps."""
+    """Return a motion of zeros for each matched motion, with its time step."""
     try:
         steps = [recipe.record or recipe for recipe in _recipes(factor)]
     except InputError as error:
@@ -195,18 +172,17 @@ def motions_to_be(factor: MotionFactor) -> list[GroundMotion]:
 
 
 def factor_motions(factor: MotionFactor) -> list[GroundMotion]:
-    """Return the motions of the levels, not yet scaled; made here if nobody has made them."""
+    """Return the motions of the levels, not scaled; matched here if that was not done before."""
     if factor.matched is None:
         return [motion.load() for motion in factor.levels or ()]
-    if factor.made is None:  # a fit is not done twice
-        wanted = _recipes(factor)
-        factor.keep_made(_checked(factor, wanted, _made(wanted, {}, 1, None)))
+    if factor.made is None:  # a match is not done twice
+        factor.keep_made(_made(factor, {}, 1, None))
     assert factor.made is not None
     return list(factor.made.motions)
 
 
 def motion_levels(factor: MotionFactor) -> list[Motion]:
-    """Return the motions as a case has them; a made one holds its samples."""
+    """Return the motions as a case has them; a matched one contains its samples."""
     if factor.matched is None:
         return list(factor.levels or ())
     factors = [one.factor for one in factor.levels] if factor.levels else [1.0] * len(factor.names)
@@ -222,16 +198,14 @@ def with_matched(
     jobs: int | None = None,
     progress: Progress | None = None,
 ) -> Study:
-    """Return a study whose motions are made; those of its directory or of the cache are taken."""
+    """Return a study with matched motions: those of its directory or of the cache, or new ones."""
     factor = study.factors.motion
     if factor.matched is None:
         return study
-    known = {recipe.key: one for recipe, one in _known(factor)}
+    known = _known(factor)
     if directory is not None:
         known |= _read_made(directory / MADE)
-    wanted = _recipes(factor)
-    found = _made(wanted, known, jobs or os.cpu_count() or 1, progress)
-    return _with(study, _checked(factor, wanted, found))
+    return _with(study, _made(factor, known, jobs or os.cpu_count() or 1, progress))
 
 
 def with_kept(study: Study, directory: Path) -> Study:
@@ -240,11 +214,11 @@ def with_kept(study: Study, directory: Path) -> Study:
     wanted = _recipes(study.factors.motion) if kept and study.factors.motion.matched else []
     if not wanted or any(recipe.key not in kept for recipe in wanted):
         return study
-    return _with(study, _named(wanted, [kept[recipe.key] for recipe in wanted]))
+    return _with(study, [replace(kept[recipe.key], name=recipe.name) for recipe in wanted])
 
 
 def with_stand_ins(study: Study, one: GroundMotion | None = None) -> Study:
-    """Return a study whose missing motions are all the same one, to count and measure runs."""
+    """Return a study that has one motion in place of all missing ones, to count and time runs."""
     factor = study.factors.motion
     if factor.matched is None or factor.made is not None:
         return study
@@ -253,7 +227,7 @@ def with_stand_ins(study: Study, one: GroundMotion | None = None) -> Study:
 
 
 def missing_motions(study: Study, directory: Path | None = None) -> list[Recipe]:
-    """Return the motions that a start in a directory would make."""
+    """Return the motions that a start in a directory would match."""
     factor = study.factors.motion
     if factor.matched is None or factor.made is not None:
         return []
@@ -262,17 +236,16 @@ def missing_motions(study: Study, directory: Path | None = None) -> list[Recipe]
 
 
 def with_first_motion(study: Study) -> tuple[Study, int, float]:
-    """Return a study whose runs can be measured, and the number and seconds of missing motions.
+    """Return a study whose runs can be timed, and the number and seconds of missing motions.
 
-    Where motions are missing, the first of them is made, and stands for all.
+    The first missing motion is matched, and replaces all of them.
     """
     missing = missing_motions(study)
     if not missing:
         return with_matched(study, jobs=1), 0, 0.0
     begin = time.perf_counter()
-    fitted = _made(missing[:1], {}, 1, None)
+    (motion,) = _made(study.factors.motion, {}, 1, None, missing[:1])
     took = time.perf_counter() - begin
-    (motion,) = _checked(study.factors.motion, missing[:1], fitted)
     return with_stand_ins(study, motion), len(missing_motions(study)), took
 
 
@@ -283,60 +256,58 @@ def _with(study: Study, motions: Sequence[GroundMotion]) -> Study:
     return study.model_copy(update={"factors": factors})
 
 
-def _named(wanted: Sequence[Recipe], found: Sequence[Fitted]) -> list[GroundMotion]:
-    pairs = zip(wanted, found, strict=True)
-    return [replace(one.motion, name=recipe.name) for recipe, one in pairs]
-
-
-def _checked(
-    factor: MotionFactor, wanted: Sequence[Recipe], found: Sequence[Fitted]
+def _made(
+    factor: MotionFactor,
+    kept: Mapping[str, GroundMotion],
+    jobs: int,
+    progress: Progress | None,
+    recipes: Sequence[Recipe] | None = None,
 ) -> list[GroundMotion]:
-    """Return motions that fit; InputError that names those that do not."""
+    """Return the motion of each recipe (all of the factor): kept, from the cache, or new.
+
+    InputError names the motions whose misfit exceeds the tolerance.
+    """
+    wanted = _recipes(factor) if recipes is None else recipes
+    found = {one.key: motion for one in wanted if (motion := kept.get(one.key) or _cached(one))}
+    missing = list({one.key: one for one in wanted if one.key not in found}.values())
+    done = len(wanted) - len(missing)
+    if progress and missing:
+        progress(done, len(wanted))
+    for recipe, motion in call_on_processes(_make, None, missing, min(jobs, len(missing))):
+        found[recipe.key], done = motion, done + 1
+        file = _cache_file(recipe)
+        with suppress(OSError):
+            if file is not None:
+                file.parent.mkdir(parents=True, exist_ok=True)
+                write_whole(file, _made_bytes({recipe.key: motion}))
+        if progress:
+            progress(done, len(wanted))
     most = LARGEST_MISFIT if factor.tolerance is None else factor.tolerance
     poor = [
-        f"factors.motion: {recipe.name} comes within {100 * one.misfit:.1f} % rms of "
-        f"{recipe.spectrum.words}, more than {100 * most:g} %; take "
-        + ("another record" if recipe.record is not None else "another seed")
-        + f", or allow it with tolerance = {np.ceil(100 * one.misfit) / 100:g}"
-        for recipe, one in zip(wanted, found, strict=True)
-        if one.misfit > most
+        f"factors.motion: {one.name} has an rms misfit of {100 * error:.1f} % from "
+        f"{one.spectrum.words}, more than {100 * most:g} %; use "
+        + ("another record" if one.record is not None else "another seed")
+        + f", or set tolerance = {np.ceil(100 * error) / 100:g}"
+        for one in wanted
+        if (error := misfit(found[one.key], one.spectrum.at)) > most
     ]
     if poor:
         more = len(poor) - NAMED
         raise InputError([*poor[:NAMED], *([f"and {more} more of them"] if more > 0 else [])])
-    return _named(wanted, found)
+    return [replace(found[one.key], name=one.name) for one in wanted]
 
 
-def _made(
-    wanted: Sequence[Recipe], kept: Mapping[str, Fitted], jobs: int, progress: Progress | None
-) -> list[Fitted]:
-    """Return each motion from `kept`, from the cache, or made now."""
-    found = {recipe.key: kept.get(recipe.key) or _cached(recipe) for recipe in wanted}
-    missing = list({recipe.key: recipe for recipe in wanted if found[recipe.key] is None}.values())
-    if progress and missing:
-        progress(len(wanted) - len(missing), len(wanted))
-    calls = call_on_processes(_make, None, missing, min(jobs, len(missing)))
-    for done, (recipe, one) in enumerate(calls, 1):
-        found[recipe.key] = one
-        _keep(recipe, one)
-        if progress:
-            progress(len(wanted) - len(missing) + done, len(wanted))
-    return [fit for recipe in wanted if (fit := found[recipe.key]) is not None]
-
-
-def _make(_: None, recipe: Recipe) -> Fitted:
+def _make(_: None, recipe: Recipe) -> GroundMotion:
     return recipe.make(progress=go_on)
 
 
-def matched_motions_bytes(study: Study) -> bytes:
-    """Return the file of made motions of the directory of a study."""
-    return _made_bytes(_known(study.factors.motion))
-
-
-def _known(factor: MotionFactor) -> list[tuple[Recipe, Fitted]]:
+def _known(factor: MotionFactor) -> dict[str, GroundMotion]:
     if factor.made is None:
-        return []
-    return [
-        (recipe, Fitted(motion, misfit(motion, recipe.spectrum.at)))
-        for recipe, motion in zip(_recipes(factor), factor.made.motions, strict=True)
-    ]
+        return {}
+    keys = [recipe.key for recipe in _recipes(factor)]
+    return dict(zip(keys, factor.made.motions, strict=True))
+
+
+def matched_motions_bytes(study: Study) -> bytes:
+    """Return the file of matched motions of the directory of a study."""
+    return _made_bytes(_known(study.factors.motion))

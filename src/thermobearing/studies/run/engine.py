@@ -1,15 +1,14 @@
 """Run the missing shards of a study.
 
-A study is written by one process, or by several that have a part of it each (`--shard i/n`): then
-each part by one. Locks belong to the open file, so that the system releases them by itself when a
-process is killed. Where there are no locks (Windows, some networks) several writers would do the
-same work, and put the same files in place.
+One process writes a study, or one process for each part of it (`--shard i/n`). Locks belong to the
+open file, so that the system releases them when a process is killed. Without locks (Windows, some
+networks) several writers do the same work and write the same files.
 
-    study -> plan -> directory; shards that have no file -> executor -> one file each
+    study -> plan -> directory; shards without a file -> executor -> a file each
 
-The files are the only memory: whatever stops this (Ctrl-C, a full disk, a killed process), the
-next start finds the shards that are done and does the others. A shard's numbers depend on its
-rows of the plan only, so that executor, number of workers and order leave no trace.
+The state is in the files only: after any interruption (Ctrl-C, a full disk, a killed process) the
+next start computes the missing shards. The numbers of a shard depend on its rows of the plan only,
+not on the executor, the number of workers or the order.
 """
 
 import os
@@ -58,20 +57,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Status:
-    """How far a study is; `failures` are those of `count_failures`."""
+    """Progress of a study; `failures` is from `count_failures`."""
 
     directory: Path
     name: str
     runs: int
-    done: int  # runs whose results are kept
+    done: int  # completed or failed runs
     shards: int
     shards_done: int
     failures: pd.DataFrame
-    interrupted: bool = False  # by Ctrl-C, now
+    interrupted: bool = False  # by Ctrl-C
 
     @property
     def failed(self) -> int:
-        """Number of runs that failed."""
+        """Number of failed runs."""
         return int(self.failures["runs"].sum())
 
     @property
@@ -86,21 +85,21 @@ class Status:
     @property
     def sentence(self) -> str:
         """The outcome in a sentence."""
-        text = f"{self.done} of {self.runs} runs of {self.name} are done"
+        text = f"{self.done} of {self.runs} runs of {self.name} are complete"
         if self.failed:
             text += f", {self.failed} of them failed"
         if self.done < self.runs:
-            text += "; start again to do the rest"
+            text += "; run the same command again to resume"
         return f"{text}."
 
     def summary(self) -> dict[str, Any]:
-        """Return the status for machines."""
+        """Return the status as data."""
         names = ("name", "outcome", "runs", "done", "failed", "shards", "shards_done")
         found = {name: getattr(self, name) for name in names}
         return found | {"failures": self.failures.to_dict("records")}
 
     def show(self, *, part: bool = False) -> None:
-        """Print how many runs are done, and why some failed; `part` of the study was started."""
+        """Print the progress and the failures; `part`: only a part was started."""
         facts = {
             "runs": f"{self.done} of {self.runs}",
             "shards": f"{self.shards_done} of {self.shards}",
@@ -112,11 +111,11 @@ class Status:
             for one in self.failures.to_dict("records"):
                 say(f"{one['outcome']}: {one['sentence']}")
         if self.done < self.runs and not part:
-            say("the same command again does the rest")
+            say("Run the same command again to resume the study.")
 
 
 def study_status(directory: str | Path, *, interrupted: bool = False) -> Status:
-    """Return how far the study in a directory is, even while another process writes there."""
+    """Return the progress of the study in a directory, also while another process writes it."""
     store = Store(Path(directory))
     shards = store.done()
     table = store.table(["run", "outcome", "sentence"], shards)
@@ -133,10 +132,10 @@ def study_status(directory: str | Path, *, interrupted: bool = False) -> Status:
 
 
 def count_failures(table: pd.DataFrame) -> pd.DataFrame:
-    """Return why runs failed, the most frequent outcome first; no rows if none did.
+    """Return the failure modes, the most frequent first.
 
-    The columns are `outcome`, `runs`, `share` (of those in the table), `first` (number of the first
-    such run) and its `sentence`.
+    The columns are `outcome`, `runs`, `share` of all runs, `first` (number of the first such run)
+    and its `sentence`.
     """
     failed = table[table["outcome"] != COMPLETED]
     groups = failed.groupby("outcome", sort=True, observed=True)
@@ -146,7 +145,7 @@ def count_failures(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def failures_table(failures: pd.DataFrame) -> Table:
-    """Return why runs failed as a table for readers."""
+    """Return `count_failures` as a table for readers."""
     columns = [
         Quantity("Outcome", form=".3g", name="outcome"),
         Quantity("Runs", form="d", name="runs"),
@@ -154,42 +153,42 @@ def failures_table(failures: pd.DataFrame) -> Table:
         Quantity("First run", form="d", name="first"),
         Quantity("Explanation", name="sentence"),
     ]
-    return make_table(failures, columns, "Why runs failed")
+    return make_table(failures, columns, "Failed runs")
 
 
-TRIED = 16  # runs that are measured
-NUMBER, HISTORY = 8, 4  # bytes of a number in a table and in a history; neither is compressed well
+TRIED = 16  # runs that are timed
+NUMBER, HISTORY = 8, 4  # bytes of a number in a table and in a history, without compression
 
 
 @dataclass(frozen=True)
 class Forecast:
-    """What a study will cost."""
+    """Expected time and size of a study."""
 
-    runs: int  # number of them
+    runs: int
     seconds: float  # of one run in one process
     jobs: int  # number of processes
     size: float  # on the disk, at most [bytes]
-    failed: int  # of the runs that were tried, those that did not complete
-    tried: int  # how many were
-    motions: int  # to be made first, to fit a spectrum
+    failed: int  # number of the timed runs that failed
+    tried: int  # number of timed runs
+    motions: int  # to be matched to a spectrum first
     motion_seconds: float  # of one of them in one process
 
     @property
     def whole_seconds(self) -> float:
-        """For all runs, on as many processes."""
+        """Time of all motions and runs on all processes."""
         making = self.motions * self.motion_seconds / min(self.jobs, max(self.motions, 1))
         return making + self.runs * self.seconds / min(self.jobs, self.runs)
 
 
 def forecast(study: Study, jobs: int | None = None) -> Forecast:
-    """Carry out a few runs of a study, and extrapolate to all."""
+    """Run a few analyses of a study, and extrapolate to all."""
     study, motions, making = with_first_motion(study)
     runs = plan(study)
     some = runs.iloc[np.unique(np.linspace(0, len(runs) - 1, TRIED).astype(int))]
     preparer = Preparer(study)
     preparer.foresee(some)
     kept = study.keep.histories
-    carried_out(preparer, some.head(1))  # compiled, and shared things made
+    carried_out(preparer, some.head(1))  # compiles, and prepares what runs share
     begin = time.perf_counter()
     done = carried_out(preparer, some, histories=kept != "none")
     took = (time.perf_counter() - begin) / len(some)
@@ -214,7 +213,7 @@ def forecast(study: Study, jobs: int | None = None) -> Forecast:
 
 
 def say_duration(seconds: float) -> str:
-    """Return a time in words: "42 s", "3 min 20 s", "11 h 6 min"."""
+    """Return a duration in words: "42 s", "3 min 20 s", "11 h 6 min"."""
     minutes, rest = divmod(round(seconds), 60)
     if minutes < 60:
         return f"{minutes} min {rest} s" if minutes else f"{rest} s"
@@ -222,20 +221,22 @@ def say_duration(seconds: float) -> str:
 
 
 class Pace:
-    """How quickly runs are done, of so many at the start and in all."""
+    """Progress and speed, with the numbers of runs that are done and in all."""
 
     def __init__(self, done: int, total: int) -> None:
         self.done, self.total = done, total
         self._first, self._began = done, time.monotonic()
 
     def __str__(self) -> str:
-        """Return words such as "192 of 256 runs, 61.2 a second, 1 s left"."""
+        """Return text such as "192 of 256 runs, 61.2 per second, 1 s left"."""
         passed = time.monotonic() - self._began
         text = f"{self.done} of {self.total} runs"
         if self.done == self._first or passed <= 0.0:
             return text
         rate = (self.done - self._first) / passed
-        return f"{text}, {rate:.3g} a second, {say_duration((self.total - self.done) / rate)} left"
+        return (
+            f"{text}, {rate:.3g} per second, {say_duration((self.total - self.done) / rate)} left"
+        )
 
 
 ExecutorName = Literal["process", "dask"]
@@ -245,7 +246,7 @@ MOST_JOBS = 1024
 
 @contextmanager
 def _only_writer(directory: Path, part: str = "") -> Iterator[None]:
-    """Keep others from writing the study, or a part of it such as "3-of-8"."""
+    """Lock the study, or a part of it such as "3-of-8", against other writers."""
     with ExitStack() as stack:
         _lock(stack, directory, directory, shared=bool(part))
         if part:
@@ -263,7 +264,7 @@ def _only_writer(directory: Path, part: str = "") -> Iterator[None]:
 def _lock(stack: ExitStack, path: Path, directory: Path, *, shared: bool) -> None:
     if stack.enter_context(locked(path, wait=False, shared=shared)) is False:
         raise OutputError(
-            f"{directory}: another process is writing this study; wait for it, or look at it with "
+            f"{directory}: another process is writing this study; see its progress with "
             "`thermobearing study status`"
         )
 
@@ -279,7 +280,7 @@ def run_study(
     size: int | None = None,
     progress: Progress | None = None,
 ) -> Status:
-    """Carry out a study, or what is missing of it; a failed run does not raise."""
+    """Run or resume a study; a failed run does not raise."""
     directory = Path(directory)
     part = check_start(directory, executor, jobs, address, shard, size)
     study, runs, store = _opened(study, directory, size, jobs)
@@ -291,7 +292,7 @@ def run_study(
             return study_status(directory, interrupted=True)
         except BrokenError as error:
             store.log(f"broken: {error}")
-            raise OutputError(f"{directory}: every run of a shard broke: {error}") from error
+            raise OutputError(f"{directory}: all runs of a shard raised: {error}") from error
     return study_status(directory)
 
 
@@ -303,23 +304,25 @@ def check_start(
     shard: str | None = None,
     size: int | None = None,
 ) -> tuple[int, int] | None:
-    """Refuse what `run_study` would refuse, before anything takes time; the part of the shards."""
+    """Check the arguments of `run_study` at once; return number and count of the part, if any."""
     part = None
     if shard is not None:
         found = re.fullmatch(r"\s*(\d+)\s*/\s*(\d+)\s*", shard)
         if found is None:
-            raise InputError(f'shard "{shard}": give i/n, such as 3/8 for the third of eight parts')
+            raise InputError(
+                f'shard "{shard}": must be i/n, such as 3/8 for the third of eight parts'
+            )
         part = int(found[1]), int(found[2])
         if not 1 <= part[0] <= part[1]:
-            raise InputError(f'shard "{shard}": parts of {part[1]} have the numbers 1 to {part[1]}')
+            raise InputError(f'shard "{shard}": the part must be from 1 to {part[1]}')
     if executor not in EXECUTORS:
         raise InputError(f'executor "{executor}": must be "process" or "dask"')
     if jobs is not None and not 1 <= jobs <= MOST_JOBS:
-        raise InputError(f"jobs: {jobs} is not in [1, {MOST_JOBS}]")
+        raise InputError(f"jobs: {jobs} must be from 1 to {MOST_JOBS}")
     if size is not None and size < 1:
-        raise InputError(f"size: {size} runs are no shard; at least 1")
+        raise InputError(f"size: {size} must be at least 1 run")
     if executor == "process" and address is not None:
-        raise InputError('address: only of executor "dask"')
+        raise InputError('address: only with executor "dask"')
     if not (directory / MANIFEST).exists():
         check_target(directory, overwrite=False)
     return part
@@ -334,7 +337,7 @@ def _opened(
     try:
         return made, runs, open_or_make(directory, made, runs, size)
     except InputError:
-        # Another part was quicker, perhaps on a machine of other last bits: its are taken.
+        # Another process was quicker, perhaps on another machine: its motions are used.
         if begun or study.factors.motion.matched is None or not (directory / MANIFEST).exists():
             raise
         return _opened(study, directory, size, jobs)
@@ -348,7 +351,7 @@ def _do_missing(
     how: tuple[str, int | None, Any],
     progress: Progress | None,
 ) -> None:
-    """Carry out shards without a file, and keep the histories of the worst runs."""
+    """Compute shards without a file, and write the histories of the worst runs."""
     done = set(store.done())
     mine = [k for k in range(store.shards) if part is None or k % part[1] == part[0] - 1]
     missing = [k for k in mine if k not in done]
@@ -378,7 +381,7 @@ def _do_missing(
 
 
 def _works(study: Study, runs: pd.DataFrame, shards: Sequence[tuple[int, slice]]) -> Iterator[Work]:
-    """Yield shards with the temperatures of their bearings, which are found once."""
+    """Yield shards with the temperatures of their bearings, which are computed once."""
     if not shards:
         return
     preparer = Preparer(study)
@@ -389,7 +392,7 @@ def _works(study: Study, runs: pd.DataFrame, shards: Sequence[tuple[int, slice]]
 
 
 def _keep_worst(store: Store, study: Study, runs: pd.DataFrame) -> None:
-    """Keep histories of the worst runs, once all are done: these are carried out again."""
+    """Repeat the worst runs, once all are complete, and write their histories."""
     kept = store.directory / HISTORIES_FOLDER / WORST
     if not study.keep.worst or kept.exists() or len(done := store.done()) < store.shards:
         return
@@ -399,19 +402,18 @@ def _keep_worst(store: Store, study: Study, runs: pd.DataFrame) -> None:
     again = carry_out((packed(study), True), work)
     assert again is not None
     store.write_histories(WORST, again.histories)
-    store.log(f"histories of the worst {len(worst)} runs kept")
+    store.log(f"histories of the worst {len(worst)} runs written")
 
 
 def repeat_run(study: Study, run: int) -> EarthquakeResult:
-    """Carry out one run of a study again; the same numbers, to the last bit or, of a study in
-    lockstep, within rounding.
+    """Repeat one run of a study: the same bits, or within rounding for a study in lockstep.
 
-    Where the study has weather, the bearing begins as warm as in it; the case of the result has
-    the ambient temperature of that hour only.
+    With weather the bearing has the initial temperatures of the study; the case of the result
+    has the ambient temperature of that hour only.
     """
     runs = plan(study)
     if not 0 <= run < len(runs):
-        raise InputError(f"no run {run}; {study.name} has 0 to {len(runs) - 1}")
+        raise InputError(f"no run {run}; {study.name} has runs 0 to {len(runs) - 1}")
     row = runs.iloc[[run]].to_dict("records")[0]
     task = Preparer(study).make_task({str(key): value for key, value in row.items()})
     history = run_task(task)
@@ -431,19 +433,26 @@ def study(
     shard: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> "StudyResult":
-    """Carry out a parameter study of very many runs, and return its result.
+    """Run a parameter study, and return its result.
 
     Parameters
     ----------
-    source : a TOML file (docs/files.md), its table, or a Study.
-    directory : where it is kept, new or begun with the same study, of which the rest is done; needs
-        the extra `study`. None: nothing is written, and all runs are done here one by one.
-    executor : "process": processes on this machine; "dask": workers of a Dask cluster.
-    jobs : processes, 1 to 1024; as many as there are cores by default. One is this process itself.
-    address : of Dask's scheduler, "tcp://host:8786", or a `distributed.Client`.
-    shard : "i/n": every n-th shard only, from the i-th, for batch systems; processes with other
-        parts may write the same directory.
-    progress : called with (runs done, all runs); with a directory.
+    source : str, Path, dict or Study
+        A TOML file (docs/files.md), its table, or a Study.
+    directory : str or Path, optional
+        Directory of the study, new or to be resumed; needs the extra `study`. Without it nothing
+        is written, and all runs are computed one by one in this process.
+    executor : {"process", "dask"}
+        Processes of this machine, or workers of a Dask cluster.
+    jobs : int, optional
+        Number of processes, 1 to 1024; that of the cores by default. One is this process.
+    address : str or distributed.Client, optional
+        Address of the scheduler of Dask, such as "tcp://host:8786".
+    shard : str, optional
+        "i/n": every n-th shard from the i-th, for batch systems. Processes with other parts may
+        write the same directory at the same time.
+    progress : callable, optional
+        Called with the numbers of completed runs and of all runs; with a directory.
 
     Returns
     -------
@@ -451,8 +460,10 @@ def study(
 
     Raises
     ------
-    InputError : everything that is wrong with the study; another one was begun there.
-    OutputError : the directory cannot be written.
+    InputError
+        The study has errors (all are listed), or the directory contains another study.
+    OutputError
+        The directory cannot be written.
 
     Examples
     --------

@@ -1,8 +1,8 @@
-"""From a row of a plan to what `run_task` takes; whatever rows share is made once.
+"""From a row of a plan to the task of `run_task`; rows share what they have in common.
 
-The process that starts a study goes through its weather once, for each way in which a bearing
-warms (`foresee`); the temperatures at the hours of a shard travel with the rows of the shard
-(`foreseen_temperatures`, `take`), so that no worker reads the weather, or goes through it again.
+The process that starts a study integrates the temperatures over its weather once for each thermal
+key of a bearing (`foresee`). The temperatures of a shard are sent with its rows
+(`foreseen_temperatures`, `take`), so that workers need no weather.
 """
 
 import math
@@ -54,20 +54,20 @@ from thermobearing.studies.definition.record import Study
 
 Key = tuple[Any, ...]
 Changes = dict[NumberPath, float]
-MOST_KEPT = 2000  # bearings as models, and their temperatures when rows come one by one
+MOST_KEPT = 2000  # models of bearings that are stored
 
 
 @dataclass(frozen=True)
 class Warm:
-    """Temperatures of the bearings of some runs; small enough to be sent with them."""
+    """Temperatures of the bearings of some runs, to be sent with them."""
 
     # by thermal key: hours, increasing, and temperatures of the bearing at them
     soaked: Mapping[Key, tuple[Ints, Soaked]] = field(default_factory=dict)
-    weather: Hourly | None = None  # where each run has its own thermal key
+    weather: Hourly | None = None  # if each run has its own thermal key
 
 
 def _thermal_key(device: Device, case: EarthquakeCase) -> Key:
-    """Return the properties of a bearing that its temperature at rest depends on."""
+    """Return the properties that determine the temperature of a bearing at rest."""
     bearing = device.bearing
     assert isinstance(bearing, Bearing)
     lead = bearing.lead
@@ -85,9 +85,9 @@ def _thermal_key(device: Device, case: EarthquakeCase) -> Key:
 
 
 class Warmth:
-    """Temperatures of the bearings of a study at the hours of its weather, each found once.
+    """Temperatures of the bearings of a study at the hours of its weather, computed once.
 
-    With `own` every run has its own thermal key, and no temperatures are kept.
+    With `own` every run has its own thermal key, and no temperatures are stored.
     """
 
     def __init__(self, levels: Levels, *, own: bool) -> None:
@@ -98,7 +98,7 @@ class Warmth:
 
     @property
     def _weather(self) -> Hourly:
-        """Of the study, as it was sent or read here."""
+        """Weather of the study, received or read here."""
         found = self.known.weather or self.levels.weather
         assert found is not None
         return found
@@ -109,7 +109,7 @@ class Warmth:
         return self._weather.before(hour, self.history)
 
     def _foresee(self, wanted: Iterable[tuple[Key, Device, Ints]]) -> None:
-        """Find all temperatures that are needed, of devices by thermal key and hours."""
+        """Compute the temperatures of devices, by thermal key and hours."""
         devices: dict[Key, Device] = {}
         hours: dict[Key, list[Ints]] = {}
         for key, device, some in wanted:
@@ -122,7 +122,7 @@ class Warmth:
         self.known = Warm(found, self._weather if self.own else None)
 
     def _at(self, device: Device, case: EarthquakeCase, hour: int) -> tuple[Floats, float | None]:
-        """Return temperatures of cells and lead of a bearing at an hour; found here if unknown."""
+        """Return temperatures of cells and lead of a bearing at an hour."""
         key = _thermal_key(device, case)
         hours, soaked = self.known.soaked.get(key, (np.zeros(0, dtype=np.int64), None))
         place = int(np.searchsorted(hours, hour))
@@ -131,7 +131,7 @@ class Warmth:
         return self._soaked(key, device, np.array([hour])).at(0)
 
     def _soaked(self, key: Key, device: Device, hours: Ints) -> Soaked:
-        """Return a bearing at some hours: after its history, or after all the weather before."""
+        """Return temperatures at some hours, after the history or all weather before."""
         if self.history is None:
             return soaked_hours(device, self._weather, hours)
         if key not in self._weights:
@@ -152,11 +152,10 @@ def _make_room(kept: dict[Any, Any]) -> None:
 
 
 class Preparer:
-    """Makes the runs of a study ready, one after the other, in one process.
+    """Prepares the runs of a study in one process.
 
-    Structures, bearings as models, motions on the time step: what rows have in common is made when
-    it is first needed, and kept. A study is small to send to another process, and so are the
-    temperatures that were foreseen.
+    Structures, bearing models and motions on the time step that rows have in common are built when
+    they are first needed, and stored.
     """
 
     def __init__(self, study: Study) -> None:
@@ -176,7 +175,7 @@ class Preparer:
         self._others: list[Device | None] | None = None
 
     def make_task(self, row: Mapping[str, Any]) -> Task:
-        """Return what `run_task` takes for a row of `plan(study).to_dict("records")`."""
+        """Return the task of a row of `plan(study).to_dict("records")`."""
         structure, bearing, motion = (self._places[name][str(row[name])] for name in THINGS)
         level = {"structure": structure, "bearing": bearing, "case": 0}
         place = int(self.levels.place(np.array(bearing), np.array(int(row.get(SAMPLE, -1)))))
@@ -272,15 +271,15 @@ class Preparer:
         return Shaking(shared.motion, shared.dt, ground)
 
     def _soaked_line(self, hour: int, air: float, case: EarthquakeCase, device: Device) -> OneLine:
-        """Return the bearings of a line as warm as the weather before an hour has left them."""
+        """Return the bearings of a line with their temperatures at an hour of the weather."""
         if not isinstance(device.bearing, Bearing):
             return one_line(case, device, air, None)
-        if self.warmth.own:  # another run could not use it
+        if self.warmth.own:
             return one_line(case, device, air, self.warmth._before(hour))
         return OneLine(device, *self.warmth._at(device, case, hour), air)
 
     def foresee(self, rows: pd.DataFrame) -> None:
-        """Go through the weather once, for all rows of the plan that will be needed."""
+        """Compute the temperatures of the bearings of all rows."""
         if HOUR in rows:
             case = self.study.case
             self.warmth._foresee(
@@ -288,7 +287,7 @@ class Preparer:
             )
 
     def foreseen_temperatures(self, rows: pd.DataFrame) -> Warm | None:
-        """Return what was foreseen of some rows, for another process; None without weather."""
+        """Return the temperatures of some rows, for another process; None without weather."""
         if HOUR not in rows:
             return None
         wanted: dict[Key, list[Ints]] = {}
@@ -304,12 +303,12 @@ class Preparer:
         return Warm(found, self.warmth.known.weather)
 
     def take(self, warm: Warm | None) -> None:
-        """Use what another process has foreseen of the rows that come next."""
+        """Use temperatures from another process."""
         if warm is not None:
             self.warmth.known = warm
 
     def _warmed(self, rows: pd.DataFrame) -> Iterator[tuple[Device, Ints]]:
-        """Yield bearings with heat, and hours at which rows have them; none if each run differs."""
+        """Yield layered bearings and the hours of their rows; none if all thermal keys differ."""
         if self.warmth.own:
             return
         case, hours = self.study.case, rows[HOUR].to_numpy(np.int64)
@@ -321,7 +320,7 @@ class Preparer:
             try:
                 device = self._device(int(one), {}, case, True)
             except InputError:
-                continue  # its runs report it
+                continue  # reported by its runs
             if isinstance(device.bearing, Bearing):
                 yield device, np.unique(hours[place == one])
         for mine in self._own(case, True):

@@ -1,4 +1,4 @@
-"""Processes of this machine: how they begin and end, and a call on each of some things."""
+"""Worker processes: how they start and end, and calls of a function on them."""
 
 import os
 import signal
@@ -13,18 +13,18 @@ from typing import Any, TypeVar
 from thermobearing.border.errors import OutputError
 from thermobearing.border.threads import one_blas_thread
 
-HERE = "thermobearing.studies.run.shard"  # the module of the work of a process
-KEPT = "what is done is kept: start again to go on"
-AHEAD = 2  # things for each worker that are on their way
-PATIENCE = 3  # times in a row that processes may die with nothing done between
+HERE = "thermobearing.studies.run.shard"  # module that processes import
+KEPT = "completed shards are kept, run the same command again"
+AHEAD = 2  # items that are submitted for each worker
+PATIENCE = 3  # times in a row that processes may die without a result
 S = TypeVar("S")
 T = TypeVar("T")
 R = TypeVar("R")
-_OWN: dict[str, Any] = {}  # of a process of a pool: the event to stop, and what all calls share
+_OWN: dict[str, Any] = {}  # of a process of a pool: event to stop, and shared data
 
 
 def _begin(stop: Any, shared: Any) -> None:
-    """Set up a process of a pool; Ctrl-C is for the one that made it."""
+    """Set up a process of a pool; its parent handles Ctrl-C."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _OWN.update(stop=stop, shared=shared)
     parent = parent_process()
@@ -33,7 +33,7 @@ def _begin(stop: Any, shared: Any) -> None:
 
 
 def _follow(parent: Any) -> None:
-    """End with the process that made this one, even if that is killed without a word."""
+    """End this process when its parent ends, also if that is killed."""
     connection.wait([parent])
     os._exit(1)
 
@@ -43,25 +43,25 @@ def _call_here(call: Callable[[Any, T], R], item: T) -> R:
 
 
 def is_stopped() -> bool:
-    """Return whether this is a process of a pool whose work is to end."""
+    """Return whether this is a process of a pool that should stop."""
     return "stop" in _OWN and bool(_OWN["stop"].is_set())
 
 
 class StoppedError(Exception):
-    """Nobody waits for what this process makes."""
+    """The result of this process is not needed any more."""
 
 
 def go_on(*_: Any) -> None:
-    """Raise StoppedError where the work is to end; for the progress of long calls."""
+    """Raise StoppedError if this process should stop; a progress callback of long calls."""
     if is_stopped():
         raise StoppedError
 
 
 def _context() -> Any:
-    """Return how processes begin: as copies of one that has read the program and does nothing else.
+    """Return the context of processes: a fork server that has imported the program.
 
-    A process that is forked while threads run may wait for ever; where there is no such server
-    (Windows) each reads the program itself.
+    A process that is forked while threads run may hang. Without a fork server (Windows) each
+    process imports the program.
     """
     if "forkserver" not in get_all_start_methods():
         return get_context("spawn")
@@ -73,10 +73,10 @@ def _context() -> Any:
 def call_on_processes(
     call: Callable[[S, T], R], shared: S, items: Iterable[T], jobs: int
 ) -> Generator[tuple[T, R]]:
-    """Yield each item with `call(shared, item)`, as they are ready; one job is this process.
+    """Yield each item with `call(shared, item)` when it is ready; one job is this process.
 
-    A few items are on their way at a time, so that memory does not grow with their number.
-    Processes that die are replaced, and what they had is done again.
+    A few items are submitted at a time, so that memory does not grow with their number. Processes
+    that die are replaced, and their items are computed again.
     """
     if jobs <= 1:
         yield from ((item, call(shared, item)) for item in items)

@@ -1,13 +1,12 @@
-"""Runs of a study and their engineering demand parameters, wherever they are carried out.
+"""Runs of a study and their engineering demand parameters.
 
 The definitions are those of an earthquake analysis (earthquake/measures.py), whose table has the
-same columns; the register has their units and meanings. Rows of histories are forgotten after each
-run; in lockstep there are none. `measure_all` is the one place where a study computes.
+same columns; the register has their units and meanings. Histories are discarded after each run; in
+lockstep there are none. `measure_all` runs the analyses for all executors.
 
-A shard is a slice of the plan. A process keeps what runs share between shards, so that another one
-costs nothing to begin; it holds the results of one shard, however many there are. Shards do not
-depend on each other, and a shard that is lost with its process or its worker in a Dask cluster is
-carried out again: only the process that began writes files.
+A shard is a slice of the plan. A process keeps what runs share between shards. Shards are
+independent, and a shard that is lost with its process or its worker in a Dask cluster is computed
+again. Only the process that started the study writes files.
 """
 
 import hashlib
@@ -48,10 +47,10 @@ from thermobearing.studies.run.prepare import Preparer, Warm
 from thermobearing.studies.run.processes import AHEAD, KEPT, is_stopped
 
 COMPLETED: Final = "completed"
-BAD_INPUT: Final = "bad_input"  # a drawn number that makes no bearing, no structure
-BROKEN: Final = "broken"  # a fault of this program
+BAD_INPUT: Final = "bad_input"  # a drawn number that gives no valid bearing or structure
+BROKEN: Final = "broken"  # an error of this program
 ALL_SENTENCES: Final = RUN_SENTENCES | SENTENCES
-OF_RUN: Final = {  # columns that an earthquake analysis measures too: name there
+OF_RUN: Final = {  # columns of an earthquake analysis: name of the measure
     "bearing_displacement_max_mm": "bearing_displacement_max",
     "bearing_strain_max": "bearing_strain_max",
     "bearing_force_max_kN": "bearing_force_max",
@@ -73,7 +72,7 @@ OF_RUN: Final = {  # columns that an earthquake analysis measures too: name ther
 }
 TEXTS: Final = ("outcome", "sentence")
 COUNTS: Final = ("steps", "iterations", "substeps")
-RESULT_COLUMNS: Final = (  # of the table of runs, that computing fills
+RESULT_COLUMNS: Final = (  # of the table of runs, after those of the plan
     *TEXTS,
     *OF_RUN,
     "bearing_displacement_residual_mm",
@@ -85,12 +84,12 @@ RESULT_COLUMNS: Final = (  # of the table of runs, that computing fills
     "mechanical_residual",
     "thermal_residual",
 )
-DECK: Final = -1  # watched last in a run without rows; before it each pier and its top
+DECK: Final = -1  # last watch of a run in lockstep, after each pier and its top
 DRIFTS: Final = "pier_part_displacement_max"
 
 
 class Measured(NamedTuple):
-    """One run: a value for each of `RESULT_COLUMNS`; its histories where they are kept."""
+    """One run: a value for each of `RESULT_COLUMNS`, and its histories if they are kept."""
 
     numbers: dict[str, Any]
     traces: Mapping[str, Any] | None = None
@@ -99,11 +98,11 @@ class Measured(NamedTuple):
 def measure_all(
     tasks: Sequence[Task], *, traces: bool = False, lockstep: bool = False
 ) -> Iterator[Measured]:
-    """Carry out some runs; with `traces` keep their histories.
+    """Run tasks; with `traces` keep their histories.
 
-    A failed analysis does not raise: its outcome says what ended it, and the numbers are those
-    until then. With `lockstep` those of one shape run side by side; the result of each depends on
-    its own input only, and differs by rounding.
+    A failed analysis does not raise: its outcome is the failure mode, and its numbers are those
+    before the failure. With `lockstep` runs of one shape are computed together; each result
+    depends on its own input only, and differs from a single run by rounding.
     """
     if lockstep and not traces:
         for task, peaks in zip(tasks, run_lanes([_to_shake(task) for task in tasks]), strict=True):
@@ -116,7 +115,7 @@ def measure_all(
 
 
 def _to_shake(task: Task) -> Run:
-    """Return a run for its peaks only: every pier, its top, and the deck are watched."""
+    """Return a run in lockstep that records the peaks of each pier, its top, and the deck."""
     piers, shaking = task.prepared.piers, task.shaking
     watched = [row for _, top, base in piers for row in (top - base, top)]
     return Run(
@@ -145,7 +144,7 @@ def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]
 
 
 def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
-    """Return a value for each of `RESULT_COLUMNS`, of a run without rows."""
+    """Return a value for each of `RESULT_COLUMNS` from the peaks of a run in lockstep."""
     found = _measures_of_peaks(task, peaks)
     tops = peaks.watches["displacement"][:DECK:2].tolist()
     if peaks.outcome == COMPLETED:
@@ -164,12 +163,12 @@ def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
 
 
 def _named(rows: Any) -> list[dict[str, float]]:
-    """Return the numbers of records by name: reading them one by one from numpy takes long."""
+    """Return records as dictionaries, whose fields are read faster than those of numpy."""
     return [dict(zip(rows.dtype.names, row, strict=True)) for row in rows.tolist()]
 
 
 def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
-    """Return what `compute_measures` does of a run with rows; its bearings begin at rest."""
+    """Return the measures of `compute_measures` from peaks; the bearings begin at rest."""
     bearings, lines = _named(peaks.bearings), _named(peaks.lines)
     bearing, books = bearings[task.reported_line], _named(peaks.books)[0]
     *piers, deck = _named(peaks.watches)
@@ -227,10 +226,10 @@ def _row(
     rubber: Iterable[float],
     lead: Iterable[float],
 ) -> dict[str, Any]:
-    """Return all columns, of `compute_measures` and of what only a study has.
+    """Return all columns, from the measures of a run and those that only a study has.
 
-    `left` are residual displacements of the lines, `tops` the largest ones of the piers, `rubber`
-    and `lead` the highest temperatures of the lines.
+    `left`: residual displacements of lines; `tops`: largest displacements of pier tops; `rubber`,
+    `lead`: highest temperatures of lines.
     """
     ended = found["outcome"]
     return {
@@ -251,23 +250,23 @@ def _hottest(values: Iterable[float]) -> float:
 
 
 def _not_run(outcome: str, sentence: str) -> dict[str, Any]:
-    """Return a value for each of `RESULT_COLUMNS` of a run that could not be carried out."""
+    """Return a value for each of `RESULT_COLUMNS` of a run that could not start."""
     found = {name: 0 if name in COUNTS else np.nan for name in RESULT_COLUMNS}
     return found | {"outcome": outcome, "sentence": sentence}
 
 
 def _error_outcome(error: Exception) -> tuple[str, str]:
-    """Return outcome and sentence of a run that raised instead of ending."""
+    """Return outcome and sentence of a run that raised an error."""
     if isinstance(error, InputError):
         return BAD_INPUT, " ".join(str(error).split())
-    return BROKEN, f"a fault of this program: {type(error).__name__}: {error}"
+    return BROKEN, f"error of the program: {type(error).__name__}: {error}"
 
 
-BATCH = 256  # runs that are ready at a time, so that each finds others of its shape: inputs only
+BATCH = 256  # runs that are prepared at a time, to fill the lanes in lockstep
 
 
 class Kept(NamedTuple):
-    """Histories of one run, every so many steps of them, in single precision."""
+    """Decimated histories of one run, in single precision."""
 
     run: int
     id: str
@@ -275,14 +274,14 @@ class Kept(NamedTuple):
 
 
 class Done(NamedTuple):
-    """The table of the runs of a shard, and the histories that are kept."""
+    """The table of the runs of a shard, and their histories."""
 
     table: pd.DataFrame
     histories: tuple[Kept, ...] = ()
 
 
 class Work(NamedTuple):
-    """Number and rows of a shard to be carried out; temperatures of its bearings in weather."""
+    """Number and rows of a shard, and the temperatures of its bearings in weather."""
 
     number: int
     rows: pd.DataFrame
@@ -290,14 +289,11 @@ class Work(NamedTuple):
 
 
 class BrokenError(Exception):
-    """Every run of a shard raised what no run should: a fault of the program, or around it."""
+    """All runs of a shard raised an error: a fault of the program or its environment."""
 
 
 def run_shard(study: Study, plan_rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the columns of the plan of some runs, then `RESULT_COLUMNS`, a row each.
-
-    A run that fails has its outcome.
-    """
+    """Return the columns of the plan of some runs, and `RESULT_COLUMNS`."""
     preparer = Preparer(study)
     preparer.foresee(plan_rows)
     done = carried_out(preparer, plan_rows)
@@ -308,7 +304,7 @@ def run_shard(study: Study, plan_rows: pd.DataFrame) -> pd.DataFrame:
 def carried_out(
     preparer: Preparer, plan_rows: pd.DataFrame, *, histories: bool = False
 ) -> Done | None:
-    """Return the results of a shard; None if this process was stopped before it was complete."""
+    """Return the results of a shard; None if this process was stopped."""
     rows = plan_rows.to_dict("records")
     every = preparer.study.case.analysis.keep_every if histories else 0
     found: list[Measured] = []
@@ -334,13 +330,13 @@ def carried_out(
 
 
 def _batch(preparer: Preparer, rows: list[dict[Any, Any]], every: int) -> list[Measured]:
-    """Return the result of each row; of one that raises the reason. Fewer if stopped."""
+    """Return the result or the error of each row; nothing if stopped."""
     found: dict[int, Measured] = {}
     ready: dict[int, Task] = {}
     for number, row in enumerate(rows):
         try:
             ready[number] = preparer.make_task(row)
-        except Exception as error:  # any fault is the outcome of its row: the others go on
+        except Exception as error:  # the outcome of this row; the others continue
             found[number] = Measured(_not_run(*_error_outcome(error)))
     done = _measured(list(ready.values()), every, preparer.lockstep)
     found |= dict(zip(ready, done, strict=False))
@@ -348,7 +344,7 @@ def _batch(preparer: Preparer, rows: list[dict[Any, Any]], every: int) -> list[M
 
 
 def _measured(tasks: list[Task], every: int, lockstep: bool) -> list[Measured]:
-    """Return each run's numbers and every so many steps of its histories (none: 0)."""
+    """Return the numbers of each run and every n-th step of its histories (0: none)."""
     done: list[Measured] = []
     try:
         for found in measure_all(tasks, traces=every > 0, lockstep=lockstep):
@@ -364,16 +360,16 @@ def _measured(tasks: list[Task], every: int, lockstep: bool) -> list[Measured]:
     except Exception as error:  # likewise
         if len(tasks) == 1:
             return [Measured(_not_run(*_error_outcome(error)))]
-        for one in tasks[len(done) :]:  # the others do not depend on it
+        for one in tasks[len(done) :]:  # one by one, to find the run that raises
             done += _measured([one], every, lockstep)
     return done
 
 
-_OWN = threading.local()  # of a thread: those of a Dask worker share nothing that one may change
+_OWN = threading.local()  # threads of a Dask worker share no state
 
 
 def packed(study: Study) -> bytes:
-    """Return a study to be sent to other processes, without the weather, which they do not need."""
+    """Return a study as bytes for other processes, without its weather."""
     ambient = study.factors.ambient.model_copy()
     ambient.keep_series(None)
     factors = study.factors.model_copy(update={"ambient": ambient})
@@ -381,9 +377,9 @@ def packed(study: Study) -> bytes:
 
 
 def carry_out(shared: tuple[bytes, bool], work: Work) -> Done | None:
-    """Carry out a shard in a process, which keeps its preparer between shards.
+    """Compute a shard in a process, which keeps its preparer between shards.
 
-    `shared` are the study, from `packed`, and whether histories are kept.
+    `shared`: the study from `packed`, and whether histories are kept.
     """
     study, histories = shared
     mark = hashlib.sha256(study).digest()
@@ -394,25 +390,27 @@ def carry_out(shared: tuple[bytes, bool], work: Work) -> Done | None:
 
 
 EXTRA = 'needs distributed: pip install "thermobearing[cluster]"'
-SCHEDULER_PATIENCE = 10.0  # for a scheduler that does not answer [s]
-LOOK = 0.5  # between two looks whether it still answers [s]
-FEWEST = 4  # shards on their way, so that workers that come later find some
+SCHEDULER_PATIENCE = 10.0  # timeout of the scheduler [s]
+LOOK = 0.5  # interval of checks of the scheduler [s]
+FEWEST = 4  # shards that are submitted, for workers that start later
 LOST = ("cancelled", "lost")
 
 
 def on_dask(
     shared: tuple[bytes, bool], works: Iterable[Work], address: Any
 ) -> Generator[tuple[Work, Done | None]]:
-    """Yield shards done by the workers of a cluster; one whose worker dies goes to another.
+    """Yield shards that the workers of a cluster compute; those of a dead worker are repeated.
 
-    `address` is that of the scheduler, "tcp://host:8786", or a `distributed.Client`.
+    `address`: that of the scheduler, "tcp://host:8786", or a `distributed.Client`.
     """
     with ExitStack() as stack:
         client = _client(address, stack)
         try:
             yield from _on_client(client, shared, iter(works))
-        except (OSError, TimeoutError) as error:  # a connection that broke while it was used
-            raise OutputError(f"the Dask cluster is gone ({error}); {KEPT}") from None
+        except (OSError, TimeoutError) as error:  # a lost connection
+            raise OutputError(
+                f"the connection to the Dask cluster was lost ({error}); {KEPT}"
+            ) from None
 
 
 def _client(address: Any, stack: ExitStack) -> Any:
@@ -423,14 +421,16 @@ def _client(address: Any, stack: ExitStack) -> Any:
     if isinstance(address, Client):
         return address
     if not address:
-        raise InputError('executor dask: give its scheduler, as address "tcp://host:8786"')
+        raise InputError(
+            'executor dask: the address of its scheduler is missing, such as "tcp://host:8786"'
+        )
     try:
         make: Any = Client
         client = make(str(address), timeout=SCHEDULER_PATIENCE, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         raise InputError(
-            f'address "{address}": no Dask scheduler answers there ({type(error).__name__}); is it '
-            "running, and can it be reached from here?"
+            f'address "{address}": no Dask scheduler answers there ({type(error).__name__}); check '
+            "that it is running and can be reached"
         ) from None
     stack.callback(client.close)
     return client
@@ -439,12 +439,12 @@ def _client(address: Any, stack: ExitStack) -> Any:
 def _on_client(
     client: Any, shared: tuple[bytes, bool], works: Iterator[Work]
 ) -> Generator[tuple[Work, Done | None]]:
-    """Yield shards as they are ready; every worker has `AHEAD` of them."""
+    """Yield shards when they are ready; `AHEAD` are submitted for each thread."""
     from distributed import KilledWorker
 
     running: dict[Any, Work] = {}
     ready: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    # As a task, and not as data: a worker that dies with it takes nothing away.
+    # As a task and not as data, which would be lost with its worker.
     study = client.submit(tuple, shared, pure=False)
 
     def _answers() -> bool:
@@ -452,7 +452,7 @@ def _on_client(
 
     def _check() -> None:
         if not _answers():
-            raise OutputError(f"the Dask scheduler is gone ({client.status}); {KEPT}")
+            raise OutputError(f"the Dask scheduler has stopped ({client.status}); {KEPT}")
 
     def _send(work: Work) -> None:
         _check()
@@ -481,7 +481,7 @@ def _on_client(
                 done = future.result()
             except KilledWorker:
                 raise OutputError(
-                    "workers of the Dask cluster died again and again on the same runs (out of "
+                    "workers of the Dask cluster died repeatedly on the same runs (out of "
                     f"memory?); {KEPT}, with smaller shards or larger workers"
                 ) from None
             yield work, done
