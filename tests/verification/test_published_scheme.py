@@ -20,62 +20,81 @@ from thermobearing.core.types import Constants, Floats, new_state, new_workspace
 from thermobearing.model.constants import build_constants
 from thermobearing.model.stack import EndFace, build_stack
 
-# Table 4.1 and Fig. 4.2b in SI units, typed again: metres, watts, kilograms.
+# Tables 4.1 and 5.1, Fig. 4.2b and section 5.2 in SI units, typed again: metres, watts, kilograms.
 K_S, K_R, FILM = 38.76, 0.31, 11.6
 C_RHO_S, C_RHO_R = 432.0 * 7740.0, 1732.0 * 1146.0
-DX_S1, DX_R, DX_S2, DX_S3, SIDE = 2.5e-3, 2.5e-3, 3.2e-3, 1.6e-3, 0.240
+HDR = {"s1": 2.5e-3, "r": 2.5e-3, "s2": 3.2e-3, "s3": 1.6e-3}  # thickness of cells
+LHDR = {"s1": 3.5e-3, "s2": 2.5e-3, "r": 2.5e-3, "s3": 3.2e-3, "s4": 1.6e-3}
+SIDE = 0.240
 V_R = SIDE * SIDE * 5e-3  # volume of one rubber layer [m3]
 SHIMS = (12, 15, 18)  # layers 13, 16, 19
 AMBIENT = -20.0
+Rows = dict[int, tuple[float, float, float]]  # A, B - 1, C of the left side by layer, from 1
 
 
-def gamma(k_a: float, dx_a: float, k_b: float, dx_b: float) -> float:
-    """gamma_AB of Eq. 4.19."""
-    return k_a * dx_b / (k_a * dx_b + k_b * dx_a)
-
-
-def beta(k: float, c_rho: float, dx: float, dt: float) -> float:
+def beta(dx: dict[str, float], name: str, dt: float) -> float:
     """alpha dt / (2 dx^2), below Eq. 4.23, 4.26 and 4.28."""
-    return k / c_rho * dt / (2.0 * dx**2)
+    k, c_rho = (K_R, C_RHO_R) if name == "r" else (K_S, C_RHO_S)
+    return k / c_rho * dt / (2.0 * dx[name] ** 2)
 
 
-def printed_rows(dt: float, eta: float) -> dict[int, tuple[float, float, float]]:
-    """A, B - 1, C of the left side for each layer (1 to 19), from Eq. 4.23-4.31."""
-    b_s1, b_r = beta(K_S, C_RHO_S, DX_S1, dt), beta(K_R, C_RHO_R, DX_R, dt)
-    b_s2, b_s3 = beta(K_S, C_RHO_S, DX_S2, dt), beta(K_S, C_RHO_S, DX_S3, dt)
-    g_s1r, g_rs1 = gamma(K_S, DX_S1, K_R, DX_R), gamma(K_R, DX_R, K_S, DX_S1)
-    g_s2r, g_rs2 = gamma(K_S, DX_S2, K_R, DX_R), gamma(K_R, DX_R, K_S, DX_S2)
-    g_s3r, g_rs3 = gamma(K_S, DX_S3, K_R, DX_R), gamma(K_R, DX_R, K_S, DX_S3)
-    rows = {1: (0.0, eta * b_s1, -b_s1)}  # 4.23
-    rows |= {j: (-b_s1, 2.0 * b_s1, -b_s1) for j in range(2, 10)}  # 4.24
-    rows[10] = (-b_s1, b_s1 * (3.0 - 2.0 * g_s1r), -2.0 * b_s1 * g_rs1)  # 4.25
-    rows[11] = (-2.0 * b_r * g_s1r, b_r * (3.0 - 2.0 * g_rs1), -b_r)  # 4.26
-    for j in (12, 15):  # 4.27
-        rows[j] = (-b_r, b_r * (3.0 - 2.0 * g_rs2), -2.0 * b_r * g_s2r)
-    for j in (13, 16):  # 4.28
-        rows[j] = (-4.0 * b_s2 * g_rs2, 8.0 * b_s2 * (1.0 - g_s2r), -4.0 * b_s2 * g_rs2)
-    for j in (14, 17):  # 4.29
-        rows[j] = (-2.0 * b_r * g_s2r, b_r * (3.0 - 2.0 * g_rs2), -b_r)
-    rows[18] = (-b_r, b_r * (3.0 - 2.0 * g_rs3), -2.0 * b_r * g_s3r)  # 4.30
-    rows[19] = (-4.0 * b_s3 * g_rs3, 4.0 * b_s3 * (1.0 - g_s3r), 0.0)  # 4.31
+def gamma(dx: dict[str, float], a: str, b: str) -> float:
+    """gamma_AB = k_A dx_B / (k_A dx_B + k_B dx_A) of Eq. 4.19."""
+    k_a, k_b = (K_R if name == "r" else K_S for name in (a, b))
+    return k_a * dx[b] / (k_a * dx[b] + k_b * dx[a])
+
+
+def shims(dx: dict[str, float], dt: float, first: int, shim: str, last: str) -> Rows:
+    """Rubber, shim, rubber twice, rubber, half shim: Eq. 4.27-4.31, 5.26-5.30."""
+    b_r, b_s, b_l = (beta(dx, name, dt) for name in ("r", shim, last))
+    g_sr, g_rs = gamma(dx, shim, "r"), gamma(dx, "r", shim)
+    g_lr, g_rl = gamma(dx, last, "r"), gamma(dx, "r", last)
+    rows: Rows = {}
+    for j in (first, first + 3):
+        rows[j] = (-b_r, b_r * (3.0 - 2.0 * g_rs), -2.0 * b_r * g_sr)
+        rows[j + 1] = (-4.0 * b_s * g_rs, 8.0 * b_s * (1.0 - g_sr), -4.0 * b_s * g_rs)
+        rows[j + 2] = (-2.0 * b_r * g_sr, b_r * (3.0 - 2.0 * g_rs), -b_r)
+    rows[first + 6] = (-b_r, b_r * (3.0 - 2.0 * g_rl), -2.0 * b_r * g_lr)
+    rows[first + 7] = (-4.0 * b_l * g_rl, 4.0 * b_l * (1.0 - g_lr), 0.0)
     return rows
 
 
-def printed_system(dt: float, eta: float) -> tuple[Floats, Floats, Floats]:
-    """K^{i+1}, K^i and the vector theta^i of Eq. 4.33."""
-    theta = 4.0 * FILM * dt / (SIDE * C_RHO_R)
-    new, old = np.eye(19), np.eye(19) * (1.0 - theta)
-    for j, (a, b, c) in printed_rows(dt, eta).items():
+def joint(dx: dict[str, float], dt: float, a: str, b: str, j: int) -> Rows:
+    """The layers j and j + 1 of two parts that touch: Eq. 4.25-4.26, 5.21-5.22, 5.24-5.25."""
+    b_a, b_b, g_ab, g_ba = beta(dx, a, dt), beta(dx, b, dt), gamma(dx, a, b), gamma(dx, b, a)
+    upper = (-b_a, b_a * (3.0 - 2.0 * g_ab), -2.0 * b_a * g_ba)
+    return {j: upper, j + 1: (-2.0 * b_b * g_ab, b_b * (3.0 - 2.0 * g_ba), -b_b)}
+
+
+def printed_rows(dt: float, eta: float) -> Rows:
+    """Layers 1 to 19 of the HDR specimen, from Eq. 4.23-4.31."""
+    b_s1 = beta(HDR, "s1", dt)
+    rows = {1: (0.0, eta * b_s1, -b_s1)}  # 4.23
+    rows |= {j: (-b_s1, 2.0 * b_s1, -b_s1) for j in range(2, 10)}  # 4.24
+    return rows | joint(HDR, dt, "s1", "r", 10) | shims(HDR, dt, 12, "s2", "s3")
+
+
+def matrices(rows: Rows) -> tuple[Floats, Floats]:
+    """K^{i+1} and K^i of the conduction alone."""
+    new, old = np.eye(len(rows)), np.eye(len(rows))
+    for j, (a, b, c) in rows.items():
         i = j - 1
         new[i, i] += b
         old[i, i] -= b
         if i > 0:
             new[i, i - 1], old[i, i - 1] = a, -a
-        if i < 18:
-            new[i, i + 1], old[i, i + 1] = c, -c
+        if j < len(rows):
+            new[i, j], old[i, j] = c, -c
+    return new, old
+
+
+def printed_system(dt: float, eta: float) -> tuple[Floats, Floats, Floats]:
+    """K^{i+1}, K^i and the vector theta^i of Eq. 4.33."""
+    theta = 4.0 * FILM * dt / (SIDE * C_RHO_R)
+    new, old = matrices(printed_rows(dt, eta))
     outflow = np.full(19, theta)
-    outflow[0] += 2.0 * (eta - 1.0) * beta(K_S, C_RHO_S, DX_S1, dt)  # 4.23
-    return new, old, outflow
+    outflow[0] += 2.0 * (eta - 1.0) * beta(HDR, "s1", dt)  # 4.23
+    return new, old - theta * np.eye(19), outflow
 
 
 def core_system(constants: Constants, dt: float) -> tuple[Floats, Floats, Floats]:
@@ -146,65 +165,28 @@ def test_a_shim_receives_twice_what_its_rubber_neighbours_lose() -> None:
     assert_allclose(ratio, expected, rtol=RECIPROCITY, atol=0.0)
 
 
-# Table 5.1 and section 5.2, in m, kg, s, J.
-K_S_LEAD, C_S, RHO_S = 38.76, 432.0, 7740.0
-K_R_LEAD, C_R, RHO_R = 0.31, 1732.0, 1146.0
+# Section 5.2, in m, kg, s, J.
 C_L, RHO_L, K_L = 129.0, 11360.0, 35.3
-DX = {"s1": 3.5e-3, "s2": 2.5e-3, "r": 2.5e-3, "s3": 3.2e-3, "s4": 1.6e-3}
 CORES, RADIUS, HEIGHT, P, ETA = 4, 17.25e-3, 0.096, 0.5, 2.0
 
 
-def beta_lead(name: str, dt: float) -> float:
-    k, c_rho = (K_R_LEAD, C_R * RHO_R) if name == "r" else (K_S_LEAD, C_S * RHO_S)
-    return k / c_rho * dt / (2.0 * DX[name] ** 2)
-
-
-def gamma_lead(a: str, b: str) -> float:
-    """gamma_ab = k_a dx_b / (k_a dx_b + k_b dx_a)."""
-    k = {name: K_R_LEAD if name == "r" else K_S_LEAD for name in (a, b)}
-    return k[a] * DX[b] / (k[a] * DX[b] + k[b] * DX[a])
-
-
-def printed_rows_lead(dt: float) -> dict[int, tuple[float, float, float]]:
-    """Coefficients (before, own less 1, after) of K^{i+1}, by the printed number of the layer."""
-    b = {name: beta_lead(name, dt) for name in DX}
+def printed_rows_lead(dt: float) -> Rows:
+    """Layers 1 to 29 of the LHDR specimen, from Eq. 5.19-5.30."""
+    b = {name: beta(LHDR, name, dt) for name in LHDR}
     rows = {1: (0.0, ETA * b["s1"], -b["s1"])}  # 5.19
     rows |= {j: (-b["s1"], 2.0 * b["s1"], -b["s1"]) for j in range(2, 10)}  # 5.20
-    g12, g21 = gamma_lead("s1", "s2"), gamma_lead("s2", "s1")
-    rows[10] = (-b["s1"], b["s1"] * (3.0 - 2.0 * g12), -2.0 * b["s1"] * g21)  # 5.21
-    rows[11] = (-2.0 * b["s2"] * g12, b["s2"] * (3.0 - 2.0 * g21), -b["s2"])  # 5.22
+    rows |= joint(LHDR, dt, "s1", "s2", 10)
     rows |= {j: (-b["s2"], 2.0 * b["s2"], -b["s2"]) for j in range(12, 20)}  # 5.23
-    g2r, gr2 = gamma_lead("s2", "r"), gamma_lead("r", "s2")
-    rows[20] = (-b["s2"], b["s2"] * (3.0 - 2.0 * g2r), -2.0 * b["s2"] * gr2)  # 5.24
-    rows[21] = (-2.0 * b["r"] * g2r, b["r"] * (3.0 - 2.0 * gr2), -b["r"])  # 5.25
-    g3r, gr3 = gamma_lead("s3", "r"), gamma_lead("r", "s3")
-    g4r, gr4 = gamma_lead("s4", "r"), gamma_lead("r", "s4")
-    for j in (22, 25):  # 5.26
-        rows[j] = (-b["r"], b["r"] * (3.0 - 2.0 * gr3), -2.0 * b["r"] * g3r)
-    for j in (23, 26):  # 5.27
-        rows[j] = (-4.0 * b["s3"] * gr3, 8.0 * b["s3"] * (1.0 - g3r), -4.0 * b["s3"] * gr3)
-    for j in (24, 27):  # 5.28
-        rows[j] = (-2.0 * b["r"] * g3r, b["r"] * (3.0 - 2.0 * gr3), -b["r"])
-    rows[28] = (-b["r"], b["r"] * (3.0 - 2.0 * gr4), -2.0 * b["r"] * g4r)  # 5.29
-    rows[29] = (-4.0 * b["s4"] * gr4, 4.0 * b["s4"] * (1.0 - g4r), 0.0)  # 5.30
-    return rows
+    return rows | joint(LHDR, dt, "s2", "r", 20) | shims(LHDR, dt, 22, "s3", "s4")
 
 
 def printed_step(dt: float, t: Floats, lead: float, one_over_f: float) -> tuple[Floats, float]:
     """Cells and lead after one step without sources (Eq. 5.32), confined cores."""
-    new, old = np.eye(29), np.eye(29)
-    for j, (a, own, c) in printed_rows_lead(dt).items():
-        i = j - 1
-        new[i, i] += own
-        old[i, i] -= own
-        if i > 0:
-            new[i, i - 1], old[i, i - 1] = a, -a
-        if i < 28:
-            new[i, i + 1], old[i, i + 1] = c, -c
+    new, old = matrices(printed_rows_lead(dt))
     ambient = np.zeros(29)
-    ambient[0] = 2.0 * (ETA - 1.0) * beta_lead("s1", dt) * AMBIENT
+    ambient[0] = 2.0 * (ETA - 1.0) * beta(LHDR, "s1", dt) * AMBIENT
     area, volume = np.pi * RADIUS**2, np.pi * RADIUS**2 * HEIGHT
-    theta = CORES * dt / (C_L * RHO_L) * area / volume * P * K_S_LEAD / RADIUS * one_over_f
+    theta = CORES * dt / (C_L * RHO_L) * area / volume * P * K_S / RADIUS * one_over_f
     from_lead = np.zeros(29)
     from_lead[9] = CORES * theta * (lead - AMBIENT)  # 5.21
     after = (1.0 - 2.0 * theta) * lead + 2.0 * theta * AMBIENT  # 5.31
