@@ -37,12 +37,18 @@ pytest_plugins = ["tests.fixtures.study"]
 def pytest_xdist_setupnodes(config: pytest.Config) -> None:
     """Compile before the workers start, who would all do the same at the same time.
 
-    They find the machine code in its folder. In a process of its own, so that code that does
-    not compile fails the tests that need it, and not all of them.
+    They find the machine code in its folder, where a stamp says that all is compiled. In a process
+    of its own, so that code that does not compile fails the tests that need it, and not all.
     """
-    if not config.option.collectonly:
+    from thermobearing.core.compile import cache_directory
+
+    folder = cache_directory()
+    stamp = folder / "all-for-tests" if folder else None
+    if not (config.option.collectonly or (stamp and stamp.exists())):
         command = [sys.executable, "-c", COMPILE]
-        subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, check=False)
+        done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, check=False)
+        if stamp and done.returncode == 0:
+            stamp.touch()
 
 
 @pytest.hookimpl(trylast=True)

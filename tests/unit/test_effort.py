@@ -14,12 +14,16 @@ from thermobearing.cyclic.history import build_segments
 from thermobearing.cyclic.protocol import MAX_CYCLES, survey
 from thermobearing.design.factors import scaled_bearing
 from thermobearing.identify.fit.synthetic import synthetic_record
+from thermobearing.identify.records.record import record_from_arrays
 from thermobearing.model import effort
 from thermobearing.structure import newmark
 
 HDR = "shen-hdr-bridge"
 
 RUBBER = 30.0
+TIME = np.linspace(0.0, 4.0, 161)
+MOVED = 30.0 * np.sin(np.pi * TIME)
+RECORD = record_from_arrays(TIME, MOVED, 2.0 * MOVED, 23.0)
 
 
 def steps(*given: dict[str, Any], **options: Any) -> tb.CyclicTest:
@@ -119,9 +123,6 @@ def test_too_much_is_told(
     with pytest.raises(tb.InputError) as caught:
         make()
     assert_told(str(caught.value), pieces)
-
-
-RECORD = synthetic_record(SPECIMEN, 23.0, steps(cycles(count=2)))
 
 
 def large_stack() -> tb.Bearing:

@@ -183,12 +183,12 @@ def test_clone_at_another_path_uses_the_same_machine_code(tmp_path: Path) -> Non
     value, hits = answer()
     assert hits == "0"
     assert answer(PYTHONPATH=str(clone.parent)) == [value, "1"]
-    for ending in ("nbi", "nbc"):
-        for length in (0, 40):  # a power cut leaves empty files, a full disk short ones
-            for file in kept.rglob(f"*.{ending}"):
-                os.truncate(file, length)
-            assert answer() == [value, "0"]
-            assert answer() == [value, "1"]
+    # A power cut leaves empty files, a full disk short ones.
+    for ending, length in (("nbi", 0), ("nbc", 40)):
+        for file in kept.rglob(f"*.{ending}"):
+            os.truncate(file, length)
+        assert answer() == [value, "0"]
+        assert answer() == [value, "1"]
 
 
 COMPILES = """
