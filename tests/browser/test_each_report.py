@@ -23,7 +23,10 @@ class Report(NamedTuple):
     told: list[str]
 
 
-@pytest.fixture(scope="module", params=KINDS)
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(k, marks=pytest.mark.thorough if k != "cyclic" else ()) for k in KINDS],
+)
 def report(
     request: pytest.FixtureRequest, chromium: Any, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[Report]:

@@ -20,10 +20,9 @@ DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = [DOCS / "index.md", *sorted((DOCS / "guide").glob("[!i]*.md"))]
 EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
 SCREENS = 150  # lines of a how-to
-PAGES = [
-    pytest.param(path, id=path.stem, marks=needs_opensees if path.stem == "opensees" else ())
-    for path in GUIDE
-]
+MARKS = {"opensees": needs_opensees}
+MARKS |= dict.fromkeys(("report", "bearing_sizes"), pytest.mark.thorough)  # several seconds each
+PAGES = [pytest.param(path, id=path.stem, marks=MARKS.get(path.stem, ())) for path in GUIDE]
 
 
 def no_histories(*_: Any) -> None:

@@ -94,11 +94,18 @@ def told(begin: str, **environment: str) -> list[str]:
     return done.stdout.splitlines()[-1].split()
 
 
-@pytest.mark.parametrize("begin", [COMMAND, TESTS], ids=["command", "tests"])
+@pytest.mark.parametrize(
+    "begin",
+    [
+        pytest.param(COMMAND, id="command", marks=pytest.mark.thorough),
+        pytest.param(TESTS, id="tests"),
+    ],
+)
 def test_blas_has_one_thread(begin: str) -> None:
     assert told(begin) == ["1", "1"]
 
 
+@pytest.mark.thorough
 def test_the_environment_may_say_otherwise() -> None:
     assert told(COMMAND, OPENBLAS_NUM_THREADS="2")[0] == "2"
 

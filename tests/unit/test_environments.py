@@ -26,6 +26,7 @@ def case(tmp_path: Path) -> Path:
     return quick_case(folder / "case \u71b1.toml")
 
 
+@pytest.mark.thorough
 def test_ascii_on_twenty_columns_without_a_home(case: Path) -> None:
     out = case.parent / "out \u529b"
     done = subprocess.run(

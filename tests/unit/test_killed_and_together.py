@@ -116,11 +116,12 @@ def filled(folder: Path) -> None:
     (folder / "summary.json").write_text("{}")
 
 
+@pytest.mark.parametrize("every", [5, pytest.param(1, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("exchange", [True, False])
 def test_killed_between_two_renames(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, exchange: bool
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, exchange: bool, every: int
 ) -> None:
-    """Every single event of the swap, also where the system cannot swap in one step."""
+    """The events of the swap, also where the system cannot swap in one step."""
     if not exchange:
         monkeypatch.setattr(directory, "_exchange", lambda *_: False)
     out = tmp_path / "out"
@@ -131,7 +132,7 @@ def test_killed_between_two_renames(
 
     moment = 1
     while killed(run, moment):
-        moment += 1
+        moment += every
         run()
         assert [path.name for path in tmp_path.iterdir()] == ["out"]
         assert list(content(out)) == ["summary.json"]

@@ -161,6 +161,7 @@ def test_interrupted_swap_brings_the_earlier_result_back(
     assert inputs.content(tmp_path) == before
 
 
+@pytest.mark.thorough
 def test_really_full_disk(case: Path, tmp_path: Path) -> None:
     """No monkeypatch: the system refuses files of more than 60 kB, and the netCDF is larger.
 

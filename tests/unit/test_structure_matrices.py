@@ -464,6 +464,7 @@ def shake_unlike_lines() -> tuple[run.StructureHistory, run.StructureHistory]:
     return shake([run.Line(one, start) for one in both]), shake([run.Line(mean, start)] * 2)
 
 
+@pytest.mark.thorough
 def test_lines_of_several_kinds() -> None:
     """As plain Python: compiling for a second kind takes longer than all other tests here."""
     code = "from tests.unit.test_structure_matrices import check_unlike_lines; check_unlike_lines()"

@@ -234,6 +234,7 @@ def _alive(process: int) -> bool:
     return state != "Z"
 
 
+@pytest.mark.thorough
 def test_a_process_of_a_study_reads_only_what_it_runs_with() -> None:
     """Statistics and figures are of what is drawn from a study; they take longer to read."""
     code = f"import sys, {HERE}; print(*sys.modules)"

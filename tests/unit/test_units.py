@@ -137,6 +137,7 @@ def test_usual_units_are_as_pint_finds_them() -> None:
             assert (factor, 0.0) == _converted(unit, target), (unit, target)
 
 
+@pytest.mark.thorough
 def test_files_of_the_library_need_no_pint() -> None:
     """Nor do the programs that read them; that xarray imports pint takes less than its units."""
     program = (

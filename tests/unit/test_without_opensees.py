@@ -66,6 +66,7 @@ def test_it_is_collected_and_what_needs_it_says_what_to_install(
         assert re.search(rf"\[\d\] {name}:\d+: {re.escape(MISSING)}", told), name
 
 
+@pytest.mark.thorough
 def test_the_model_of_a_bench_ends_with_what_to_install(broken: dict[str, str]) -> None:
     done = python(broken, "-m", "benchmarks.opensees_pier_model")
     assert done.returncode == 1

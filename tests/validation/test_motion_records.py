@@ -87,9 +87,8 @@ def test_kobe_records_fit_type_ii(
     assert np.abs(fitted.displacement).max() < tol.PGD_BOUND
 
 
-@pytest.mark.parametrize(
-    "name", ["KNG007_NS_t_g.txt", pytest.param("TKYH121103111446.NS2", marks=pytest.mark.thorough)]
-)
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["KNG007_NS_t_g.txt", "TKYH121103111446.NS2"])
 def test_long_records_fit_type_i(name: str) -> None:
     fitted = match_spectrum(record(name), "I", "I")
     assert misfit(fitted, lambda t: standard_spectrum("I", "I", t)) <= tol.MISFIT

@@ -76,7 +76,10 @@ def small_problem(seed: int, memory: float) -> Identification:
 
 @pytest.mark.parametrize(
     "memory",
-    [pytest.param(0.0, id="white", marks=pytest.mark.thorough), pytest.param(0.8, id="correlated")],
+    [
+        pytest.param(0.0, id="white", marks=pytest.mark.thorough),
+        pytest.param(0.8, id="correlated", marks=pytest.mark.thorough),
+    ],
 )
 def test_coverage_of_the_intervals(memory: float, measured: Recorder) -> None:
     """95 % intervals hold the truth that often, for white noise and for filtered noise."""
@@ -110,6 +113,7 @@ def test_coverage_with_a_logger_that_runs_through_rests() -> None:
     assert np.mean(inside) >= tol.COVERAGE_LOW
 
 
+@pytest.mark.thorough
 def test_another_law_is_noticed() -> None:
     """First cycles made 10 % stiffer on purpose: a lower R2 and plain words."""
     clean, spoilt = (
