@@ -19,7 +19,6 @@ from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.toml import read_toml
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_design
-from thermobearing.earthquake import panels as comparison
 from thermobearing.earthquake.figures import MODE_LOOKS
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.motions.figures import BINS, MOTION_COLOUR
@@ -101,14 +100,15 @@ def figure_words(runs: Runs) -> dict[str, Any]:
         """Return pier P1 on the bilinear and both layered bearings at 23 degC."""
         return runs.bridge((BILINEAR, *BRIDGES), MOTIONS, 23.0)
 
-    def both_models(bearing: str, mode: str) -> dict[str, EarthquakeResult]:
-        """Return the hybrid tests of a bearing by each model, by its name."""
-        return {model: hybrid_tests(bearing, mode, model) for model in (MULTI, SINGLE)}
+    def both_models(bearing: str, mode: str) -> EarthquakeResult:
+        """Return the hybrid tests of a bearing, compared with those of a single temperature."""
+        found = {model: hybrid_tests(bearing, mode, model) for model in (MULTI, SINGLE)}
+        return EarthquakeResult(found[MULTI].dataset, found)
 
     own = (hybrid_tests, bridge_tests, bilinear_tests, both_models, run_design, make_design_case)
     drawn = (draw_both_modes, draw_bars, draw_over_bilinear, draw_ground, draw_measures)
     found: dict[str, Any] = {f.__name__: f for f in (*own, *drawn, draw_ratios, draw_bilinear)}
-    return words(runs) | found | {"comparison": comparison, "runs": runs}
+    return words(runs) | found | {"runs": runs}
 
 
 def draw_both_modes(

@@ -8,8 +8,8 @@ from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, is_file, is_folder
 from thermobearing.border.toml import read_toml
-from thermobearing.cyclic.result import Result, load_cyclic
-from thermobearing.earthquake.result import EarthquakeResult, load_earthquake
+from thermobearing.cyclic.result import Result
+from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.directory import BEARINGS, DATASET, IDENTIFIED, PARTS
 from thermobearing.results.saved import SavedResult, is_saved, read_dataset, read_saved
 from thermobearing.sequences.result import SequenceResult, load_sequence
@@ -56,8 +56,10 @@ def load_result(path: str | Path) -> AnyResult:
         return load_sequence(path)
     if is_saved(path) and not is_file(Path(path) / DATASET):
         return _with_bearings(read_saved(path))
-    study = "structure" in read_dataset(path, ["case"]).attrs
-    return load_earthquake(path) if study else load_cyclic(path)
+    data = read_dataset(path, ["case"])
+    if "structure" in data.attrs:
+        return EarthquakeResult(data)
+    return Result(read_dataset(path, ("bearing", "case", "segments")))
 
 
 def _with_bearings(found: SavedResult) -> SavedResult:

@@ -245,7 +245,7 @@ def test_lines_of_another_bearing_are_told_about_with_their_own_numbers() -> Non
     case = case.model_copy(update={"lines": (case.lines[0].model_copy(update={"bearing": weak}),)})
     task = build_tasks(case)[0]
     assert [one.device.bearing.name for one in task.lines] == ["weak", "shen-bilinear-bridge"]
-    assert case.told_line == 1
+    assert case.reported_line_number == 1
 
 
 @pytest.mark.parametrize(

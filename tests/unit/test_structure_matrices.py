@@ -30,16 +30,16 @@ from thermobearing.structure import run
 from thermobearing.structure.figures import _lay_out
 from thermobearing.structure.forces import build_bearings
 from thermobearing.structure.matrices import (
-    bare_modes,
+    _bare_modes,
+    _line_parts,
+    _own_parts,
+    _weighed_ratios,
     build_matrices,
     displacement_row,
     find_modes,
     hinge_stiffness,
-    line_parts,
     line_stiffness,
     mode_damping,
-    own_parts,
-    weighed_ratios,
 )
 from thermobearing.structure.model import Damping, DampingKind, Structure, load_structure
 from thermobearing.structure.newmark import newmark_march
@@ -117,8 +117,8 @@ def test_damping_ratios_are_weighed_with_strain_energy() -> None:
         total = bearing + springs.sum()
         wanted.append((0.2 * bearing + 0.02 * springs[0] + 0.10 * springs[1]) / total)
     matrices = build_matrices(structure)
-    parts = [*own_parts(structure, matrices), *line_parts(structure, matrices)]
-    assert_allclose(weighed_ratios(parts, prepared.modes), wanted)
+    parts = [*_own_parts(structure, matrices), *_line_parts(structure, matrices)]
+    assert_allclose(_weighed_ratios(parts, prepared.modes), wanted)
     assert_allclose(wanted, [0.2, 0.08], atol=0.002)
 
 
@@ -169,7 +169,7 @@ def without_ratio(structure: Structure) -> Structure:
 
 
 def bare_ratios(prepared: run.Prepared) -> np.ndarray:
-    modes = bare_modes(prepared.structure, prepared.matrices)
+    modes = _bare_modes(prepared.structure, prepared.matrices)
     return mode_damping(prepared.damping, modes)
 
 
@@ -202,7 +202,7 @@ def test_modal_ratios_are_those_of_the_parts() -> None:
 def test_rayleigh_goes_through_the_chosen_modes() -> None:
     """a/(2 omega) + b omega/2; through one mode it is b K' alone."""
     own = bare_ratios(run.prepare_structure(PIER))
-    w = bare_modes(PIER, run.prepare_structure(PIER).matrices).frequencies
+    w = _bare_modes(PIER, run.prepare_structure(PIER).matrices).frequencies
     for first, second in ((0, 1), (0, 2)):
         found = bare_ratios(prepared_with(PIER, kind="rayleigh", modes=(first + 1, second + 1)))
         assert_allclose(found[[first, second]], own[[first, second]], rtol=1e-9)
@@ -219,7 +219,7 @@ def test_dashpots_beside_the_parts() -> None:
     damping = prepared_with(without_ratio(two_springs()), kind="element").damping
     assert_allclose(damping, np.diag([0.0, 0.1 * (0.02 * 100.0 + 0.10 * 300.0)]), atol=1e-12)
     pier = run.prepare_structure(PIER, "consistent", "element")
-    w = bare_modes(PIER, pier.matrices).frequencies
+    w = _bare_modes(PIER, pier.matrices).frequencies
     k = pier.structure.hinges[0].stiffness
     # Pier rotation: c_2 of Eq. 6.5, in the fastest mode; nothing else turns with it.
     assert_allclose(pier.damping[3, 3], 2.0 * 0.02 / w[2] * k, rtol=1e-9)

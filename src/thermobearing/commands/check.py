@@ -129,7 +129,7 @@ def _case_facts(case: Case) -> dict[str, str]:
     segments = build_segments(case.test, case.bearing.total_rubber_thickness)
     time = sum(float(segment.dt.sum()) for segment in segments)
     steps = sum(len(segment.x) for segment in segments)
-    until = "at most " if any(segment.settle for segment in segments) else ""
+    until = "at most " if any(segment.within for segment in segments) else ""
     ambient = case.ambient_series or ", ".join(f"{value:g} degC" for value in case.ambient)
     return {
         "bearing": f"{case.bearing.name} ({case.bearing.description})",

@@ -49,7 +49,7 @@ class Segment:
     cycle: NDArray[np.int32]  # number of the cycle within the segment, 0 outside cycles
     turning: NDArray[np.bool_]  # a leg ends here: always kept in a result
     amplitude_strain: float = 0.0
-    settle: float = 0.0  # stop once within this of the ambient [K]
+    within: float = 0.0  # stop once within this of the ambient [K]
     assumed: tuple[str, ...] = ()  # what the file of a recording does not say
 
 
@@ -113,9 +113,9 @@ def _rest(step: Rest, dt: float, start: float) -> Segment:
     return _plain("rest", label, np.full(len(steps), start), np.array(steps), step.within or 0.0)
 
 
-def _plain(kind: str, label: str, x: Floats, dt: Floats, settle: float = 0.0) -> Segment:
+def _plain(kind: str, label: str, x: Floats, dt: Floats, within: float = 0.0) -> Segment:
     turning = np.arange(len(x)) == len(x) - 1
-    return Segment(kind, label, x, dt, np.zeros(len(x), dtype=np.int32), turning, settle=settle)
+    return Segment(kind, label, x, dt, np.zeros(len(x), dtype=np.int32), turning, within=within)
 
 
 def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment:
@@ -282,7 +282,7 @@ def _run_segment(
         part = slice(first, first + CHUNK)
         dt = np.ascontiguousarray(segment.dt[part])
         air = ambient.means(run.state.books[0].clock, dt)
-        path = Path(segment.x[part], dt, air, keep[part], segment.settle)
+        path = Path(segment.x[part], dt, air, keep[part], segment.within)
         room = run.rows.part(run.kept, len(run.segment))
         found = march(constants, work, run.state, spare, path, room)
         done, kept, outcome, softened, mismatch = found

@@ -21,7 +21,6 @@ from thermobearing.results.metrics import (
     measure_cycle,
     relative_residual,
 )
-from thermobearing.results.saved import read_dataset
 from thermobearing.results.selection import chosen_runs, selected
 from thermobearing.results.writing import DIGITS, from_attribute, without_formulas, write_dataset
 
@@ -374,8 +373,3 @@ def history_columns(result: Result, run: int) -> dict[str, Floats]:
     if result.has_lead:
         columns["lead_degC"] = data["lead_temperature"].values[run, :count]
     return columns
-
-
-def load_cyclic(path: str | Path) -> Result:
-    """Return the saved result of a cyclic test; `load_result` reads that of any analysis."""
-    return Result(read_dataset(path, ("bearing", "case", "segments")))

@@ -440,7 +440,7 @@ class EarthquakeCase(Strict):
         return self.laboratory.mode if self.laboratory is not None else ("",)
 
     @property
-    def told_line(self) -> int:
+    def reported_line_number(self) -> int:
         """Number of the bearing line that histories and the table of peaks are about."""
         own = [item.line for item in self.lines if item.bearing is not None]
         return reported_line(self.structure, own)

@@ -359,7 +359,7 @@ def _attributes(
         "half_stack": int(case.analysis.half),
         "deck": case.structure.report.deck,
         "pier": case.structure.report.pier,
-        "line": case.structure.bearings[case.told_line].name,
+        "line": case.structure.bearings[case.reported_line_number].name,
         "mass": case.analysis.mass,
         "method": case.analysis.method,
         "damping": case.analysis.damping or case.structure.damping.kind,

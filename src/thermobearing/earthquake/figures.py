@@ -6,8 +6,7 @@ Of an analysis with many motions the first few are shown; the table has them all
 
 import copy
 from collections.abc import Callable, Sequence
-from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -16,31 +15,25 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from thermobearing.border.errors import InputError
-from thermobearing.core.records import Floats
 from thermobearing.earthquake.panels import (
     DISPLACEMENT,
     FORCE,
+    LINES,
+    MODES,
+    MOST_COLUMNS,
     STRAIN,
     TIME_BINS,
     Cell,
-    comparison_figure,
-    comparison_loops,
-    grid,
+    Draw,
+    Panels,
     list_moments,
     part_names,
-    profile_panel,
     select_part,
-    strong_part,
-    yield_point,
 )
-from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.quantities.register import quantity
 from thermobearing.results import drawing
 from thermobearing.results.profiles import draw_profile_panels
 
-MOST_COLUMNS = 4
-LINES: dict[str, Any] = {"": "-", "rt": "-", "pd": "--"}
-MODES = {"": "", "rt": "real time", "pd": "pseudo-dynamic"}
 MODE_LOOKS: dict[str, drawing.Look] = {
     "rt": {"color": "#CC3311"},
     "pd": {"color": "#0077BB", "linestyle": "--"},
@@ -78,88 +71,13 @@ SHOWN = {  # columns of the table of runs: label
 }
 SPREAD = 0.5  # of the room of a temperature that its dots take
 MEAN = 0.36  # half the length of the line at a mean
-Draw = Callable[[Axes, int], None]
 
 
-class EarthquakeFigures(drawing.Figures):
+class EarthquakeFigures(Panels):
     """Figures of an analysis: `result.plot.loops()` and so on, each a matplotlib Figure.
 
     Lines of pseudo-dynamic tests compared with real time are dashed.
     """
-
-    def __init__(self, result: EarthquakeResult) -> None:
-        self._result, self._data, self._table = result, result.dataset, result.table
-        self._bearings = list(dict.fromkeys(self._table["bearing"]))
-        self._motions = list(dict.fromkeys(self._table["motion"]))
-        self._ambients = sorted(set(self._table["ambient_degC"]))
-        colours = drawing.ambient_colours(np.array(self._ambients, dtype=float))
-        self._colours = dict(zip(self._ambients, colours, strict=True))
-        self._run_modes = list(dict.fromkeys(result.modes))
-
-    def _title(self, what: str, motions: bool = False) -> str:
-        """Return the title of a figure, which says how many motions it shows of how many."""
-        count = min(len(self._motions), MOST_COLUMNS)
-        several = motions and count < len(self._motions)
-        more = f" (first {count} of {len(self._motions)} motions)" if several else ""
-        return f"{self._data.attrs['structure']}: {what}{more}"
-
-    def _values(self, name: str, run: int) -> Floats:
-        """Return a history of a run as far as it goes."""
-        values = self._data[name].values[run]
-        return np.asarray(values[np.isfinite(self._data["time"].values[run])], dtype=float)
-
-    def _runs_of(self, **labels: Any) -> list[int]:
-        """Return the runs with some labels (columns of the table), from cold to warm."""
-        frame = self._table
-        for name, value in labels.items():
-            frame = frame[frame[name] == value]
-        return [int(run) for run in frame.sort_values("ambient_degC", kind="stable").index]
-
-    def _colour(self, run: int) -> str:
-        return str(self._colours[self._table["ambient_degC"][run]])
-
-    def _line(self, run: int) -> Any:
-        return LINES[self._result.modes[run]] if len(self._run_modes) > 1 else "-"
-
-    def _legend(
-        self, figure: Figure, own: list[Line2D] | None = None, more: Sequence[Line2D] = ()
-    ) -> None:
-        """Add a legend: ambient temperatures unless there are own entries, more, several modes."""
-        handles = own or [
-            Line2D([], [], color=colour, label=f"ambient {drawing.degrees(value)}")
-            for value, colour in self._colours.items()
-        ]
-        handles = [*handles, *more]
-        for mode in self._run_modes if len(self._run_modes) > 1 else []:
-            look: drawing.Look = {"linestyle": LINES[mode], "label": MODES[mode]}
-            handles.append(Line2D([], [], color=drawing.GREY, **look))
-        drawing.legend_below(figure, handles)
-
-    def _note(self, ax: Axes, name: str, runs: list[int], values: Sequence[float]) -> None:
-        texts = [f"{value:.3g}" for value in values]
-        drawing.note_values(ax, name, texts, [self._colour(run) for run in runs])
-
-    def _by_bearing(
-        self,
-        what: str,
-        size: tuple[float, float],
-        labels: tuple[str, str],
-        draw: Draw,
-        *,
-        share: bool = True,
-        zero: bool = False,
-    ) -> Figure:
-        """Return the runs of the first motion: rows are bearings, columns ambient temperatures."""
-        motion = self._motions[0]
-        heads = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
-        figure, cells = grid(
-            self._title(f"{what}, {motion}"), size, self._bearings, self._ambients, labels,
-            heads=heads, sides=self._bearings, share=share, zero=zero,
-        )  # fmt: skip
-        for ax, bearing, ambient in cells:
-            for run in self._runs_of(bearing=bearing, ambient_degC=ambient, motion=motion):
-                draw(ax, run)
-        return figure
 
     def _by_motion(
         self,
@@ -186,7 +104,7 @@ class EarthquakeFigures(drawing.Figures):
         about = part_names(self._data)
         title = self._title(what, motions=True) + (f" ({about})" if about else "")
         motions = self._motions[:MOST_COLUMNS]
-        figure, cells = grid(
+        figure, cells = self._grid(
             title, PANEL, self._bearings, motions, labels, heads=motions, sides=self._bearings,
             share="col",
         )  # fmt: skip
@@ -247,7 +165,7 @@ class EarthquakeFigures(drawing.Figures):
         figure, cells = self._by_motion(title, ("time [s]", y), draw, ax, **look)
         for panel, bearing, motion in cells:
             runs = self._runs_of(bearing=bearing, motion=motion)
-            panel.set_xlim(*strong_part(self._data, self._runs_of(motion=motion), name))
+            panel.set_xlim(*self._strong_part(self._runs_of(motion=motion), name))
             for run in runs:
                 values = factor * self._values(name, run)
                 if np.isfinite(values).all():
@@ -292,7 +210,7 @@ class EarthquakeFigures(drawing.Figures):
         looks = dict(zip(self._bearings, colours, strict=True))
         title = self._title("largest loop of one bearing", motions=True)
         sides = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
-        figure, cells = grid(
+        figure, cells = self._grid(
             title, LOOP_PANEL, self._ambients, motions, (DISPLACEMENT, FORCE), heads=motions,
             sides=sides, zero=True,
         )  # fmt: skip
@@ -355,7 +273,7 @@ class EarthquakeFigures(drawing.Figures):
         figure, cells = view._by_motion(what, labels, draw, ax, sizes="pier_rotation_max")
         for panel, bearing, motion in cells:
             runs = view._runs_of(bearing=bearing, motion=motion)
-            found = [yield_point(view._data, run) for run in runs]
+            found = [view._yield_point(run) for run in runs]
             for point in [point for point in found if point is not None][:1]:
                 rotation, moment = 1e3 * point[0], MN_M * point[1]
                 look: drawing.Look = {"color": drawing.GREY, "linewidth": 0.8, "linestyle": "--"}
@@ -381,14 +299,14 @@ class EarthquakeFigures(drawing.Figures):
                     rows.append((bearing, name))
         motions = self._motions[:MOST_COLUMNS]
         title = self._title("rise of the temperature in one bearing", motions=True)
-        figure, cells = grid(
+        figure, cells = self._grid(
             title, (2.9, 2.1), rows, motions, ("time [s]", "rise [K]"), heads=motions,
             sides=[f"{bearing}\n{name}" for bearing, name in rows], share=False,
         )  # fmt: skip
         highest = {"rubber": 0.0, "lead": 0.0}
         for ax, (bearing, name), motion in cells:
             self._rise(ax, name, self._runs_of(bearing=bearing, motion=motion))
-            ax.set_xlim(*strong_part(self._data, self._runs_of(motion=motion)))
+            ax.set_xlim(*self._strong_part(self._runs_of(motion=motion)))
             highest[name] = max(highest[name], ax.get_ylim()[1])
         for ax, (_, name), _ in cells:  # one scale for all rubber and one for all lead
             ax.set_ylim(-0.04 * highest[name], (1.0 + NOTE_ROOM) * highest[name])
@@ -432,7 +350,7 @@ class EarthquakeFigures(drawing.Figures):
         labels = ("time in the laboratory [s]", "speed [mm/s]")
         title = self._title(f"loading speed of the specimen, {motion}")
         rows, columns = self._bearings, self._run_modes
-        figure, cells = grid(title, SPEED_PANEL, rows, columns, labels, share="col")
+        figure, cells = self._grid(title, SPEED_PANEL, rows, columns, labels, share="col")
         clock = "bearing_clock" if "bearing_clock" in self._data else "time"
         for ax, bearing, mode in cells:
             runs = self._runs_of(bearing=bearing, motion=motion)
@@ -623,7 +541,7 @@ class EarthquakeFigures(drawing.Figures):
         bearings = list(dict.fromkeys(chosen["bearing"]))
         chosen = chosen.sort_values("ambient_degC", kind="stable")
         drawn = [
-            profile_panel(data, int(run), f"{bearing}, " if len(bearings) > 1 else "", moments)
+            self._profile_panel(int(run), f"{bearing}, " if len(bearings) > 1 else "", moments)
             for bearing in bearings
             for run in chosen.index[chosen["bearing"] == bearing]
         ]
@@ -656,6 +574,6 @@ class EarthquakeFigures(drawing.Figures):
         )
         found |= {draw.__name__: draw for draw, holds in sometimes if holds}
         if compared:
-            found["comparison"] = partial(comparison_figure, compared)
-            found["comparison_loops"] = partial(comparison_loops, compared)
+            found["comparison"] = self.comparison
+            found["comparison_loops"] = self.comparison_loops
         return found

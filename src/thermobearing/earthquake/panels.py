@@ -1,6 +1,6 @@
 """Panels of figures of earthquakes: grids, parts, strong motion, and comparisons of models."""
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -24,36 +24,16 @@ STRAIN, FORCE, DISPLACEMENT = "shear strain [%]", "force [kN]", "displacement [m
 FIRST, LAST = 0.05, 0.95  # of the Arias intensity
 MARGIN = 0.2  # of the strong part, on both sides: the answer of the structure comes later
 QUARTERS = 4
+MOST_COLUMNS = 4
+LINES: dict[str, Any] = {"": "-", "rt": "-", "pd": "--"}
+MODES = {"": "", "rt": "real time", "pd": "pseudo-dynamic"}
+Draw = Callable[[Axes, int], None]
+COMPARISON_SIZE = (3.1, 2.3)  # of one panel [inch]
+BLACK: drawing.Look = {"color": "#000000", "linewidth": 1.6}
+LOOP_LOOKS = {REFERENCE: BLACK, SINGLE: {"color": "#EE7733", "linewidth": 0.9}}
+
+
 Cell = tuple[Axes, Any, Any]  # a panel, what its row and what its column stand for
-
-
-def grid(
-    title: str,
-    size: tuple[float, float],
-    rows: Sequence[Any],
-    columns: Sequence[Any],
-    labels: tuple[str, str],
-    *,
-    heads: list[str] | None = None,
-    sides: list[str] | None = None,
-    share: bool | Literal["row", "col"] = True,
-    zero: bool = False,
-) -> tuple[Figure, list[Cell]]:
-    """Return a figure and its panels, each with what its row and its column stand for.
-
-    `size` is that of a panel [inch]; `labels` are of the axes; `zero` draws lines through zero.
-    """
-    count = len(columns)
-    inches = (max(size[0] * count, 5.0) + 0.6, size[1] * len(rows) + 1.0)
-    figure, axes = drawing.panels(len(rows), count, inches, title, share=share)
-    for k, ax in enumerate(axes):
-        last, first = k // count == len(rows) - 1, k % count == 0
-        drawing.name_axes(ax, labels[0] if last else "", labels[1] if first else "")
-        for line in (ax.axhline, ax.axvline) if zero else ():
-            line(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
-    if heads is not None:
-        drawing.head_grid(axes, heads, sides or [])
-    return figure, [(ax, rows[k // count], columns[k % count]) for k, ax in enumerate(axes)]
 
 
 def part_names(dataset: xr.Dataset) -> str:
@@ -96,54 +76,6 @@ def select_part(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
     return dataset.assign(kept).assign_attrs({part: name})
 
 
-def strong_part(data: xr.Dataset, runs: Sequence[int], name: str = "") -> tuple[float, float]:
-    """Return start and end [s] of what is shown of some runs of one motion.
-
-    From 5 to 95 % of the Arias intensity and a fifth more on both sides, with the largest value
-    of the history `name`; the full time without a ground acceleration.
-    """
-    starts, ends, lasts = [], [], []
-    for run in runs:
-        time = data["time"].values[run].astype(float)
-        kept = np.isfinite(time)
-        time, ground = time[kept], data["ground_acceleration"].values[run][kept].astype(float)
-        if not len(time):
-            continue
-        growth = np.cumsum(ground**2)
-        first, last = time[0], time[-1]
-        if growth[-1] > 0.0:
-            first, last = time[np.searchsorted(growth, [FIRST * growth[-1], LAST * growth[-1]])]
-        room = MARGIN * (last - first)
-        values = data[name].values[run][kept] if name else ground[:0]
-        known = bool(name) and np.isfinite(values).all()
-        at = [time[int(np.abs(values).argmax())]] if known else []
-        starts += [place - room for place in [first, *at]]
-        ends += [place + room for place in [last, *at]]
-        lasts.append(time[-1])
-    if not lasts:
-        return 0.0, 1.0
-    return max(0.0, min(starts)), min(max(lasts), max(ends))
-
-
-def yield_point(data: xr.Dataset, run: int) -> tuple[float, float] | None:
-    """Return rotation [rad] and moment [kN m] at which the hinge yields; None without one.
-
-    The moment is that of the elastic branch, on which the hinge is up to its first yielding.
-    """
-    ductility = float(data["pier_ductility"][run])
-    if not np.isfinite(ductility) or ductility <= 0.0:
-        return None
-    rotation = float(data["pier_rotation_max"][run]) / ductility
-    path = data["pier_rotation"].values[run].astype(float)
-    path = path[np.isfinite(path)]
-    beyond = np.abs(path) > rotation
-    elastic = slice(0, int(beyond.argmax()) if beyond.any() else len(path))
-    place = int(np.abs(path[elastic]).argmax()) if len(path[elastic]) else 0
-    if not path[place]:
-        return None
-    return rotation, rotation * float(data["pier_moment"][run, place]) / path[place]
-
-
 def list_moments(time: Floats, times: Sequence[float] | None) -> list[float]:
     """Return the given times, or quarters of the longest run [s]."""
     longest = float(np.nanmax(time))
@@ -157,92 +89,235 @@ def list_moments(time: Floats, times: Sequence[float] | None) -> list[float]:
     return [float(t) for t in times]
 
 
-def profile_panel(data: xr.Dataset, run: int, whose: str, moments: list[float]) -> ProfilePanel:
-    """Return profiles of one run at the kept steps nearest to the times."""
-    mine = data.isel(run=run)
-    time = mine["time"].values
-    stack = mine.isel(cell=np.isfinite(mine["depth"].values))
-    stack.attrs["half_stack"] = data.attrs["half_stack"]
-    lead = mine["lead_temperature"].values
-    lines: list[tuple[int, Floats, float | None]] = []
-    for number, moment in enumerate(moments):
-        if moment > np.nanmax(time) * (1.0 + 1e-6):  # a run that ended early
-            continue
-        row = int(np.nanargmin(np.abs(time - moment)))
-        core = float(lead[row]) if np.isfinite(lead[row]) else None
-        lines.append((number, stack["temperature"].values[row].astype(float), core))
-    ambient = float(mine["ambient"])
-    return ProfilePanel(f"{whose}{drawing.degrees(ambient)}", ambient, stack, lines)
+class Panels(drawing.Figures):
+    """Base of the figures: panels of runs, and comparisons of models."""
 
+    def __init__(self, result: EarthquakeResult) -> None:
+        self._result, self._data, self._table = result, result.dataset, result.table
+        self._bearings = list(dict.fromkeys(self._table["bearing"]))
+        self._motions = list(dict.fromkeys(self._table["motion"]))
+        self._ambients = sorted(set(self._table["ambient_degC"]))
+        colours = drawing.ambient_colours(np.array(self._ambients, dtype=float))
+        self._colours = dict(zip(self._ambients, colours, strict=True))
+        self._run_modes = list(dict.fromkeys(result.modes))
 
-COMPARISON_SIZE = (3.1, 2.3)  # of one panel [inch]
-BLACK: drawing.Look = {"color": "#000000", "linewidth": 1.6}
-LOOP_LOOKS = {REFERENCE: BLACK, SINGLE: {"color": "#EE7733", "linewidth": 0.9}}
+    def _title(self, what: str, motions: bool = False) -> str:
+        """Return the title of a figure, which says how many motions it shows of how many."""
+        count = min(len(self._motions), MOST_COLUMNS)
+        several = motions and count < len(self._motions)
+        more = f" (first {count} of {len(self._motions)} motions)" if several else ""
+        return f"{self._data.attrs['structure']}: {what}{more}"
 
+    def _values(self, name: str, run: int) -> Floats:
+        """Return a history of a run as far as it goes."""
+        values = self._data[name].values[run]
+        return np.asarray(values[np.isfinite(self._data["time"].values[run])], dtype=float)
 
-def comparison_figure(results: dict[str, EarthquakeResult]) -> Figure:
-    """Return the inner layer in time, all models over each other (Fig. 4.13, 5.16)."""
-    names = [name for name in results if name != REFERENCE]
-    colours = drawing.ordered_colours(len(names), "turbo")
-    looks = {REFERENCE: BLACK} | {
-        name: {"color": colour, "linewidth": 0.9}
-        for name, colour in zip(names, colours, strict=True)
-    }
+    def _runs_of(self, **labels: Any) -> list[int]:
+        """Return the runs with some labels (columns of the table), from cold to warm."""
+        frame = self._table
+        for name, value in labels.items():
+            frame = frame[frame[name] == value]
+        return [int(run) for run in frame.sort_values("ambient_degC", kind="stable").index]
 
-    def _draw(ax: Axes, name: str, run: int) -> None:
-        values = results[name].places(run)[INNER]
-        time = results[name]["time"].values[run][: len(values)]
-        kept = drawing.thin(values, TIME_BINS)
-        ax.plot(time[kept], values[kept], **looks[name])
+    def _colour(self, run: int) -> str:
+        return str(self._colours[self._table["ambient_degC"][run]])
 
-    what = "temperature of the inner layer"
-    return _compare(results, looks, _draw, what, ("time [s]", "temperature [°C]"), share=False)
+    def _line(self, run: int) -> Any:
+        return LINES[self._result.modes[run]] if len(self._run_modes) > 1 else "-"
 
+    def _legend(
+        self, figure: Figure, own: list[Line2D] | None = None, more: Sequence[Line2D] = ()
+    ) -> None:
+        """Add a legend: ambient temperatures unless there are own entries, more, several modes."""
+        handles = own or [
+            Line2D([], [], color=colour, label=f"ambient {drawing.degrees(value)}")
+            for value, colour in self._colours.items()
+        ]
+        handles = [*handles, *more]
+        for mode in self._run_modes if len(self._run_modes) > 1 else []:
+            look: drawing.Look = {"linestyle": LINES[mode], "label": MODES[mode]}
+            handles.append(Line2D([], [], color=drawing.GREY, **look))
+        drawing.legend_below(figure, handles)
 
-def comparison_loops(results: dict[str, EarthquakeResult]) -> Figure:
-    """Return loops of the multi-layer model and of a single temperature (Fig. 4.11, 5.9, 5.12)."""
-    return _compare_single(results, "loops", ("bearing_strain", "bearing_force"), (STRAIN, FORCE))
+    def _note(self, ax: Axes, name: str, runs: list[int], values: Sequence[float]) -> None:
+        texts = [f"{value:.3g}" for value in values]
+        drawing.note_values(ax, name, texts, [self._colour(run) for run in runs])
 
+    def _by_bearing(
+        self,
+        what: str,
+        size: tuple[float, float],
+        labels: tuple[str, str],
+        draw: Draw,
+        *,
+        share: bool = True,
+        zero: bool = False,
+    ) -> Figure:
+        """Return the runs of the first motion: rows are bearings, columns ambient temperatures."""
+        motion = self._motions[0]
+        heads = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
+        figure, cells = self._grid(
+            self._title(f"{what}, {motion}"), size, self._bearings, self._ambients, labels,
+            heads=heads, sides=self._bearings, share=share, zero=zero,
+        )  # fmt: skip
+        for ax, bearing, ambient in cells:
+            for run in self._runs_of(bearing=bearing, ambient_degC=ambient, motion=motion):
+                draw(ax, run)
+        return figure
 
-def comparison_strains(results: dict[str, EarthquakeResult]) -> Figure:
-    """Return strains of the multi-layer model and of a single temperature (Fig. 5.10, 5.13)."""
-    return _compare_single(results, "strain", ("time", "bearing_strain"), ("time [s]", STRAIN))
+    def _grid(
+        self,
+        title: str,
+        size: tuple[float, float],
+        rows: Sequence[Any],
+        columns: Sequence[Any],
+        labels: tuple[str, str],
+        *,
+        heads: list[str] | None = None,
+        sides: list[str] | None = None,
+        share: bool | Literal["row", "col"] = True,
+        zero: bool = False,
+    ) -> tuple[Figure, list[Cell]]:
+        """Return a figure and its panels, each with what its row and its column stand for.
 
+        `size` is that of a panel [inch]; `labels` are of the axes; `zero` draws lines through zero.
+        """
+        count = len(columns)
+        inches = (max(size[0] * count, 5.0) + 0.6, size[1] * len(rows) + 1.0)
+        figure, axes = drawing.panels(len(rows), count, inches, title, share=share)
+        for k, ax in enumerate(axes):
+            last, first = k // count == len(rows) - 1, k % count == 0
+            drawing.name_axes(ax, labels[0] if last else "", labels[1] if first else "")
+            for line in (ax.axhline, ax.axvline) if zero else ():
+                line(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
+        if heads is not None:
+            drawing.head_grid(axes, heads, sides or [])
+        return figure, [(ax, rows[k // count], columns[k % count]) for k, ax in enumerate(axes)]
 
-def _compare_single(
-    results: dict[str, EarthquakeResult], what: str, names: tuple[str, str], labels: tuple[str, str]
-) -> Figure:
-    """Return the multi-layer model and a single temperature in the plane of two histories."""
+    def _strong_part(self, runs: Sequence[int], name: str = "") -> tuple[float, float]:
+        """Return start and end [s] of what is shown of some runs of one motion.
 
-    def _draw(ax: Axes, name: str, run: int) -> None:
-        data = results[name].dataset
-        kept = np.isfinite(data["time"].values[run])
-        path = (quantity(one).shown(data[one].values[run, kept].astype(float)) for one in names)
-        ax.plot(*path, **LOOP_LOOKS[name])
+        From 5 to 95 % of the Arias intensity and a fifth more on both sides, with the largest value
+        of the history `name`; the full time without a ground acceleration.
+        """
+        data = self._data
+        starts, ends, lasts = [], [], []
+        for run in runs:
+            time = data["time"].values[run].astype(float)
+            kept = np.isfinite(time)
+            time, ground = time[kept], data["ground_acceleration"].values[run][kept].astype(float)
+            if not len(time):
+                continue
+            growth = np.cumsum(ground**2)
+            first, last = time[0], time[-1]
+            if growth[-1] > 0.0:
+                first, last = time[np.searchsorted(growth, [FIRST * growth[-1], LAST * growth[-1]])]
+            room = MARGIN * (last - first)
+            values = data[name].values[run][kept] if name else ground[:0]
+            known = bool(name) and np.isfinite(values).all()
+            at = [time[int(np.abs(values).argmax())]] if known else []
+            starts += [place - room for place in [first, *at]]
+            ends += [place + room for place in [last, *at]]
+            lasts.append(time[-1])
+        if not lasts:
+            return 0.0, 1.0
+        return max(0.0, min(starts)), min(max(lasts), max(ends))
 
-    return _compare(results, LOOP_LOOKS, _draw, f"{what} of one bearing", labels)
+    def _yield_point(self, run: int) -> tuple[float, float] | None:
+        """Return rotation [rad] and moment [kN m] at which the hinge yields; None without one.
 
+        The moment is that of the elastic branch, on which the hinge is up to its first yielding.
+        """
+        data = self._data
+        ductility = float(data["pier_ductility"][run])
+        if not np.isfinite(ductility) or ductility <= 0.0:
+            return None
+        rotation = float(data["pier_rotation_max"][run]) / ductility
+        path = data["pier_rotation"].values[run].astype(float)
+        path = path[np.isfinite(path)]
+        beyond = np.abs(path) > rotation
+        elastic = slice(0, int(beyond.argmax()) if beyond.any() else len(path))
+        place = int(np.abs(path[elastic]).argmax()) if len(path[elastic]) else 0
+        if not path[place]:
+            return None
+        return rotation, rotation * float(data["pier_moment"][run, place]) / path[place]
 
-def _compare(
-    results: dict[str, EarthquakeResult],
-    looks: dict[str, drawing.Look],
-    draw: Callable[[Axes, str, int], None],
-    what: str,
-    labels: tuple[str, str],
-    share: bool = True,
-) -> Figure:
-    """Return a row for each bearing, a column for each temperature; `draw` draws each model."""
-    panels = results[REFERENCE].plot
-    runs: dict[str, dict[tuple[Hashable, ...], int]] = {n: run_keys(results[n]) for n in looks}
-    keys = list(run_keys(results[REFERENCE]))
-    modes = panels._result.modes
+    def _profile_panel(self, run: int, whose: str, moments: list[float]) -> ProfilePanel:
+        """Return profiles of one run at the kept steps nearest to the times."""
+        data = self._data
+        mine = data.isel(run=run)
+        time = mine["time"].values
+        stack = mine.isel(cell=np.isfinite(mine["depth"].values))
+        stack.attrs["half_stack"] = data.attrs["half_stack"]
+        lead = mine["lead_temperature"].values
+        lines: list[tuple[int, Floats, float | None]] = []
+        for number, moment in enumerate(moments):
+            if moment > np.nanmax(time) * (1.0 + 1e-6):  # a run that ended early
+                continue
+            row = int(np.nanargmin(np.abs(time - moment)))
+            core = float(lead[row]) if np.isfinite(lead[row]) else None
+            lines.append((number, stack["temperature"].values[row].astype(float), core))
+        ambient = float(mine["ambient"])
+        return ProfilePanel(f"{whose}{drawing.degrees(ambient)}", ambient, stack, lines)
 
-    def _draw_models(ax: Axes, run: int) -> None:
-        for name in looks if modes[run] == modes[0] else ():
-            if keys[run] in runs[name]:
-                draw(ax, name, runs[name][keys[run]])
+    def comparison(self) -> Figure:
+        """Return the inner layer in time, all models over each other (Fig. 4.13, 5.16)."""
+        results = self._result.compared
+        names = [name for name in results if name != REFERENCE]
+        colours = drawing.ordered_colours(len(names), "turbo")
+        looks = {REFERENCE: BLACK} | {
+            name: {"color": colour, "linewidth": 0.9}
+            for name, colour in zip(names, colours, strict=True)
+        }
 
-    what = f"{what}, {modes[0]}" if modes[0] else what
-    figure: Figure = panels._by_bearing(what, COMPARISON_SIZE, labels, _draw_models, share=share)
-    drawing.legend_below(figure, [Line2D([], [], label=k, **look) for k, look in looks.items()])
-    return figure
+        def _draw(ax: Axes, name: str, run: int) -> None:
+            values = results[name].places(run)[INNER]
+            time = results[name]["time"].values[run][: len(values)]
+            kept = drawing.thin(values, TIME_BINS)
+            ax.plot(time[kept], values[kept], **looks[name])
+
+        what = "temperature of the inner layer"
+        return self._compare(looks, _draw, what, ("time [s]", "temperature [°C]"), share=False)
+
+    def comparison_loops(self) -> Figure:
+        """Return loops of multi-layer and single-temperature model (Fig. 4.11, 5.9, 5.12)."""
+        return self._compare_single("loops", ("bearing_strain", "bearing_force"), (STRAIN, FORCE))
+
+    def comparison_strains(self) -> Figure:
+        """Return strains of the multi-layer and the single-temperature model (Fig. 5.10, 5.13)."""
+        return self._compare_single("strain", ("time", "bearing_strain"), ("time [s]", STRAIN))
+
+    def _compare_single(self, what: str, names: tuple[str, str], labels: tuple[str, str]) -> Figure:
+        """Return the multi-layer model and a single temperature in the plane of two histories."""
+
+        def _draw(ax: Axes, name: str, run: int) -> None:
+            data = self._result.compared[name].dataset
+            kept = np.isfinite(data["time"].values[run])
+            path = (quantity(one).shown(data[one].values[run, kept].astype(float)) for one in names)
+            ax.plot(*path, **LOOP_LOOKS[name])
+
+        return self._compare(LOOP_LOOKS, _draw, f"{what} of one bearing", labels)
+
+    def _compare(
+        self,
+        looks: dict[str, drawing.Look],
+        draw: Callable[[Axes, str, int], None],
+        what: str,
+        labels: tuple[str, str],
+        share: bool = True,
+    ) -> Figure:
+        """Return a row for each bearing, a column for each temperature; `draw` draws each model."""
+        runs = {name: run_keys(self._result.compared[name]) for name in looks}
+        panels = type(self)(self._result.compared[REFERENCE])  # without bilinear bearings
+        keys, modes = list(runs[REFERENCE]), panels._result.modes
+
+        def _draw_models(ax: Axes, run: int) -> None:
+            for name in looks if modes[run] == modes[0] else ():
+                if keys[run] in runs[name]:
+                    draw(ax, name, runs[name][keys[run]])
+
+        what = f"{what}, {modes[0]}" if modes[0] else what
+        figure = panels._by_bearing(what, COMPARISON_SIZE, labels, _draw_models, share=share)
+        drawing.legend_below(figure, [Line2D([], [], label=k, **look) for k, look in looks.items()])
+        return figure

@@ -16,7 +16,6 @@ from thermobearing.results import directory
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.metrics import LEAST_ENERGY
 from thermobearing.results.ranges import largest_tested, limits_passed, rate_note
-from thermobearing.results.saved import read_dataset
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.selection import chosen_runs, gridded, selected
 from thermobearing.results.writing import write_csv, write_dataset
@@ -460,14 +459,6 @@ class EarthquakeResult(DatasetResult):
                 if name != "mode" or any(self.modes):
                     frame.insert(place, name, values[run])
             write_csv(path, frame, below=run > 0)
-
-
-def load_earthquake(path: str | Path) -> EarthquakeResult:
-    """Return a saved result of an analysis of earthquakes; see `load_result`, which reads any.
-
-    InputError: there is no readable result of such an analysis at that path.
-    """
-    return EarthquakeResult(read_dataset(path, ("structure", "case")))
 
 
 def run_name(bearing: str, motion: str, ambient: float, mode: str) -> str:

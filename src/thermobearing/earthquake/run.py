@@ -121,7 +121,7 @@ class Task:
     @cached_property
     def reported_line(self) -> int:
         """Number of the line whose histories are kept."""
-        return self.case.told_line
+        return self.case.reported_line_number
 
     @cached_property
     def noise(self) -> Floats | None:

@@ -9,14 +9,14 @@ import pandas as pd
 import thermobearing
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.cyclic.result import Result as CyclicResult
-from thermobearing.cyclic.result import load_cyclic
-from thermobearing.earthquake.result import EarthquakeResult, load_earthquake
+from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import FIGURES, PARTS, RESOLVED, TABLE
 from thermobearing.results.ranges import TESTED, one_per_cause
+from thermobearing.results.saved import read_dataset
 from thermobearing.results.writing import write_csv
 from thermobearing.sequences.case import HybridPart, SequenceCase, load_sequence_case
 
@@ -228,8 +228,9 @@ def load_sequence(path: str | Path) -> SequenceResult:
     case = load_sequence_case(folder / RESOLVED)
     parts: list[PartResult] = []
     for number, part in enumerate(case.parts):
-        load = load_earthquake if isinstance(part, HybridPart) else load_cyclic
+        hybrid = isinstance(part, HybridPart)
         if (place := folder / PARTS / case.label(number)).is_dir():
-            parts.append(load(place))
+            data = read_dataset(place, ("structure",) if hybrid else ("segments",))
+            parts.append(EarthquakeResult(data) if hybrid else CyclicResult(data))
     ended = bool(parts) and parts[-1].outcome != COMPLETED
     return SequenceResult(case, parts, interrupted=len(parts) < len(case.parts) and not ended)

@@ -200,7 +200,7 @@ def find_modes(mass: Floats, stiffness: Floats, where: str = "structure") -> Mod
     return Modes(np.sqrt(values), shapes)
 
 
-def own_parts(structure: Structure, matrices: Matrices) -> list[Part]:
+def _own_parts(structure: Structure, matrices: Matrices) -> list[Part]:
     """Return damping ratio and stiffness of springs and hinges."""
     parts = [(one.damping_ratio, _spring_matrix(structure, one)) for one in structure.springs]
     for hinge, row in zip(structure.hinges, matrices.hinge_rows, strict=True):
@@ -208,7 +208,7 @@ def own_parts(structure: Structure, matrices: Matrices) -> list[Part]:
     return parts
 
 
-def line_parts(structure: Structure, matrices: Matrices) -> list[Part]:
+def _line_parts(structure: Structure, matrices: Matrices) -> list[Part]:
     """Return those of bearing lines with their equivalent stiffness."""
     lines = zip(structure.bearings, matrices.line_rows, strict=True)
     return [
@@ -222,14 +222,14 @@ def _energies(part: Part, shapes: Floats) -> Floats:
     return np.asarray(np.einsum("ik,ij,jk->k", shapes, part[1], shapes))
 
 
-def weighed_ratios(parts: list[Part], modes: Modes) -> Floats:
+def _weighed_ratios(parts: list[Part], modes: Modes) -> Floats:
     """Return the damping ratio of each mode, weighted with the strain energy of the parts."""
     stored = np.array([_energies(part, modes.shapes) for part in parts])
     ratios = np.array([ratio for ratio, _ in parts])
     return np.asarray(ratios @ stored / stored.sum(axis=0))
 
 
-def bare_modes(structure: Structure, matrices: Matrices) -> Modes:
+def _bare_modes(structure: Structure, matrices: Matrices) -> Modes:
     """Return the modes without the bearings that have stiffness, longest period first."""
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
     values, shapes = eigh(stiffness, matrices.mass)
@@ -303,8 +303,8 @@ def _source_matrix(structure: Structure, matrices: Matrices, modes: Modes) -> Fl
 
     a and b give these modes of the structure the ratios of all parts, or the given ones.
     """
-    parts = [*own_parts(structure, matrices), *line_parts(structure, matrices)]
-    wanted = structure.damping.ratios or tuple(weighed_ratios(parts, modes))[:DAMPED_MODES]
+    parts = [*_own_parts(structure, matrices), *_line_parts(structure, matrices)]
+    wanted = structure.damping.ratios or tuple(_weighed_ratios(parts, modes))[:DAMPED_MODES]
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
     modal = _energies((0.0, stiffness), modes.shapes)
     count = min(DAMPED_MODES, len(modes.frequencies))
@@ -320,19 +320,19 @@ def build_damping(structure: Structure, matrices: Matrices, modes: Modes) -> Flo
     InputError: ratios or modes that the structure does not have, or damping that would feed
     energy into a mode.
     """
-    damping, parts, where = structure.damping, own_parts(structure, matrices), structure.name
+    damping, parts, where = structure.damping, _own_parts(structure, matrices), structure.name
     if damping.kind == "source":
         matrix = _source_matrix(structure, matrices, modes)
     elif damping.kind == "none":
         matrix = np.zeros_like(matrices.mass)
     elif damping.kind == "element":
-        matrix = _dashpots(parts, bare_modes(structure, matrices))
-        matrix += _dashpots(line_parts(structure, matrices), modes)
+        matrix = _dashpots(parts, _bare_modes(structure, matrices))
+        matrix += _dashpots(_line_parts(structure, matrices), modes)
     else:
-        bare = bare_modes(structure, matrices)
+        bare = _bare_modes(structure, matrices)
         if not len(bare.frequencies):  # everything stands on bearings
             return np.zeros_like(matrices.mass)
-        wanted = weighed_ratios(parts, bare)
+        wanted = _weighed_ratios(parts, bare)
         if damping.kind == "modal":
             matrix = _from_ratios(matrices.mass, bare, _modal_ratios(damping, wanted, where))
         else:
