@@ -11,11 +11,11 @@ import thermobearing as tb
 from benchmarks.rows import Row, at_least, at_most, plain
 from thermobearing.identify.fit.parameters import SHAPE, default_free, with_values
 from thermobearing.identify.fit.search import _krill_herd
-from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
+from thermobearing.identify.fit.synthetic import blind_start, synthetic_record
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.uncertainty.covariance import _assumed_groups, chosen_groups, shifted
+from thermobearing.identify.uncertainty.covariance import _assumed_groups, chosen_groups, shift
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def recovery(kind: str) -> list[Row]:
     for seed in range(SEEDS):
         records = tests_of(truth, seed)
         begin = time.perf_counter()
-        found = identify_bearing(records, forgotten(truth), seed=seed)
+        found = identify_bearing(records, blind_start(truth), seed=seed)
         seconds.append(time.perf_counter() - begin)
         r2 += [fit.R2 for fit in found.fits]
         for key, item in found.uncertainty.estimates.items():
@@ -166,7 +166,7 @@ def with_another_file(bearing: tb.Bearing, seed: int) -> tb.Bearing:
     rng = np.random.default_rng(seed)
     for group in _assumed_groups(bearing, default_free(bearing, AMBIENTS), chosen_groups(None)):
         off = float(np.clip(rng.normal(), -2.4, 2.4))
-        bearing = shifted(bearing, group, abs(off) if group.name == "E2" else off)
+        bearing = shift(bearing, group, abs(off) if group.name == "E2" else off)
     return bearing
 
 
@@ -198,7 +198,7 @@ def model_error() -> list[Row]:
     truth = tb.load_bearing(NAMES["HDR"])
     rows = []
     for factor in (1.0, 1.1, 1.3, 1.5):
-        found = identify_bearing(tests_of(truth, 0, first_cycle=factor), forgotten(truth))
+        found = identify_bearing(tests_of(truth, 0, first_cycle=factor), blind_start(truth))
         lowest = min(fit.R2 for fit in found.fits)
         worth = found.uncertainty.effective_samples / found.uncertainty.samples
         note = f"{len(found.warnings)} warnings; a sample is worth {worth:.2f} of one"
@@ -253,7 +253,7 @@ def methods() -> list[Row]:
     for name, options in cases.items():
         runs = [
             identify_bearing(
-                records, forgotten(truth), seed=seed, **{"evaluations": BUDGET, **options}
+                records, blind_start(truth), seed=seed, **{"evaluations": BUDGET, **options}
             )  # type: ignore[arg-type]
             for seed in range(3)
         ]

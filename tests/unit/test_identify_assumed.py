@@ -19,12 +19,12 @@ from thermobearing.identify.fit.start import (
     BETTER,
     Sensitivity,
     candidates,
+    drop_needless,
     sensitivities,
-    without_needless,
 )
-from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
+from thermobearing.identify.fit.synthetic import blind_start, synthetic_record
 from thermobearing.identify.records.record import TestRecord, load_test
-from thermobearing.identify.records.treatment import to_be_treated
+from thermobearing.identify.records.treatment import request_treatment
 from thermobearing.identify.report import _grade
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
@@ -71,7 +71,7 @@ def test_every_symbol_is_a_parameter_and_every_group_has_a_source() -> None:
 )
 def test_shifted_numbers(name: str, key: str, sigmas: float, value: float) -> None:
     (group,) = (g for g in covariance.chosen_groups(None) if g.name == name)
-    part: object = covariance.shifted(LHDR, group, sigmas)
+    part: object = covariance.shift(LHDR, group, sigmas)
     for word in key.split("."):
         part = getattr(part, word)
     assert part == pytest.approx(value, rel=1e-9)
@@ -152,9 +152,9 @@ def test_the_uncertainty_of_ambient_temperatures_is_read(tmp_path: Path) -> None
     file.with_suffix(".toml").write_text('ambient = "-20 degC"\nambient_uncertainty = "0.2 K"')
     record = load_test(file)
     assert record.ambient_uncertainty == 0.2
-    assert to_be_treated([record], False, "", 0.1)[0].ambient_uncertainty == 0.1
+    assert request_treatment([record], False, "", 0.1)[0].ambient_uncertainty == 0.1
     with pytest.raises(tb.InputError, match="0 to 20 K"):
-        to_be_treated([record], False, "", 21.0)
+        request_treatment([record], False, "", 21.0)
     (air,) = (g for g in covariance.chosen_groups({"ambient": 0.3}) if g.keys == ["ambient"])
     assert (air.absolute, air.relative) == (0.3, None)
 
@@ -267,7 +267,7 @@ def test_what_tests_tell_nothing_of_is_held() -> None:
 
 def test_lrb_from_a_file_of_nobody() -> None:
     """The softening of lead is free before a fit without it ends at a bound (sigma_Y = 2 MPa)."""
-    start = parameters.with_values(forgotten(LRB), {parameters.ALIASES["E2"]: 0.0})
+    start = parameters.with_values(blind_start(LRB), {parameters.ALIASES["E2"]: 0.0})
     found = identify_bearing(records(LRB, HOT, (-10.0, 30.0), 27.0), start, starts=1)
     assert found.values[parameters.SIGMA_Y] == pytest.approx(10.0, rel=0.02)
     assert found.values[parameters.ALIASES["E2"]] == pytest.approx(0.0069, rel=0.05)
@@ -290,7 +290,7 @@ def test_needed_parameters_stay() -> None:
     (record,) = records(LRB, HOT, (23.0,))
     pset = parameters.parameter_set(LRB, ["K_r", "E2"], [23.0])
     problem = Problem([record], pset)
-    same, cube = without_needless(problem, pset.start, [parameters.ALIASES["E2"]])
+    same, cube = drop_needless(problem, pset.start, [parameters.ALIASES["E2"]])
     assert same is problem
     assert np.array_equal(cube, pset.start)
 
@@ -314,13 +314,8 @@ def test_a_poor_fit_says_why(poor: Identification) -> None:
     assert poor.outcome == "poor_fit"
     assert any("R2 = 0." in reason for reason in poor.poor)
     assert "--accept-poor" in poor.sentence
-    assert "a poor fit" in "\n".join(poor.warnings)
+    assert "--free s,K_r" in "\n".join(poor.warnings)
     assert poor.summary()["poor"] == poor.poor
-
-
-def test_a_poor_fit_names_what_to_free(poor: Identification) -> None:
-    said = "\n".join(poor.warnings)
-    assert "free K_r (--free s,K_r)" in said
 
 
 def test_its_bearing_does_not_load(poor: Identification, tmp_path: Path) -> None:

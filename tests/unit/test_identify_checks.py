@@ -482,7 +482,7 @@ def test_spikes_are_taken_out_only_when_told(spiky: tuple[TestRecord, list[int]]
     left, none = treatment.treat(record).to_fit(np.zeros(len(record.time), dtype=bool))
     assert left.peak_force > 250.0
     assert not none[np.abs(left.force) > 200.0].any()
-    (told,) = treatment.to_be_treated([record], True, "")
+    (told,) = treatment.request_treatment([record], True, "")
     report = check_test(told, HDR)
     assert "removed" in said_treatment(report, "note", "spikes")
     assert report.treatment is not None
@@ -514,7 +514,7 @@ def test_drift_is_found_and_taken_out_when_told(record: TestRecord, name: str) -
 
 def test_detrend_takes_known_words_only(record: TestRecord) -> None:
     with pytest.raises(tb.InputError, match='detrend = "forc"'):
-        treatment.to_be_treated([record], False, "forc")
+        treatment.request_treatment([record], False, "forc")
 
 
 def test_a_flat_signal_has_no_spikes() -> None:

@@ -40,7 +40,7 @@ from thermobearing.identify.fit.problem import (
 )
 from thermobearing.identify.fit.search import _krill_herd
 from thermobearing.identify.fit.start import _with_temperature, loop_start
-from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
+from thermobearing.identify.fit.synthetic import blind_start, synthetic_record
 from thermobearing.identify.records.cycles import compute_measures, full_cycles, turning_points
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
 from thermobearing.identify.result import _fit_warnings
@@ -426,7 +426,7 @@ def test_forward_model_is_the_simulation() -> None:
     """Every step recorded: the same force as `run`, from constants that were only updated."""
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
     record = synthetic_record(LHDR, 0.0, test, noise=0.0, sampling=200.0)
-    model = ForwardModel(record, forgotten(LHDR), fine=True)
+    model = ForwardModel(record, blind_start(LHDR), fine=True)
     predicted = model.run(LHDR)
     assert predicted is not None
     assert_allclose(predicted.force[1:], record.force[1:], atol=tol.SAME_FORCE * record.peak_force)
@@ -448,7 +448,7 @@ def test_a_weight_counts_force_and_temperature_alike() -> None:
 
 def test_start_from_the_loops_knows_the_order_of_things() -> None:
     records = [synthetic_record(HDR, at, SHORT) for at in (-20.0, 23.0)]
-    pset = parameter_set(forgotten(HDR), None, [-20.0, 23.0])
+    pset = parameter_set(blind_start(HDR), None, [-20.0, 23.0])
     start = loop_start(records, pset, Problem(records, pset).coarse)
     assert_allclose(start["hysteresis.layer_stiffness"], 30.7, rtol=tol.BACKBONE_START)
     assert_allclose(

@@ -23,7 +23,7 @@ from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_device
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.parameters import parameter_set
-from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
+from thermobearing.identify.fit.synthetic import blind_start, synthetic_record
 from thermobearing.model.earlier import models_that_fit
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.stack import EndFace
@@ -51,7 +51,7 @@ TAKERS: dict[str, Callable[[Any], Any]] = {
     "bounds_study": lambda b: tb.bounds_study(b, "jra-ii-i-1", [0.0, 23.0], duration=1),
     "check_test": lambda b: tb.check_test(RECORD, b).outcome,
     "equal_bearing": lambda b: tb.equal_bearing(b, 2.0, 150.0).stiffness,
-    "forgotten": lambda b: forgotten(b).model_dump_json(),
+    "forgotten": lambda b: blind_start(b).model_dump_json(),
     "identify_bearing": lambda b: list(
         tb.identify_bearing(RECORD, b, free=["K_r"], starts=1, blind=False).values.values()
     ),

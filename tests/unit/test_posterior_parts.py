@@ -107,4 +107,4 @@ def test_no_cause_is_named_for_no_misfit() -> None:
     tests: Any = SimpleNamespace(records=[SimpleNamespace(ambient=t) for t in (23.0, -20.0)])
     assert covariance._misfit(tests, found) == []
     large = replace(found, rms=2.0 * covariance.NEGLIGIBLE)
-    assert "the tests ask for" in " ".join(covariance._misfit(tests, large))
+    assert "likely causes" in " ".join(covariance._misfit(tests, large))

@@ -80,7 +80,7 @@ def test_fit_says_what_the_test_was(fitted: SavedResult, fit: Pieces) -> None:
     assert row["largest_strain"] == pytest.approx(100.0, rel=1e-3)
     assert row["sha256"] == conditions["sha256"][:16]
     assert "treatment" in fit.inputs
-    assert "shear strains of 100 %, air of −20 °C" in fit.answer[-1]
+    assert "shear strains of 100 % at ambient temperatures of −20 °C" in fit.answer[-1]
     assert not fit.validity
     parameters = {r[0]: r for r in fit.inputs[f"{SPECIMEN}-identified.parameters"].rows}
     assert "standard error" in parameters["Initial stiffness of one layer K_r"][3]
@@ -105,7 +105,9 @@ def test_poor_fit_says_so_first(fitted: SavedResult, tmp_path) -> None:
     (folder / "bearing.toml").write_text('poor_fit = "K_r at its bound"\n' + "\n".join(text))
     poor = identify_report.build_pieces(loaded(folder))
     assert_well_formed(poor)
-    assert poor.answer[0].startswith("The fit is not good enough to be used (poor fit): K_r at its")
+    assert poor.answer[0].startswith(
+        "The calibrated bearing is not acceptable (poor fit): K_r at its"
+    )
 
 
 def test_poorly_determined_parameters_are_told(fitted: SavedResult) -> None:

@@ -13,10 +13,10 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.parameters import default_free, with_values
-from thermobearing.identify.fit.synthetic import forgotten, synthetic_record
+from thermobearing.identify.fit.synthetic import blind_start, synthetic_record
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
-from thermobearing.identify.uncertainty.covariance import _assumed_groups, chosen_groups, shifted
+from thermobearing.identify.uncertainty.covariance import _assumed_groups, chosen_groups, shift
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 LHDR = tb.load_bearing("shen-lhdr-specimen")
@@ -56,7 +56,7 @@ def test_recovery_from_a_blind_start(
     """Table 3.4 at three temperatures with 2 % of noise, starting from nobody's values."""
     records = [synthetic_record(truth, at, seed=10 * seed + i) for i, at in enumerate(AMBIENTS)]
     records = [replace(record, ambient_uncertainty=0.0) for record in records]
-    found = identify_bearing(records, forgotten(truth), seed=seed)
+    found = identify_bearing(records, blind_start(truth), seed=seed)
     largest = assert_recovered(found, truth)
     known = [e for e in found.uncertainty.estimates.values() if e.well_determined]
     assert len(known) >= well
@@ -154,8 +154,8 @@ def test_what_the_tests_cannot_tell_is_said() -> None:
 def test_other_methods_end_at_the_same_place(method: str) -> None:
     test = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=None)
     record = synthetic_record(HDR, 23.0, test, sampling=25.0)
-    best = identify_bearing(record, forgotten(HDR))
-    other = identify_bearing(record, forgotten(HDR), method=method, evaluations=600)  # type: ignore[arg-type]
+    best = identify_bearing(record, blind_start(HDR))
+    other = identify_bearing(record, blind_start(HDR), method=method, evaluations=600)  # type: ignore[arg-type]
     for key, item in best.uncertainty.estimates.items():
         assert abs(other.values[key] - item.value) < 0.1 * item.stderr, key
 
@@ -276,7 +276,7 @@ def intervals_with_a_file_that_is_off(bearing: tb.Bearing, seed: int) -> list[bo
         bearing, default_free(bearing, (-20.0, 23.0)), chosen_groups(None)
     ):
         off = float(np.clip(rng.normal(), -2.4, 2.4))
-        truth = shifted(truth, group, abs(off) if group.name == "E2" else off)
+        truth = shift(truth, group, abs(off) if group.name == "E2" else off)
     test = tb.cyclic_test(**SHORT, wave="sine" if bearing.lead else "triangular")
     records = [
         synthetic_record(truth, at, test, seed=100 * seed + i, sampling=25.0)

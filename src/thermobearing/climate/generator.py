@@ -151,7 +151,7 @@ def _hour_of_year(dates: Dates) -> Ints:
 
 
 def _through_year(monthly: Any) -> Floats:
-    """Values of months, linear between their middles, at each hour of the year."""
+    """Return monthly values interpolated linearly between mid-months, for each hour of the year."""
     middles = DAY * (FIRST_DAY + 0.5 * DAYS)
     hours = np.arange(YEAR) + 0.5
     return np.asarray(np.interp(hours, middles, np.asarray(monthly), period=YEAR))
@@ -188,7 +188,7 @@ def _autoregressive(count: int, memory: float, random: np.random.Generator) -> F
 
 
 def _spell_rate(known: ColdSpells) -> Floats:
-    """Return how many spells begin in each hour of the year, on average."""
+    """Return the mean number of spells that begin in each hour of the year."""
     may = np.isin(MONTH_OF + 1, known.months)
     return np.asarray(known.per_year * may / may.sum())
 

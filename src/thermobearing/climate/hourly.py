@@ -73,7 +73,7 @@ class Hourly:
 
     @property
     def years(self) -> float:
-        """How long it is, in years of 365.25 days."""
+        """Length in years of 365.25 days."""
         return len(self) / (DAY * 365.25)
 
     @property
@@ -139,7 +139,7 @@ class Hourly:
         return int(np.ceil(history - 1e-9))
 
     def to_frame(self) -> "pd.DataFrame":
-        """Hour, date where it is known, and temperature as columns."""
+        """Return hour, date if known, and temperature as columns."""
         import pandas as pd
 
         frame = pd.DataFrame({"hour": np.arange(len(self)), "ambient_degC": self.temperature})

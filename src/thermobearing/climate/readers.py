@@ -127,7 +127,7 @@ def _read_epw(path: Path) -> Hourly:
 
 
 def _line(number: int, row: str) -> _Line | None:
-    """One line in numbers; None for a line within an hour."""
+    """Return the numbers of a line; None for a line within an hour."""
     cells = [cell.strip() for cell in row.split(",")]
     if len(cells) <= DRY_BULB:
         raise InputError(f"line {number}: has {len(cells)} columns; dry bulb is the seventh")
@@ -164,7 +164,7 @@ def _dates(lines: list[_Line]) -> tuple[Dates, list[str]]:
 
 
 def _date(line: _Line, year: int) -> np.datetime64:
-    """Date of the end of the hour."""
+    """Return the date of the end of the hour."""
     try:
         day = np.datetime64(f"{year:04d}-{line.month:02d}-{line.day:02d}T00", "h")
     except ValueError:  # 29 February of another year, 31 April

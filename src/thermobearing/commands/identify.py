@@ -40,7 +40,7 @@ LIMITS = Annotated[
 ]
 FIT_OPTIONS = (
     fields(
-        "identify.case:bearing_of",
+        "identify.case:find_bearing",
         "start",
         INPUT,
         start="--bearing --start|Bearing with geometry, materials and fixed parameters.|NAME/FILE",
@@ -56,7 +56,7 @@ FIT_OPTIONS = (
         temperatures="|Calibrate to the measured temperatures too.",
     ),
     fields(
-        "identify.records.treatment:to_be_treated",
+        "identify.records.treatment:request_treatment",
         "ambient_uncertainty despike detrend",
         INPUT,
         ambient_uncertainty="|Standard uncertainty of the ambient temperature of every test [K]; "
@@ -116,26 +116,26 @@ def _identify(
     end: Ending,
 ) -> Answer:
     """Calibrate the parameters of a bearing to cyclic tests, with their uncertainty."""
-    from thermobearing.identify.case import bearing_of
+    from thermobearing.identify.case import find_bearing
     from thermobearing.identify.records.record import load_test
-    from thermobearing.identify.records.treatment import to_be_treated
+    from thermobearing.identify.records.treatment import request_treatment
     from thermobearing.identify.uncertainty.posterior import need_emcee
 
     records = [load_test(path) for path in [*tests, *given.pop("hold_out", [])]]
-    bearing = bearing_of(records, given.pop("start", None))
+    bearing = find_bearing(records, given.pop("start", None))
     names = ("despike", "detrend", "ambient_uncertainty")
     treatment: dict[str, Any] = {name: given.pop(name) for name in names if name in given}
     if check:  # writes nothing without an output directory
         if end.output is not None:
             end.target()
-        return _look_over(to_be_treated(records, **treatment), bearing, end)
+        return _look_over(request_treatment(records, **treatment), bearing, end)
     if bearing is None:
         raise InputError(
             "which bearing? give --bearing NAME/FILE, or bearing = ... in the sidecar: a fit needs "
             "its geometry and materials (thermobearing list names the built-in ones)"
         )
     target = end.target(f"identify-{records[0].name}")
-    records = to_be_treated(records, **treatment)
+    records = request_treatment(records, **treatment)
     sampled, predicted = given.pop("posterior", False), given.pop("ambients", [])
     if sampled:
         need_emcee()

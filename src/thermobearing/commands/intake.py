@@ -77,12 +77,12 @@ def _measure(
     """
     from thermobearing.bearing.library import load_bearing
     from thermobearing.cyclic.tables import measured_table
-    from thermobearing.identify.records.measured import measured_cycles
+    from thermobearing.identify.records.measured import measure_cycles
     from thermobearing.results.screen import show_table
 
     end.check()
     specimen = load_bearing(bearing)
-    found = measured_cycles(file, specimen)
+    found = measure_cycles(file, specimen)
     last: Answer = {
         "cycles": [
             dataclasses.asdict(cycle) | {"ends": ends}

@@ -1,4 +1,4 @@
-"""A fit as data: the tests, the bearing they belong to, what is free, how to search."""
+"""Input of a calibration: tests, bearing, free parameters and search options."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ SEARCH = 2000  # evaluations of krill herd and differential evolution
 
 @dataclass(frozen=True)
 class IdentifyCase:
-    """Everything a fit needs; see `identify_bearing`."""
+    """Input of a calibration; see `identify_bearing`."""
 
     records: list[TestRecord]  # of one bearing, at least one
     bearing: Bearing  # geometry and materials, and the values of what is not free
@@ -43,7 +43,7 @@ class IdentifyCase:
 
 
 class SearchKeywords(TypedDict, total=False):
-    """Attributes of `IdentifyCase` that say how to search, as keyword arguments."""
+    """Search options of `IdentifyCase` as keyword arguments."""
 
     method: Method
     loss: Loss
@@ -57,7 +57,7 @@ class SearchKeywords(TypedDict, total=False):
 def make_identify_case(
     records: Sequence[Test] | Test, bearing: Bearing | str | Path, **options: Any
 ) -> IdentifyCase:
-    """A checked case of a fit.
+    """Return a checked case of a calibration.
 
     `records`: one or more tests: from `load_test`, `record_from_arrays`, or paths; `bearing`: a
     Bearing, a library name, or a TOML file; `options`: the other attributes of `IdentifyCase`, each
@@ -73,9 +73,9 @@ def make_identify_case(
     )
     if effective_exposure(case.bearing, None) is not None:
         raise InputError(
-            f"{case.bearing.name} has the table exposure: a fit finds what the specimen was, "
-            "exposed or not, and would hide the factors in it. Take the table out, fit, and give "
-            "it to the bearing that is made of the fit"
+            f"{case.bearing.name} has the table exposure, whose factors would be contained in the "
+            "calibrated parameters. Remove the table, calibrate, and add it to the calibrated "
+            "bearing"
         )
     choices = (("method", case.method, get_args(Method)), ("loss", case.loss, get_args(Loss)))
     for name, value, known in choices:
@@ -91,8 +91,8 @@ def make_identify_case(
     return case
 
 
-def bearing_of(records: Sequence[TestRecord], start: str | None = None) -> Bearing | None:
-    """The one bearing that tests belong to."""
+def find_bearing(records: Sequence[TestRecord], start: str | None = None) -> Bearing | None:
+    """Return the bearing that the tests belong to."""
     names = {record.bearing for record in records if record.bearing}
     if start is None and len(names) > 1:
         raise InputError(f"the tests name several bearings ({', '.join(sorted(names))})")

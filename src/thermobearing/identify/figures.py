@@ -210,7 +210,7 @@ class IdentificationFigures(ComparisonFigures):
         ax.yaxis.set_minor_formatter("{x:g}" if decades < 1.0 else "")
         ax.yaxis.set_major_formatter("{x:g}")
         ax.tick_params(which="both", labelsize=drawing.SMALL)
-        drawing.name_axes(ax, "evaluations (all records each)", "rms residual [% of peak]")
+        drawing.name_axes(ax, "evaluations of all tests", "rms residual [% of peak]")
         return figure
 
     def correlation(self) -> Figure:
@@ -281,8 +281,8 @@ class IdentificationFigures(ComparisonFigures):
         ax.plot(x, model, marker + "-", color=colour, markersize=3.5, linewidth=1.0)
 
     def band(self, band: Band) -> Figure:
-        """Draw the loops at a temperature within their 95 % band, and the force at each turn."""
-        words = " (not tested)" if band.beyond_tested else ""
+        """Draw the loops at a temperature in their 95 % band, and the force at each reversal."""
+        words = " (outside calibration range)" if band.beyond_tested else ""
         title = self._title(f"predicted at {drawing.degrees(band.ambient)}{words}")
         figure, (loops, peaks) = drawing.panels(1, 2, (10.0, 4.4), title)
         x, force = band.displacement, band.best
@@ -303,9 +303,9 @@ class IdentificationFigures(ComparisonFigures):
         peaks.vlines(number, *ends, color=PALE_TEST, linewidth=BAND_WIDTH)
         peaks.plot(number, side * force[shown], "o", color=MODEL, markersize=3.5)
         peaks.set_ylim(bottom=min(0.0, *peaks.get_ylim()))
-        drawing.name_axes(peaks, "turn of the motion", "force on the side of the turn [kN]")
-        drawing.name_axes(peaks, title="force at each turn")
-        band95 = Line2D([], [], color=PALE_TEST, linewidth=6.0, label="95 %, parameters alone")
-        best = Line2D([], [], color=MODEL, marker="o", markersize=3.5, label="best fit")
+        drawing.name_axes(peaks, "reversal", "force at the reversal [kN]")
+        drawing.name_axes(peaks, title="force at each reversal")
+        band95 = Line2D([], [], color=PALE_TEST, linewidth=6.0, label="95 % band (parameters only)")
+        best = Line2D([], [], color=MODEL, marker="o", markersize=3.5, label="best estimate")
         drawing.legend_below(figure, [band95, best])
         return figure

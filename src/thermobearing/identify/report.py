@@ -1,7 +1,7 @@
-"""Tables of a calibration and of checked tests, and their reports.
+"""Tables and reports of a calibration and of checked tests.
 
-The tables are made of what summary.json or a CSV file holds; the console shows some of them, and
-`validate` too.
+The tables are built from the content of summary.json or of a CSV file. The console shows some of
+them, and `validate` uses them too.
 """
 
 from collections.abc import Mapping, Sequence
@@ -42,21 +42,21 @@ CONDITIONS += ["thermocouples", "sha256"]
 BRIEF = ["symbol", "unit", "estimate", "standard_error", "interval_lower", "interval_upper"]
 BRIEF += ["determined"]
 CYCLE_MEASURES = ("G_eq_error", "h_eq_error", "energy_error", "force_max_error")
-MARKED = " Marked: beyond what the bearing was tested at."
+MARKED = " Marked: outside the calibration range of the bearing."
 LOOP_POINTS = 2000  # of a test
 CAPTIONS = {
-    "loops": "Measured loops (band) and the fitted model (line) of every test.",
+    "loops": "Measured loops (band) and loops of the calibrated model (line) of every test.",
     "cycles": "Measures of each cycle in test and model, with the error of each test.",
-    "residuals": "Force of the model less that of the test, sample by sample.",
-    "temperatures": "Thermocouples of the tests and the model at their places.",
+    "residuals": "Difference of model and test force at each sample, and its distribution.",
+    "temperatures": "Measured temperatures, and those of the model at the thermocouples.",
     "correlation": "Correlation of the estimates.",
-    "band": "Prediction: best fit and 95 % band, of loops and of the force at each turn.",
-    "held_out_loops": "Loops of the tests that judge the fit, and the model.",
-    "held_out_cycles": "Each cycle of the tests that judge the fit: the model off the test.",
-    "held_out_ratios": "Largest loop of the tests that judge the fit: the model off the test.",
-    "held_out_residuals": "Force of the model less that of the tests that judge the fit.",
-    "folds": "Parameters without each group of tests, compared with those of all.",
-    "convergence": "Best misfit of the search against its evaluations.",
+    "band": "Predicted loops and force at each reversal: best estimate and 95 % band.",
+    "held_out_loops": "Loops of the validation tests and of the model.",
+    "held_out_cycles": "Model error in each cycle of the validation tests.",
+    "held_out_ratios": "Model error in the largest loop of each validation test.",
+    "held_out_residuals": "Difference of model and test force in the validation tests.",
+    "folds": "Parameters without each group of tests, compared with those from all tests.",
+    "convergence": "Smallest residual of the search against the number of evaluations.",
 }
 
 
@@ -71,7 +71,7 @@ def tests_table(records: Sequence[Row]) -> Table:
         rows.append(row | {"sha256": str(held.get("sha256", ""))[:16]})
     usual = all(row.get("weight", 1.0) == 1.0 for row in rows)
     names = [name for name in CONDITIONS if not (usual and name == "weight")]
-    note = "Of the hash the first 16 digits; all are in summary.json."
+    note = "The first 16 digits of each SHA-256 are listed; summary.json contains all of them."
     return make_table(pd.DataFrame(rows), names, "Tests", note=note)
 
 
@@ -95,7 +95,9 @@ def _treatment_table(records: Sequence[Row]) -> Table:
                 "columns_not_used": ", ".join(record.get("unused_columns", [])),
             }
         )
-    note = "Rests that were logged are held; spikes and drift are removed only on request."
+    note = (
+        "Logged rests are held at constant displacement; spikes and drift are removed on request."
+    )
     return make_table(pd.DataFrame(rows), caption="Treatment of the records", note=note)
 
 
@@ -131,7 +133,8 @@ def parameters_table(summary: Row, names: Sequence[str] | None = None) -> Table:
         }
         for key, item in summary["parameters"].items()
     ]
-    note = f"Standard errors include those of the values that are not free. {_correlated(summary)}"
+    note = "Standard errors include the uncertainty of the parameters that are held. "
+    note += _correlated(summary)
     caption = "Identified parameters"
     return make_table(pd.DataFrame(rows), names, caption, keys=2, note=note, keep_keys=True)
 
@@ -167,7 +170,7 @@ def _correlated(summary: Row) -> str:
     ]
     if not pairs:
         return f"No correlation reaches {STRONG:g}."
-    return f"Strongly correlated: {joined(pairs)}; read them together."
+    return f"Strongly correlated: {joined(pairs)}; interpret them together."
 
 
 def agreement_table(records: Sequence[Row]) -> Table:
@@ -181,9 +184,9 @@ def agreement_table(records: Sequence[Row]) -> Table:
             row |= {f"{name}_least": min(errors), f"{name}_largest": max(errors)}
         rows.append(row)
     note = (
-        "R² and NRMSE of the force over the complete test; errors of its cycles (model over test, "
+        "R² and NRMSE are those of the force over the complete test. Errors of its cycles (model / "
     )
-    note += "less one) from the least to the largest."
+    note += "test - 1) are given from the smallest to the largest."
     return make_table(pd.DataFrame(rows), caption="Agreement with the tests", keys=2, note=note)
 
 
@@ -200,8 +203,8 @@ def cycles_table(cycles: pd.DataFrame) -> Table:
         names += [f"{name}_test", f"{name}_model", f"{name}_error"]
     names += ["F+_test", "F+_model", "F-_test", "F-_model"]
     left = len(cycles) - len(frame)
-    note = "K_eq and h_eq as Eq. 3.1 and 3.2; displacement: half the range of a cycle, which is "
-    note += "the test's and moves the model."
+    note = "K_eq and h_eq follow Eq. 3.1 and 3.2. The displacement is half the range of a cycle; "
+    note += "the model follows the measured displacement."
     note += f" {left} more cycles are in cycles.csv." if left else ""
     heads = dict.fromkeys(("K_eq_error", "h_eq_error", "energy_error"), "error")
     return make_table(
@@ -229,7 +232,7 @@ def errors_table(caption: str, tests: Sequence[Row]) -> Table:
     ]
     beyond = frame.get("beyond_tested", pd.Series("", index=frame.index)).fillna("")
     marks = ["ambient" in str(names).split() for names in beyond]
-    note = "Largest error over the cycles (model over test, less one)."
+    note = "Largest error over the cycles (model / test - 1)."
     note += MARKED if any(marks) else ""
     keys = [name for name in ("role", "test") if name in frame]
     keys += [name for name in ("bearing", "model") if frame[name].nunique() > 1]
@@ -242,8 +245,8 @@ def posterior_table(posterior: Row) -> Table:
     """Return the peak forces that the samples of the posterior predict."""
     rows = posterior.get("peak_force", [])
     marks = ["ambient" in str(row.get("beyond_tested") or "").split() for row in rows]
-    note = f"Of {posterior.get('samples')} samples of the posterior ({posterior.get('source')}); "
-    note += "they are in posterior.csv." + (MARKED if any(marks) else "")
+    note = f"From {posterior.get('samples')} samples of the posterior ({posterior.get('source')}), "
+    note += "in posterior.csv." + (MARKED if any(marks) else "")
     names = ("ambient_degC", "best_kN", "lower_kN", "upper_kN")
     how: dict[str, Any] = {"keys": 0, "marked": {"ambient_degC": marks}, "note": note}
     return make_table(pd.DataFrame(rows), names, "Predicted peak force", **how)
@@ -256,20 +259,20 @@ def _undetermined_table(summary: Row) -> Table:
         if (known := _grade(item)) in (AT_BOUND, NOT, POORLY):
             near = {AT_BOUND: AT_BOUND, NOT: "near its bound"}.get(known)
             spread = near or f"± {item['stderr']:.2g} {item['unit']}".strip()
-            rows.append((item["symbol"], spread, "free, and hardly determined by the tests"))
+            rows.append((item["symbol"], spread, "free, but poorly determined by the tests"))
     for key, item in summary.get("sensitivity", {}).items():
         if not item.get("free", True):
-            why = "held: these tests say too little about it"
+            why = "held: the tests contain too little information on it"
             if item["stderr_of_source"] is not None and item["stderr_expected"] is not None:
-                why = f"held: its source knows it to ± {item['stderr_of_source']:.2g}, these tests "
-                why += f"to ± {item['stderr_expected']:.2g}"
+                why = f"held: ± {item['stderr_of_source']:.2g} by its source, "
+                why += f"± {item['stderr_expected']:.2g} by these tests"
             rows.append((content.key_words(key), "not free", why))
     for item in summary["assumed"]:
         share, size = item["relative_uncertainty"], item["absolute_uncertainty"]
         spread = f"± {100.0 * share:.3g} %" if share is not None else f"± {size:g}"
         rows.append((item["name"], f"{spread} {item.get('unit', '')}".strip(), item["source"]))
     frame = pd.DataFrame(rows, columns=["what", "uncertainty", "reason_or_source"])
-    return make_table(frame, caption="What the tests do not determine")
+    return make_table(frame, caption="Parameters that the tests do not determine")
 
 
 def build_pieces(saved: SavedResult) -> Pieces:
@@ -284,11 +287,10 @@ def build_pieces(saved: SavedResult) -> Pieces:
     checks = _report_checks(summary)
     return content.build_pieces(
         "identify",
-        f"Identification of {summary['bearing']}",
-        f"Which parameters does the bearing {bearing_words(named)} have, by "
-        f"{counted(len(tests), 'test')} ({joined(tests)}) at "
-        f"{degrees([r['ambient_degC'] for r in summary['records']])}, how well are they known, "
-        "and how well does the model agree with the tests?",
+        f"Calibration of {summary['bearing']}",
+        f"Calibration of the bearing {bearing_words(named)} to {counted(len(tests), 'test')} "
+        f"({joined(tests)}) at {degrees([r['ambient_degC'] for r in summary['records']])}: "
+        "parameters, their uncertainty, and agreement of the model with the tests.",
         _answer(summary, bearing, checks),
         checks=checks,
         judged=False,
@@ -330,14 +332,14 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
     found = []
     if summary["outcome"] != "completed":
         outcome, sentence = summary["outcome"].replace("_", " "), tidy(summary["sentence"])
-        found.append(f"The fit is not good enough to be used ({outcome}): {sentence}")
+        found.append(f"The calibrated bearing is not acceptable ({outcome}): {sentence}")
     parameters, records = list(summary["parameters"].values()), summary["records"]
     values = [
         f"{item['symbol']} = {number(item['value'], '.4g')} {item['unit']}".strip()
         + f" ({number(item['lower'], '.4g')} to {number(item['upper'], '.4g')})"
         for item in parameters
     ]
-    found.append(f"Identified, with 95 % intervals: {joined(values)}.")
+    found.append(f"Calibrated parameters with 95 % intervals: {joined(values)}.")
     cycles = [cycle for record in records for cycle in record["cycles"]]
     worst = ("G_eq_error", "G_e"), ("h_eq_error", "h_eq"), ("energy_error", "energy")
     off = [
@@ -345,24 +347,24 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
         for name, words in worst
     ]
     found.append(
-        f"The model agrees with the tests with R² of {min(r['R2'] for r in records):.4f} or more "
-        f"(NRMSE at most {percent(max(r['NRMSE'] for r in records), 1)}); single cycles are off "
-        f"by up to {joined(off)}."
+        f"R² of the force is at least {min(r['R2'] for r in records):.4f} in every test (NRMSE at "
+        f"most {percent(max(r['NRMSE'] for r in records), 1)}); errors of single cycles are up to "
+        f"{joined(off)}."
     )
     largest = percent(max(_relative_error(p) for p in parameters), 1)
     known = f"Standard errors are at most {largest} of the estimates"
     if weak := [p["symbol"] for p in parameters if _grade(p) in (POORLY, AT_BOUND, NOT)]:
         known = f"Poorly determined by these tests: {joined(weak)}"
     held = summary.get("held_out")
-    judged = f" Tests that were held out: {held['verdict']} the limits." if held else ""
+    judged = f" Validation tests: {held['verdict']} the limits." if held else ""
     found.append(f"{known}.{judged} {content.verdict_of(checks)}")
     tested = bearing.get("tested_range") or {}
     if "strain" in tested:
         strains = " to ".join(dict.fromkeys(percent(end) for end in tested["strain"]))
         air = " to ".join(dict.fromkeys(quantity(end) for end in tested["ambient"]))
         found.append(
-            f"The bearing is valid for what these tests cover: shear strains of {strains}, air of "
-            f"{air}; the table of its range is complete."
+            f"The bearing is valid for shear strains of {strains} at ambient temperatures of "
+            f"{air}; the table of its calibration range lists all limits."
         )
     return found
 
@@ -376,7 +378,7 @@ def _report_tables(saved: SavedResult) -> dict[str, Table]:
         "records": agreement_table(summary["records"]),
         "cycles": None if cycles is None else cycles_table(cycles),
         "thermocouples": thermocouples_table(summary["thermocouples"]),
-        "held_out": errors_table("Tests that judge the fit", held["tests"]),
+        "held_out": errors_table("Validation tests", held["tests"]),
         "posterior": posterior_table(summary.get("posterior") or {}),
         "undetermined": _undetermined_table(summary),
     }
@@ -390,7 +392,7 @@ def _report_checks(summary: Row) -> list[Check]:
             float(record["R2"]),
             UNUSABLE,
             "",
-            f"below it a fit is not used; below {POOR_R2:g} it is reported as poor",
+            f"minimum for acceptance; below {POOR_R2:g} a warning is given",
             PASSED if record["R2"] >= UNUSABLE else EXCEEDED,
             lower=True,
         )
@@ -413,14 +415,14 @@ def error_check(name: str, whose: str, error: float | None, limit: float, verdic
     value = float("nan") if error is None else abs(100.0 * error)
     known = {"within": PASSED, "beyond": EXCEEDED}.get(str(verdict), NOT_JUDGED)
     what = f"error of {name}, {whose}"
-    return Check(what, value, 100.0 * limit, "%", "limit of the errors", known)
+    return Check(what, value, 100.0 * limit, "%", "limit of the error", known)
 
 
 def _assumptions(summary: Row, bearing: Row) -> list[str]:
     found = [
         f"Search: {summary['method']}, {counted(int(summary['evaluations']), 'evaluation')}. "
-        "Standard errors include the scatter along each test and the uncertainty of the values "
-        "that are not free."
+        "Standard errors include the scatter along each test and the uncertainty of the parameters "
+        "that are held."
     ]
     held = [
         f"{key.rsplit('.', 1)[-1].replace('_', ' ')} = {number(item['value'], '.4g')} "
@@ -430,7 +432,7 @@ def _assumptions(summary: Row, bearing: Row) -> list[str]:
     if held:
         found.append(f"Held at the values of the starting bearing: {joined(held)}.")
     said = [text for r in summary["records"] for text in r["conditions"]["assumptions"]]
-    found += [tidy(f"Not given by the files: {text}") for text in dict.fromkeys(said)]
+    found += [tidy(f"Not stated in the files: {text}") for text in dict.fromkeys(said)]
     contradicted = [item["name"] for item in summary["assumed"] if item["contradicted"]]
     if contradicted:
         found.append(f"The tests contradict the assumed {joined(contradicted)}.")
@@ -438,23 +440,28 @@ def _assumptions(summary: Row, bearing: Row) -> list[str]:
 
 
 def _checked(saved: SavedResult) -> Pieces:
-    """Return the pieces of the report of `identify --check`: findings, nothing fitted."""
+    """Return the pieces of the report of `identify --check`, which calibrates nothing."""
     records = saved.summary["records"]
     refused, warned = (
         joined(str(r["name"]) for r in records if r["outcome"] == outcome)
         for outcome in ("refused", "warning")
     )
-    verdict = f"{refused} cannot be used" if refused else "All of them can be used"
+    verdict = f"{refused} cannot be used" if refused else "All tests can be used"
     more = f"; {warned} with the warnings below" if warned else ""
     return Pieces(
         command="check",
-        title="Checked tests",
-        question=f"Can {counted(len(records), 'test')} "
-        f"({joined(str(r['name']) for r in records)}) be fitted?",
-        answer=[f"{verdict}{more}.", f"They hold {sum(int(r['cycles']) for r in records)} cycles."],
+        title="Check of tests",
+        question=f"Suitability of {counted(len(records), 'test')} "
+        f"({joined(str(r['name']) for r in records)}) for a calibration.",
+        answer=[
+            f"{verdict}{more}.",
+            f"They contain {sum(int(r['cycles']) for r in records)} cycles.",
+        ],
         inputs={"treatment": _treatment_table(records)},
         tables={"findings": _findings_table(records)},
-        figures=content.saved_figures(saved, {"check": "The test as it was read, and its cycles."}),
-        validity_unknown="Nothing was fitted, so there is no verdict on validity.",
+        figures=content.saved_figures(
+            saved, {"check": "The test as it was recorded, its loops and the findings."}
+        ),
+        validity_unknown="Nothing was calibrated, so no statement on validity is made.",
         identity=content.saved_identity(saved, "thermobearing.check_test(...) in Python"),
     )

@@ -1,4 +1,4 @@
-"""The result of a calibration: the bearing with its numbers, their uncertainty, the agreement."""
+"""The result of a calibration: bearing, parameters with their uncertainty, and agreement."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -40,21 +40,21 @@ from thermobearing.results.writing import without_formulas, write_csv
 if TYPE_CHECKING:
     from thermobearing.identify.uncertainty.posterior import Forecast
 
-POOR_R2 = 0.98  # coefficient of determination below which the fit is called poor
-UNUSABLE = 0.9  # below it a fit is no bearing: forces that are all off by 31 % have this R2
+POOR_R2 = 0.98  # coefficient of determination below which a warning is given
+UNUSABLE = 0.9  # minimum for acceptance: forces with an error of 31 % throughout have this R2
 FIRST_CYCLE = 0.04  # of the peak force: first cycles stiffer than later ones by this are reported
 AVERAGED = (
-    "the fitted values are averages of both. Set first_cycle_weight = 0 in the sidecar to fit the "
-    "later cycles, or give the bearing a table scragging to fit both"
+    "the calibrated values are averages of both. Set first_cycle_weight = 0 in the sidecar to "
+    "calibrate to the later cycles only, or add a table scragging to the bearing to match both"
 )
-LATER = "they had no weight; the bearing is that of the later ones, and too soft in a first cycle"
+LATER = "they had no weight: the bearing matches the later cycles and is too soft in a first cycle"
 ENERGY = 0.15  # error of a cycle's energy that is reported
 OF_ESTIMATE = ["stderr", "stderr_of_tests", "lower", "upper", "at_bound"]  # in summary.json
 OF_ESTIMATE += ["determined", "well_determined"]
 SENTENCES = {
-    "not_converged": "The search stopped before it converged. Give more --starts.",
-    "poor_fit": "bearing.toml is marked and does not load. Look at figures/loops.png and the "
-    "warnings; --accept-poor writes it without the mark.",
+    "not_converged": "The search did not converge. Increase --starts.",
+    "poor_fit": "bearing.toml is marked as a poor fit and cannot be loaded. See figures/loops.png "
+    "and the warnings; --accept-poor writes it without the mark.",
 }
 
 
@@ -98,10 +98,10 @@ class Identification(Result):
     method, evaluations, seconds : of the search; runs of all records, and time [s].
     history : evaluations, and the best mean squared relative residual so far.
     problem : the residuals, for the posterior.
-    sensitivity : what the tests would determine; empty if the user chose what is free.
-    inputs : options of the fit, for reports.
+    sensitivity : how well the tests would determine each parameter; empty if `free` was given.
+    inputs : options of the calibration, for reports.
     outcome : "completed", "not_converged" or "poor_fit".
-    forecast : samples of the posterior and predicted bands, shown and saved too; None without.
+    forecast : samples of the posterior and predicted bands; None without.
 
     Examples
     --------
@@ -183,7 +183,7 @@ class Identification(Result):
 
     @property
     def poor(self) -> list[str]:
-        """Why the bearing should not be used; empty for a fit that is good enough."""
+        """Reasons why the bearing should not be used; empty if the agreement is acceptable."""
         said = [
             f"{fit.record.name}: R2 = {fit.R2:.3f}"
             for fit in self.fits
@@ -209,11 +209,11 @@ class Identification(Result):
         if not any(map(_virgin_warning, self.fits)):  # which is the cause of the misfit
             said = self.uncertainty.misfit + said
         said += self.uncertainty.warnings
-        said += [f"the fitted bearing has {sentence}" for sentence in implausible(self.bearing)]
+        said += [f"the calibrated bearing has {sentence}" for sentence in implausible(self.bearing)]
         if self.poor:
             said.append(f"a poor fit: {'; '.join(self.poor)}")
         if self.outcome == "not_converged":
-            said.append("the search stopped before it converged: give more starts")
+            said.append("the search did not converge: increase starts")
         return said
 
     def tables(self) -> dict[str, Table]:
@@ -323,7 +323,7 @@ class Identification(Result):
             samples.to_csv(folder / SAMPLES, index=False, float_format="%.6g", lineterminator="\n")
         table = _bearing_table(self)
         (folder / IDENTIFIED).write_text(tomli_w.dumps(table), encoding="utf-8")
-        if self.outcome != "poor_fit":  # nobody should make bearings of it
+        if self.outcome != "poor_fit":  # other bearings must not be derived from it
             compound = compound_of(
                 bearing_from_table(table, "fit"), f"{self.bearing.name}-compound"
             )
@@ -383,14 +383,15 @@ def _bearing_table(found: "Identification") -> dict[str, Any]:
         )
     if changes["temperature_law"] is not bearing.temperature_law:
         keys = ("temperature_law.coldest", "temperature_law.warmest")
-        sources |= dict.fromkeys(keys, "air of the tests; the rubber itself was warmer")
+        sources |= dict.fromkeys(keys, "ambient temperatures of the tests; the rubber was warmer")
     return with_sources(to_table(bearing.model_copy(update=changes)), sources)
 
 
 def _range_of_law(found: "Identification") -> TemperatureLaw | None:
-    """Return the temperature law with the air of the tests as its range, if m_T or n_T were free.
+    """Return the temperature law with the ambient temperatures of the tests as its range.
 
-    Tests at one temperature fix no range; the rubber was warmer, but no test says how much.
+    Only if m_T or n_T were free. Tests at one temperature determine no range; the rubber was
+    warmer than the air, but no test shows by how much.
     """
     law = found.bearing.temperature_law
     if not {M_T, N_T} & set(found.uncertainty.estimates):

@@ -2,8 +2,8 @@
 
     tests -> checks -> start from the loops -> what is free -> search -> polish -> uncertainty
 
-`identify_bearing` makes a case of its arguments, `run_identify` carries it out. The residuals are
-in problem.py, the model in forward.py, the search in search.py.
+`identify_bearing` creates a case from its arguments, `run_identify` runs it. The residuals are in
+problem.py, the model in forward.py, the search in search.py.
 """
 
 import time
@@ -39,9 +39,9 @@ from thermobearing.identify.fit.search import search
 from thermobearing.identify.fit.start import (
     Sensitivity,
     candidates,
+    drop_needless,
     loop_start,
     sensitivities,
-    without_needless,
 )
 from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.cycles import full_cycles
@@ -70,24 +70,24 @@ def identify_bearing(
     ----------
     records : one or more tests of `load_test` or `record_from_arrays`, or their files.
     bearing : geometry and materials, and the values of what is not free.
-    free : keys or symbols ("K_r"), ties as "n_T = 2.4 * m_T"; by default what these tests can
-        determine.
-    bounds : other bounds than the default ones, by key or symbol, in the unit of the parameter.
+    free : keys or symbols ("K_r"), ties as "n_T = 2.4 * m_T"; by default the parameters that
+        these tests can determine.
+    bounds : replacements of default bounds, by key or symbol, in the unit of the parameter.
     method : "least-squares" (bounded trust region from several starts), "krill-herd"
         (Gandomi & Alavi 2012) or "differential-evolution"; the last two end with least
         squares unless `polish` is False.
     seed : of all random numbers.
     starts : points that least squares starts from, 1 to 100; the first comes from the loops.
     loss : "linear", or a robust one of scipy: "soft_l1", "huber", "cauchy".
-    temperatures : fit the thermocouples too.
+    temperatures : calibrate to the thermocouples too.
     blind : start from the loops; False starts from the values of the bearing.
     polish : end with least squares.
     evaluations : budget of krill herd or differential evolution, 1 to a million.
     assumed : relative standard uncertainty, 0 to 2, of values that are not identified, by dotted
         key or symbol: {"materials.side_film": 0.1}; 0 is known exactly. Others keep the default.
-    accept_poor : accept a poor fit (R2 below 0.9, a parameter near its bound) as completed.
-    one_temperature : free m_T and n_T, if `free` has them, though the ambient temperatures of the
-        tests differ by less than 10 K; without it they are held, with a warning.
+    accept_poor : accept a poor agreement (R2 below 0.9, a parameter near its bound).
+    one_temperature : free m_T and n_T, if `free` contains them, even if the ambient temperatures
+        of the tests differ by less than 10 K; otherwise they are held, with a warning.
 
     Returns
     -------
@@ -124,7 +124,7 @@ def identify_bearing(
 
 
 def run_identify(case: IdentifyCase) -> Identification:
-    """Carry out a case of `make_identify_case`."""
+    """Run the calibration of a case from `make_identify_case`."""
     begin = time.perf_counter()
     records, base = case.records, case.bearing
     checks = [check_test(record, base) for record in records]
@@ -138,12 +138,12 @@ def run_identify(case: IdentifyCase) -> Identification:
     cube, converged = search(problem, case), True
     if case.free is None:
         added = [item.key for item in sensitivity if item.free and not item.usual]
-        problem, cube = without_needless(problem, cube, added)
+        problem, cube = drop_needless(problem, cube, added)
     if case.polish:
         cube, converged = polished(problem, cube)
     predictions = [p for p in problem.predict(cube) if p is not None]
     if len(predictions) != len(records):
-        raise InputError("the model ends early in these tests with all parameters tried")
+        raise InputError("the model did not complete these tests with any of the parameters tried")
     covered = _range_of_tests(records, predictions, base.total_rubber_thickness)
     uncertainty = estimate(problem, cube, chosen_groups(case.assumed))
     uncertainty.warnings[:0] = held
@@ -181,9 +181,9 @@ def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str
     if not held:
         return case, []
     why = (
-        f"{' and '.join(held)} held at the value of {case.bearing.name}: the tests are at "
+        f"{' and '.join(held)} held at the value of {case.bearing.name}, because the tests are at "
         f"{ambients[0]:g} degC only; {remedy({M_T})}. --one-temperature (one_temperature=True) "
-        "frees them all the same"
+        "frees them nevertheless"
     )
     if not others:
         raise InputError(f"free: nothing else is free; {why}")
@@ -193,7 +193,7 @@ def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str
 def _problem(
     case: IdentifyCase, records: list[TestRecord], left_out: list[NDArray[np.bool_]]
 ) -> tuple[Problem, dict[str, float], list[Sensitivity]]:
-    """Return the residuals with what is free, the starting values, and why it is free."""
+    """Return the problem with its free parameters, the starting values, and the sensitivities."""
     base, ambients = case.bearing, [record.ambient for record in records]
     coarse = [ForwardModel(record, base) for record in records]
 
@@ -228,7 +228,7 @@ def _problem(
 def _range_of_tests(
     records: Sequence[TestRecord], predictions: Sequence[Prediction], rubber: float
 ) -> Validity:
-    """Return the range of each quantity in some tests, as the file of a bearing holds it.
+    """Return the calibration range that tests cover, as in the file of a bearing.
 
     Strains are those of the full cycles (of the complete test if there are none), over the total
     thickness `rubber` [mm]; the temperature of the lead is the model's.

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 FEWEST = 10  # smallest number of rows of a test
 TABLES = ("columns", "units", "thermocouples")
 USED = (*COLUMNS, "strain")
-HEADS = [Quantity(head) for head in ("column", "unit", "taken as", "because of")]
+HEADS = [Quantity(head) for head in ("column", "unit", "used as", "reason")]
 
 
 @dataclass(frozen=True)
@@ -336,7 +336,7 @@ def _take_in_one(path: Path, bearing: Bearing | str | Path | None) -> Intake:
 
 
 def _file_keys(readings: Readings, parts: int) -> dict[str, Any]:
-    """The keys of a sidecar for the file: its name, its sheet, or its blocks."""
+    """Return the keys of a sidecar for the file: its name, its sheet, or its blocks."""
     found, given = readings.recognised, readings.given
     if {"file", "blocks"} & given.keys():
         return {}
@@ -351,7 +351,7 @@ def _file_keys(readings: Readings, parts: int) -> dict[str, Any]:
 
 
 def _column_keys(columns: list[ColumnGuess]) -> dict[str, Any]:
-    """The keys of a sidecar for the recognised columns."""
+    """Return the keys of a sidecar for the recognised columns."""
     keys: dict[str, dict[str, str]] = {name: {} for name in TABLES}
     for column in columns:
         if column.holds in COLUMNS:

@@ -29,7 +29,7 @@ PARTLY = (
     "The model did not complete every test; the table lists the outcome of each. Try smaller "
     "strains, a warmer start or another model."
 )
-OF_A_FOLD = "The fit of a fold stopped before it converged. Give more --starts."
+OF_A_FOLD = "The calibration of a fold did not converge. Increase --starts."
 # Quantities with limits: relative errors, and NRMSE relative to the largest force.
 QUANTITIES = {
     "K_eq": "equivalent stiffness",

@@ -1,7 +1,7 @@
 """Bearings compared with tests: as they are, or calibrated to other tests.
 
     tests, bearings -> checks -> model at every sample -> ratios per cycle -> verdicts
-    tests -> some are held out -> fit to the others -> the fitted bearing judged by those held out
+    tests -> some are held out -> calibration to the others -> validation with those held out
 
 Displacement and ambient temperature come from the test (Shen 2023, 4.4.2 and 5.4.2). For a cross
 validation either the user names the tests held out, or every test is once: `folds` groups of them,
@@ -25,7 +25,7 @@ from thermobearing.identify.case import IdentifyCase, Test, make_identify_case
 from thermobearing.identify.comparison import Comparison
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.records.checks import check_test
-from thermobearing.identify.records.record import TestRecord, load_test, reached_in
+from thermobearing.identify.records.record import TestRecord, load_test, reached_values
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import run_identify
 from thermobearing.model.earlier import Model
@@ -115,7 +115,7 @@ def _judge(
     models: Sequence[Model] = ("multi-layer",),
     limits: Mapping[str, float] = LIMITS,
 ) -> Validation:
-    """Compare bearings with tests that are checked and treated already (`_as_fitted`).
+    """Compare bearings with tests that are already checked and treated (`_as_fitted`).
 
     Models that a bearing does not support are skipped: `lead-alone` needs lead.
     """
@@ -175,7 +175,7 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
     found = forward.run()
     lead = found.lead if found else None
     rubber = bearing.total_rubber_thickness
-    reached = reached_in(record, rubber, record.ambient, lead)
+    reached = reached_values(record, rubber, record.ambient, lead)
     name = f"{bearing.name}, {model}, {record.name}, {record.ambient:g} degC"
     asked = asked_of_tests(name, reached, calibration_ranges(bearing))
     return Comparison(record, bearing.name, model, rubber, found, forward.ended, asked)

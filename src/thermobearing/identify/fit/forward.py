@@ -1,6 +1,6 @@
-"""The model driven through a record, with parameters that are quick to change.
+"""The model with the displacement of a record, with parameters that are quick to change.
 
-Stack, cells and time steps are made once per record; an evaluation changes the numbers of
+Stack, cells and time steps are built once per record; an evaluation changes the numbers of
 rubber, lead and rate dependence only. Steps may be coarser than the samples: fine where the
 motion turns (the loop is steep there) and longer along a leg; Z is exact for any increment,
 and the force between two steps is interpolated along the displacement. No step is shorter than

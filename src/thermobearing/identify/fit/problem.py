@@ -22,7 +22,7 @@ from thermobearing.identify.fit.parameters import ParameterSet
 from thermobearing.identify.records.cycles import full_cycles, turning_points
 from thermobearing.identify.records.record import TestRecord
 
-LOST = 2.0  # residual where the model ends early: twice the largest force
+LOST = 2.0  # residual if the model does not complete the test: twice the largest force
 KELVIN = 5.0  # a temperature that is off by this counts as ...
 KELVIN_AS = 0.05  # ... a force that is off by this part of the largest
 ROBUST_SCALE = 0.02  # of the largest force: beyond it a robust loss bends
@@ -34,7 +34,7 @@ BLOCK_TURN = 0.05  # of the largest displacement: half cycles larger than this a
 class Problem:
     """Least squares between records and model over the unit cube of the free parameters.
 
-    `clipped` holds for each record the samples that do not count, `coarse` the models with coarse
+    `clipped` contains for each record the samples without weight, `coarse` the models with coarse
     steps if they exist already. `loss` sets the weights of outliers in the uncertainty.
     """
 
@@ -227,7 +227,7 @@ class Linear:
         return np.asarray(sandwich * np.outer(grow, grow) / np.outer(scale, scale))
 
 
-def linearised(problem: Problem, cube: Floats, *, fine: bool = True) -> Linear:
+def linearise(problem: Problem, cube: Floats, *, fine: bool = True) -> Linear:
     """Linearise a fit at a point of the unit cube."""
     plain = problem.parts(cube, fine=fine)
     roots = [np.sqrt(_robust_weights(part, problem.loss)) for part in plain]

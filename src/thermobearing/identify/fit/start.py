@@ -9,9 +9,9 @@ and shape, which act near the turns only, are picked from a short list by runnin
 The derivatives of the forces at the starting values give the information of the tests (Fisher),
 with a residual as fits of real tests leave it. Assumed values have the uncertainty of their source
 as a prior. From all parameters of the bearing those are dropped, worst first, that the tests would
-determine less well than their source does; each dropped one joins the assumed values. The numbers
+determine less well than their source does; each dropped one becomes an assumed value. The numbers
 of Tables 4.2 and 5.2 and the yield stress of lead, which differ from bearing to bearing by more
-than the spread of one compound, are dropped only where the tests say nothing about them.
+than the spread of one compound, are dropped only where the tests contain no information on them.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.forward import ForwardModel
-from thermobearing.identify.fit.problem import AT_BOUND, Problem, half_cycles, linearised
+from thermobearing.identify.fit.problem import AT_BOUND, Problem, half_cycles, linearise
 from thermobearing.identify.records.cycles import TURN, turning_points
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.uncertainty.covariance import CLEAR, Group, linearise_assumed
@@ -217,18 +217,16 @@ def _worth(problem: Problem) -> Floats:
     return np.concatenate(found)
 
 
-def without_needless(
-    problem: Problem, cube: Floats, added: Sequence[str]
-) -> tuple[Problem, Floats]:
-    """Return a fit without the added parameters that came out as nothing, as in the file.
+def drop_needless(problem: Problem, cube: Floats, added: Sequence[str]) -> tuple[Problem, Floats]:
+    """Return a problem without the added parameters that ended at zero effect, as in the file.
 
-    E2 of lead without softening is one: free it would stop at its end of 0 in half of all fits.
+    E2 of lead without softening is one: free, it would end at 0 in half of all calibrations.
     """
     known = {key: kinds.KINDS[key].end for key in added}
     ends = {key: end for key, end in known.items() if end is not None}
     if not ends:
         return problem, cube
-    linear = linearised(problem, cube, fine=False)
+    linear = linearise(problem, cube, fine=False)
     stderr = np.full(len(cube), np.inf)
     stderr[linear.inside] = np.sqrt(np.diag(linear.covariance()))
     needless = []

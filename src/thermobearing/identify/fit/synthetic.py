@@ -1,4 +1,4 @@
-"""Synthetic tests: what a planned programme would identify, and proofs of fits."""
+"""Synthetic tests: to plan a test programme, and to verify calibrations."""
 
 from pathlib import Path
 
@@ -28,20 +28,20 @@ def synthetic_record(
     through_rests: bool = False,
     seed: int = 0,
 ) -> TestRecord:
-    """A record as a laboratory would make it, from the model with noise.
+    """Create a test record from the model, with noise, as a laboratory would measure it.
 
     Parameters
     ----------
-    bearing : what is "tested": a Bearing, a library name, or a TOML file.
+    bearing : the bearing that is "tested": a Bearing, a library name, or a TOML file.
     ambient : [degC].
-    test : what is done; Table 3.4 by default (sine waves for bearings with lead).
+    test : the loading; Table 3.4 by default (sine waves for bearings with lead).
     noise : standard deviation of the force, relative to its peak, 0 to 10.
     memory : correlation of the noise from sample to sample, in [0, 1); 0 is white.
     sampling : [Hz], 1e-6 to 1e6; ends of legs are recorded too.
-    first_cycle : factor on the force of the first cycle of each amplitude, 0.1 to 10: an error
-        of the law put in on purpose, like scragging.
+    first_cycle : factor on the force of the first cycle of each amplitude, 0.1 to 10: an
+        intentional model error, similar to scragging.
     jitter : standard deviation of the noise of the displacement [mm], 0 to 10.
-    through_rests : the logger runs on in rests, at its rate.
+    through_rests : record samples during rests too.
     seed : of the noise.
 
     Returns
@@ -99,7 +99,7 @@ def synthetic_record(
 
 
 def _logged(time: Floats, x: Floats, sampling: float) -> NDArray[np.bool_]:
-    """Return the steps that a logger keeps: every n-th while moving, turns, and rests."""
+    """Return the steps that a logger records: every n-th while moving, reversals, and rests."""
     gaps = np.diff(time, prepend=time[0])
     usual = float(np.median(gaps[1:]))
     every = max(1, round(1.0 / (sampling * usual)))
@@ -112,8 +112,8 @@ def _logged(time: Floats, x: Floats, sampling: float) -> NDArray[np.bool_]:
     return np.asarray(kept)
 
 
-def forgotten(bearing: Bearing | str | Path) -> Bearing:
-    """Return a bearing with the parameters of no bearing, to start a fit blind."""
+def blind_start(bearing: Bearing | str | Path) -> Bearing:
+    """Return a bearing with parameters that belong to no bearing, to start a calibration from."""
     bearing = as_bearing(bearing)
     values = {k.key: k.blind for k in available(bearing) if k.blind is not None}
     return with_values(bearing, values)

@@ -41,7 +41,7 @@ SOFTEST, STIFFEST = 0.2, 12.0  # equivalent shear modulus of bearings, cold ones
 LARGEST_STRAIN, SMALLEST_STRAIN = 4.0, 0.05
 OTHER_RUBBER = 0.02  # of the total rubber thickness: how far that of the file may be from it
 TONF = 9.80665
-SLIPS = (  # factors on force and displacement that would mend it, and what was then mixed up
+SLIPS = (  # factors on force and displacement that would correct a mistake, and the mistake
     (TONF, 1.0, "force in tonf labelled kN"),
     (1.0 / TONF, 1.0, "force in kN labelled tonf"),
     (1e-3, 1.0, "force in N labelled kN"),
@@ -64,29 +64,29 @@ COLDEST, HOTTEST = -80.0, 250.0  # thermocouples [degC]
 
 @dataclass
 class CheckReport:
-    """What was found in a record."""
+    """The findings in a record."""
 
     record: TestRecord
     cycles: list[Cycle] = field(default_factory=list)  # full ones
     findings: list[Finding] = field(default_factory=list)  # in the order of the checks
-    # Samples at which the force was saturated; a fit leaves them out.
+    # Samples at which the force was saturated; a calibration ignores them.
     clipped: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     treatment: Treatment | None = None  # None for what is no test at all
 
     @property
     def steady(self) -> TestRecord:
-        """The record with rests held and spikes bridged: what most checks look at."""
+        """The record with rests held and spikes bridged, which most checks use."""
         return self.treatment.steady if self.treatment else self.record
 
     @property
     def refusals(self) -> list[str]:
-        """Why the record cannot be fitted; empty if it can."""
+        """Reasons why the record cannot be used in a calibration; empty if it can."""
         where = self.record.file or self.record.name
         return [f"{where}: {f.sentence}" for f in self.findings if f.level == "refused"]
 
     @property
     def outcome(self) -> str:
-        """The gravest level: "refused", "warning" or "good"."""
+        """The most severe level: "refused", "warning" or "good"."""
         return _gravest({finding.level for finding in self.findings})
 
 
@@ -107,7 +107,7 @@ def check_test(
 
     Returns
     -------
-    CheckReport : whatever the record holds; see its `refusals`.
+    CheckReport : for any record; see its `refusals`.
 
     Raises
     ------
@@ -143,9 +143,13 @@ def check_test(
     findings += _check_zero(steady, cycles)
     if report.clipped.any():
         largest = float(np.abs(record.force[report.clipped]).max())
-        said = f"force is clipped at {largest:.4g} kN in {int(report.clipped.sum())} samples: the "
-        said += "load cell or amplifier was saturated; a fit leaves them out, and peak forces of "
-        findings.append(warn("saturation", said + "the test are too small"))
+        said = (
+            f"the force is clipped at {largest:.4g} kN in {int(report.clipped.sum())} samples: the "
+        )
+        said += (
+            "load cell or amplifier was saturated; a calibration ignores these samples, and the "
+        )
+        findings.append(warn("saturation", said + "peak forces of the test are too small"))
     if bearing is not None and cycles:
         findings += check_plausibility(steady, bearing)
     findings += _check_thermocouples(record)
@@ -159,17 +163,17 @@ def _check_file(record: TestRecord) -> Iterator[Finding]:
     if record.unused:
         yield note("columns", f"columns not used: {', '.join(record.unused)}")
     if record.rubber_thickness is not None:
-        said = "displacement over strain gives a total rubber thickness of "
+        said = "the ratio of displacement to strain gives a total rubber thickness of "
         yield note("rubber", f"{said}{record.rubber_thickness:.4g} mm")
 
 
 def _check_numbers(record: TestRecord) -> Iterator[Finding]:
-    """Yield a refusal of numbers that are no test: time that steps back, constant signals."""
+    """Yield a refusal if time does not increase or a signal is constant."""
     back = np.flatnonzero(~(np.diff(record.time) > 0.0))
     if len(back):
         k = int(back[0])
         said = f"time does not increase from {record.time[k]:g} to {record.time[k + 1]:g} s (rows "
-        yield refuse("time", f"{said}{k + 1} and {k + 2}): files joined, or columns swapped?")
+        yield refuse("time", f"{said}{k + 1} and {k + 2}): were files joined, or columns swapped?")
         return
     for name, unit in UNITS.items():
         values = getattr(record, name)
@@ -185,11 +189,12 @@ def _check_sign(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
     energy = sum(loop_energy(d[rows], f[rows]) for rows in loops)
     along = float(np.corrcoef(d, f)[0, 1])
     if energy < 0.0 and along > 0.0:
-        said = f"the loops give back work ({energy:.4g} kN mm) although force goes with "
-        said += "displacement: the columns of displacement and force look swapped"
+        said = f"the loops generate energy ({energy:.4g} kN mm) although the force has the sign of "
+        said += "the displacement: the columns of displacement and force seem to be swapped"
         yield refuse("columns", said)
     elif not along > 0.0:
-        said = "force has the opposite sign of displacement: set flip_force = true in the sidecar"
+        said = "the force has the opposite sign of the displacement: set flip_force = true in the "
+        said += "sidecar"
         yield refuse("sign", said)
 
 
@@ -205,7 +210,7 @@ def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
         yield warn("sampling", f"{said}bearing moved {ways[k]:.3g} mm")
     speed = float(np.sum(ways[moving]) / max(float(np.sum(gaps[moving])), 1e-12))
     if not SLOWEST <= speed <= FASTEST:
-        said = f"mean speed is {speed:.3g} mm/s: is the unit of time or displacement right?"
+        said = f"the mean speed is {speed:.3g} mm/s: check the units of time and displacement"
         yield warn("speed", said)
     rests = int(((gaps > PAUSE) & ~moving).sum())
     said = f"{len(record.time)} samples, usually {1e3 * usual:.3g} ms apart, mean speed {speed:.3g}"
@@ -219,21 +224,22 @@ def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
 def _check_cycles(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     """Yield the number of full cycles, and a record that does not begin and end at zero."""
     if not full:
-        said = "no full cycle (zero, one side, other side, zero) was found: a fit needs reversals"
+        said = "no full cycle (zero, one side, other side, zero) was found: a calibration needs "
+        said += "reversals"
         yield refuse("cycles", said)
         return
     if len(full) == 1:
-        said = "one cycle only: the virgin loop cannot be separated from later ones, amplitude "
-        yield warn("cycles", said + "dependence (b) from stiffness, or heating from the rest")
+        said = "only one cycle: the tests cannot distinguish an unscragged loop from later ones, "
+        yield warn("cycles", said + "amplitude dependence (b) from stiffness, or heating from both")
     levels = sum(c.number == 1 for c in full)
-    yield note("cycles", f"{len(full)} full cycles at {levels} amplitudes in a row")
+    yield note("cycles", f"{len(full)} full cycles at {levels} successive amplitudes")
     first, last = record.displacement[0], record.displacement[-1]
     away = ENDS_AWAY * record.peak_displacement
     if abs(last) > away:
-        said = f"the record ends at {last:.4g} mm, in the middle of a cycle: truncated?"
+        said = f"the record ends at {last:.4g} mm, in the middle of a cycle: is it truncated?"
         yield warn("end", said)
     if abs(first) > away:
-        said = f"the record begins at {first:.4g} mm: the model has to get there first, from rest"
+        said = f"the record begins at {first:.4g} mm: the model moves there first, from rest"
         yield warn("begin", said)
 
 
@@ -251,12 +257,12 @@ def _check_zero(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
         shown = f"{offset:.2g} {UNITS[name]}"
         if abs(offset) > OFFSET * peak or sure:
             said = f"the middle of the {name} loops is at {shown} ({abs(offset) / peak:.1%} of the "
-            said += f'peak), not at zero: left in; {name}_offset = "{shown}" in the sidecar takes '
-            yield warn("offset", said + "it away")
+            said += f'peak), not at zero: set {name}_offset = "{shown}" in the sidecar to '
+            yield warn("offset", said + "remove the offset")
         else:
             near.append(f"{shown} in the {name}")
     if near:
-        said = f"middle of the loops at {' and '.join(near)}: not significant"
+        said = f"offset of {' and '.join(near)}: not significant"
         yield note("zero", said)
 
 
@@ -291,7 +297,7 @@ def _find_clipped(record: TestRecord) -> NDArray[np.bool_]:
 
 
 def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding]:
-    """Yield what the largest strain and the shear modulus there say of the units of a test.
+    """Yield findings on the units of a test, from its largest strain and the shear modulus there.
 
     The record has its rests held and spikes bridged, and one full cycle at least. Numbers that no
     bearing has are refused.
@@ -303,11 +309,11 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
         said = f"{strain:.0%} of the total rubber thickness of {rubber:g} mm: wrong unit, or the "
         yield refuse("strain", f"{reached}, {said}wrong bearing?")
     elif strain < SMALLEST_STRAIN:
-        said = f"displacement reaches {strain:.1%} of the total rubber thickness only: wrong unit?"
+        said = f"displacement reaches only {strain:.1%} of the total rubber thickness: wrong unit?"
         yield warn("strain", said)
     file = record.rubber_thickness
     if file is not None and abs(file - rubber) > OTHER_RUBBER * rubber:
-        said = f"displacement over strain gives a total rubber thickness of {file:.4g} mm, but "
+        said = f"displacement and strain give a total rubber thickness of {file:.4g} mm, but "
         said += f"the bearing has {rubber:g} mm: the wrong bearing, or a wrong unit?"
         yield warn("rubber", said)
     try:
@@ -324,7 +330,7 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
 
 
 def _suspected_slip(modulus: float, strain: float) -> str:
-    """Return the slips of units that would make a modulus [MPa] and a strain plausible."""
+    """Return the mistakes in units that would explain a modulus [MPa] and a strain."""
     said = [
         f"{what} ({modulus * force / way:.3g} MPa)"
         for force, way, what in SLIPS
@@ -338,10 +344,12 @@ def _check_thermocouples(record: TestRecord) -> Iterator[Finding]:
     """Yield thermocouples that look broken, or do not start near the ambient temperature."""
     for title, values in record.temperatures.items():
         if values.min() < COLDEST or values.max() > HOTTEST:
-            said = f"{title} runs from {values.min():.3g} to {values.max():.3g} degC: broken?"
+            ends = f"{values.min():.3g} to {values.max():.3g} degC"
+            said = f"{title} reads {ends}: is the sensor broken?"
             yield warn("thermocouple", said)
         elif abs(values[0] - record.ambient) > 5.0:
-            said = f"{title} starts at {values[0]:.3g} degC, the ambient is {record.ambient:g} degC"
+            said = f"{title} starts at {values[0]:.3g} degC, but the ambient temperature is "
+            said += f"{record.ambient:g} degC"
             yield warn("thermocouple", said)
 
 

@@ -64,7 +64,7 @@ class MeasuredCycles:
         return write_directory(Path(directory), _fill, overwrite=overwrite)
 
 
-def measured_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
+def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
     """Measure the full cycles in a laboratory's file.
 
     `path` is a table with displacement and force, or its sidecar; `bearing` gives the plan area and

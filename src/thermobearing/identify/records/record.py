@@ -1,7 +1,7 @@
 """The record of a laboratory's test, and the conditions that its summary reports.
 
 `TestRecord` holds all samples in one line of time; tables/laboratory.py reads them from files and
-sidecars. What had to be assumed (clock, ambient temperature) is kept with it.
+sidecars. Assumptions (clock, ambient temperature) are stored with it.
 """
 
 import hashlib
@@ -59,8 +59,8 @@ def _describe_drift(time: Floats, ambient: Floats) -> str:
     way = "wanders" if not straight else "rises" if line > 0.0 else "falls"
     return (
         f"the ambient temperature {way} by {wandered:.1f} K within the test, from "
-        f"{middles[0]:.1f} to {middles[-1]:.1f} degC: its mean, {ambient.mean():.1f} degC, stands "
-        "for all of it; cut the file where that is too much, or give ambient"
+        f"{middles[0]:.1f} to {middles[-1]:.1f} degC: the mean, {ambient.mean():.1f} degC, is used "
+        "for the complete test; split the file or state ambient if that is too inaccurate"
     )
 
 
@@ -70,22 +70,23 @@ class TestRecord:
 
     Attributes
     ----------
-    name, file : what it is called, where it came from.
+    name, file : name of the test, and the file that it was read from.
     time, displacement, force : samples [s, mm, kN]; force has the sign of displacement.
     block : number of the block that each sample belongs to.
     ambient : temperature of the chamber [degC]; the bearing starts at it.
     temperatures : samples of thermocouples [degC] by title, and
-    places : where each of them sits, "rubber 1" (outer layer), ..., "lead".
-    weight, first_cycle_weight : of this record in a fit; of its first cycles in addition.
-    cycle_balance : 0 counts forces as they are, 1 relative to the peak of their own cycle; between
-        them, to that power. Small cycles count for nothing else where large ones are in the record.
-    assumptions : what the file did not say.
+    places : position of each of them, "rubber 1" (outer layer), ..., "lead".
+    weight, first_cycle_weight : of this record in a calibration; of its first cycles in addition.
+    cycle_balance : 0 uses forces as they are, 1 relative to the peak of their own cycle; between
+        them, to that power. Otherwise small cycles have no effect next to large ones.
+    assumptions : values that the file did not state.
     bearing : name or file of the bearing, if the sidecar gave one.
-    unused : titles of the file's columns that nothing was made of.
-    rubber_thickness : total of the bearing [mm], as displacement over a column of strains says it.
-    guessed_places : thermocouples whose place was read from their title, not from a sidecar.
-    despike : take spikes out before a fit.
-    detrend : whose drift to take out before a fit: "force", "displacement", "both", or "".
+    unused : titles of the columns of the file that are not used.
+    rubber_thickness : total rubber thickness [mm], from displacement and a column of strains.
+    guessed_places : thermocouples whose place was inferred from their title.
+    despike : remove spikes before a calibration.
+    detrend : signals whose drift is removed before a calibration: "force", "displacement",
+        "both", or "".
     ambient_uncertainty : standard uncertainty of `ambient` [K], >= 0; None for the usual 0.5 K.
     """
 
@@ -113,7 +114,7 @@ class TestRecord:
     guessed_places: tuple[str, ...] = ()
 
     def of_bearing(self, bearing: Bearing) -> "TestRecord":
-        """Return the test without guessed places of thermocouples that a bearing does not have."""
+        """Return the test without thermocouples at guessed places that a bearing does not have."""
         layers = [f"rubber {k + 1}" for k in range(bearing.geometry.rubber_layers)]
         held = {*layers, "lead"} if bearing.lead is not None else set(layers)
         lost = {title for title in self.guessed_places if self.places.get(title) not in held}
@@ -140,14 +141,14 @@ class TestRecord:
 def record_from_arrays(
     time: Floats, displacement: Floats, force: Floats, ambient: float, *, name: str = "test"
 ) -> TestRecord:
-    """A record from histories in memory; gaps in time while nothing moves are rests.
+    """Create a record from arrays; gaps in time without motion are rests.
 
     Parameters
     ----------
     time : [s], increasing.
     displacement, force : [mm], [kN], force with the sign of displacement.
     ambient : [degC].
-    name : what reports call it.
+    name : of the test in reports.
 
     Returns
     -------
@@ -174,7 +175,7 @@ def record_from_arrays(
 
 
 def load_test(path: str | Path) -> TestRecord:
-    r"""A test from its table of samples or from its sidecar TOML.
+    r"""Read a test from its table of samples or from its TOML sidecar.
 
     Parameters
     ----------
@@ -238,7 +239,7 @@ def _rubber_thickness(values: dict[str, Floats], assumptions: list[str]) -> floa
     way, strain = values["displacement"] - values["displacement"].mean(), strain - strain.mean()
     slope = float(way @ strain / (strain @ strain))
     if float(np.abs(way - slope * strain).max()) > TOGETHER * float(np.abs(way).max()):
-        assumptions.append("strains are not proportional to the displacement: not used")
+        assumptions.append("the strains are not proportional to the displacement and are not used")
         return None
     return abs(100.0 * slope)
 
@@ -249,13 +250,13 @@ def _ambient(readings: Readings, assumptions: list[str]) -> float:
         return readings.sidecar.ambient
     column = readings.values.get("ambient")
     if column is None:
-        said = f"no ambient temperature: {ASSUMED_AMBIENT:g} degC assumed; give ambient"
+        said = f"no ambient temperature is stated: {ASSUMED_AMBIENT:g} degC is assumed"
         assumptions.append(said)
         return ASSUMED_AMBIENT
     if np.ptp(column) > STEADY:
         raise InputError(
-            f"ambient runs from {column.min():g} to {column.max():g} degC; one record has one "
-            "ambient temperature: cut the file in one per temperature, or give ambient",
+            f"the ambient temperature ranges from {column.min():g} to {column.max():g} degC, but a "
+            "record has one: split the file by temperature, or state ambient",
             str(readings.file),
         )
     drift = _describe_drift(readings.values["time"], column) if "time" in readings.values else ""
@@ -264,7 +265,7 @@ def _ambient(readings: Readings, assumptions: list[str]) -> float:
 
 
 def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
-    """Return what summary.json says of the conditions of a test.
+    """Return the content of summary.json about the conditions of a test.
 
     `rubber` is the total thickness of the bearing's rubber [mm]. The digest is the SHA-256 of time,
     displacement and force as they were read.
@@ -287,13 +288,13 @@ def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
     }
 
 
-def reached_in(
+def reached_values(
     record: TestRecord, rubber: float, ambient: float, lead: tuple[float, float] | None
 ) -> dict[str, float | Ends]:
-    """Return what the history of a record asks of a bearing, as `reached_by` does.
+    """Return the strain, rate and temperatures that a record reaches, as `reached_by` does.
 
-    `rubber` is the total thickness [mm], `ambient` the air [degC], `lead` the coldest and warmest
-    lead [degC].
+    `rubber` is the total rubber thickness [mm], `ambient` the ambient temperature [degC], `lead`
+    the lowest and highest temperature of the lead [degC].
     """
     time, x = record.time, record.displacement
     air, warm = (ambient, ambient), None if lead is None else np.array(lead)

@@ -1,11 +1,11 @@
-"""The treatment of a record between reading it and fitting it: rests, spikes, drift of zeros.
+"""Treatment of a record before a calibration: rests, spikes and drift of the zeros.
 
 Rests are always treated as rests. Spikes and drift are found and reported; they are removed only
-if the record asks for it, since a leap or a drift may be the bearing's.
+if the record requests it, since a jump or a drift may be caused by the bearing.
 
-A resting bearing jitters in the record and not in the rig. Taken for motion, each wiggle
-unloads the model a little, and thousands of them walk its force down; and where most samples are
-rest, a fit by samples is a fit to the rests.
+The displacement of a resting bearing jitters in the record, not in the rig. Used as motion, each
+fluctuation unloads the model a little, and thousands of them reduce its force; and where most
+samples are at rest, a calibration to samples is one to the rests.
 """
 
 from collections import deque
@@ -54,7 +54,7 @@ FEWEST_CYCLES = 4  # a line through fewer middles, without first cycles, says no
 
 @dataclass(frozen=True)
 class Finding:
-    """Something noticed in a record: how grave it is, which check, a sentence with numbers."""
+    """A finding in a record: its severity, the check, and a sentence with numbers."""
 
     level: Literal["refused", "warning", "note"]
     check: str
@@ -84,7 +84,7 @@ def _find_rests(record: TestRecord) -> list[tuple[int, int]]:
 
 
 def _leg_time(record: TestRecord) -> float:
-    """Median time from 10 to 90 % of the way of a large leg [s]."""
+    """Return the median time from 10 to 90 % of the way of a large leg [s]."""
     x, peak = record.displacement, record.peak_displacement
     times = []
     for a, b in pairwise(turning_points(x, LARGE * peak).tolist()):
@@ -96,7 +96,7 @@ def _leg_time(record: TestRecord) -> float:
 
 
 def _reach(x: Floats, band: float) -> Ints:
-    """The earliest sample from which the signal stays in a band until each sample."""
+    """Return the earliest sample from which the signal stays in a band until each sample."""
     first, begin = np.zeros(len(x), dtype=np.int64), 0
     highs, lows = deque[int](), deque[int]()
     values = x.tolist()
@@ -167,7 +167,7 @@ class Drift(NamedTuple):
 
 @dataclass(frozen=True)
 class Treatment:
-    """What was found in a record, and the record as it is checked and as it is fitted."""
+    """Findings in a record, and the record as it is checked and as it is used in a calibration."""
 
     record: TestRecord  # as it was read
     noise: dict[str, float]  # standard deviation by signal [mm, kN]
@@ -179,13 +179,13 @@ class Treatment:
     cleaned: TestRecord  # all samples, rests at their mean; spikes and drift removed if asked for
 
     def to_fit(self, left_out: Flags) -> tuple[TestRecord, Flags]:
-        """Return the record that a fit sees, and which of its samples do not count in the force."""
+        """Return the record for a calibration, and the samples whose force has no weight."""
         bad = left_out | self.spikes["force"] if self.record.despike else left_out
         short, kept, resting = _thin_rests(self.cleaned, self.rests)
         return short, bad[kept] | resting
 
     def summary(self) -> dict[str, Any]:
-        """Return what summary.json says of the treatment."""
+        """Return the content of summary.json about the treatment."""
         return {
             "noise": {f"{name}_{UNITS[name]}": value for name, value in self.noise.items()},
             "rests": len(self.rests),
@@ -202,13 +202,13 @@ def _detrended(record: TestRecord) -> list[str]:
     return [name for name in UNITS if record.detrend in (name, "both")]
 
 
-def to_be_treated(
+def request_treatment(
     records: list[TestRecord],
     despike: bool = False,
     detrend: str = "",
     ambient_uncertainty: float | None = None,
 ) -> list[TestRecord]:
-    """Return the records with treatments besides those that their sidecars ask for.
+    """Return the records with treatments in addition to those in their sidecars.
 
     `detrend` is "force", "displacement", "both" or "", `ambient_uncertainty` a standard uncertainty
     in K, 0 to 20.
@@ -223,7 +223,7 @@ def to_be_treated(
 
 
 def treat(record: TestRecord) -> Treatment:
-    """Find rests, spikes and drift of a record, and remove them as its settings ask.
+    """Find rests, spikes and drift of a record, and remove them if its settings request it.
 
     Its time increases, and its signals are not constant.
     """
@@ -258,7 +258,7 @@ def treat(record: TestRecord) -> Treatment:
 
 
 def _find_spikes(values: Floats, possible: Floats | float = 0.0) -> NDArray[np.bool_]:
-    """Return which samples leap out of a signal and come back.
+    """Return which samples jump out of a signal and back.
 
     A Hampel test for loops: a sample is a spike if it lies outside all running medians around it
     by more than eight times the noise, by more than half of what the signal does there anyway, so
@@ -284,7 +284,7 @@ def _bridge(time: Floats, values: Floats, bad: NDArray[np.bool_]) -> Floats:
 
 
 def _around(steps: Floats) -> Floats:
-    """The largest step from one sample to the next in the window around each sample."""
+    """Return the largest step from one sample to the next in the window around each sample."""
     from scipy.ndimage import maximum_filter1d
 
     steepest = np.maximum(np.append(steps, 0.0), np.insert(steps, 0, 0.0))
@@ -292,7 +292,7 @@ def _around(steps: Floats) -> Floats:
 
 
 def _possible_way(record: TestRecord) -> Floats:
-    """Return what an actuator may move in a step [mm], by the fastest leg of the test."""
+    """Return the largest possible motion in a step [mm], from the fastest leg of the test."""
     from scipy.ndimage import median_filter
 
     smooth = median_filter(record.displacement, WINDOW, mode="nearest")
@@ -304,7 +304,7 @@ def _possible_way(record: TestRecord) -> Floats:
 
 
 def _possible_force(x: Floats, force: Floats) -> Floats:
-    """Return what a loop may change the force by, as the bearing moves [kN]."""
+    """Return the largest possible change of force in a step as the bearing moves [kN]."""
     from scipy.ndimage import median_filter
 
     peak = float(np.abs(median_filter(force, WINDOW, mode="nearest")).max())
@@ -333,12 +333,12 @@ def _drifts(record: TestRecord, cycles: list[Cycle]) -> dict[str, Drift]:
 
 
 def describe_treatment(found: Treatment) -> Iterator[Finding]:
-    """Yield what was found; a warning where something is left in that the user may remove."""
+    """Yield the findings; a warning where the user may remove something."""
     record = found.record
     if found.rests:
         part = sum(last - first + 1 for first, last in found.rests) / len(record.time)
-        said = f"{_count(len(found.rests), 'rest')}, {part:.0%} of the samples: a fit holds the "
-        yield note("rests", said + "displacement at its mean there, and leaves their force out")
+        said = f"{_count(len(found.rests), 'rest')}, {part:.0%} of the samples: a calibration "
+        yield note("rests", said + "holds their displacement at its mean and ignores their force")
     shown = [f"{v:.2g} {UNITS[name]} in the {name}" for name, v in found.noise.items() if v]
     if shown:
         yield note("noise", f"noise (standard deviation) of {' and '.join(shown)}")
@@ -349,16 +349,18 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
             worst = int(np.argmax(off))
             said = f"{_count(len(split_runs(flags)), 'spike')} in the {name}, the largest "
             said += f"{off[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
-            ask = "left in; despike = true in the sidecar, or --despike, takes them out"
-            level, end = (note, "removed, as asked") if record.despike else (warn, ask)
+            ask = "not removed; give despike = true in the sidecar, or --despike, to remove them"
+            level, end = (note, "removed (despike)") if record.despike else (warn, ask)
             yield level("spikes", f"{said}: {end}")
     for name, drift in found.drifts.items():
         said = f"the zero of the {name} drifts by {drift.total:.3g} {UNITS[name]} over the record"
         if name in _detrended(record):
-            yield note("drift", f"{said}: removed as a straight line in time, as asked")
+            yield note("drift", f"{said}: removed as a straight line in time (detrend)")
         else:
-            said += f': left in; detrend = "{name}" in the sidecar, or --detrend {name}, takes a '
-            yield warn("drift", f"{said}straight line in time out")
+            said += (
+                f': not removed; detrend = "{name}" in the sidecar, or --detrend {name}, removes '
+            )
+            yield warn("drift", f"{said}a straight line in time")
 
 
 def _count(count: int, name: str) -> str:

@@ -1,8 +1,8 @@
-"""Uncertainty of identified parameters: by the tests, and by the values that are assumed.
+"""Uncertainty of calibrated parameters from the tests and from the values that are assumed.
 
 Each number that is not identified has a standard uncertainty (data/identify/assumed.toml). The
-columns of derivatives by them carry it into the identified ones, and show when the tests ask for
-another value than the file has. The covariance by the tests is that of problem.py; both add up.
+columns of derivatives by them propagate it to the calibrated ones, and show when the tests require
+another value than that in the file. The covariance by the tests is that of problem.py; both add up.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,7 +23,7 @@ from thermobearing.border.units import is_number
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.parameters import Parameter, at_one_temperature
-from thermobearing.identify.fit.problem import AT_BOUND, BLOCK_TURN, Linear, Problem, linearised
+from thermobearing.identify.fit.problem import AT_BOUND, BLOCK_TURN, Linear, Problem, linearise
 from thermobearing.identify.records.cycles import dead_band, estimate_noise, turning_points
 from thermobearing.identify.records.record import TestRecord
 
@@ -54,7 +54,7 @@ SPEED_SPAN = 3.0  # ratio of speeds that fixes rate dependence
 
 
 class Group(Strict):
-    """Numbers of a bearing with one uncertainty: they are off together."""
+    """Numbers of a bearing with a common error."""
 
     name: str  # or the symbol of a parameter
     keys: list[str]  # dotted keys of a bearing
@@ -86,7 +86,7 @@ class Groups(Strict):
 
 @cache
 def _usual_groups() -> tuple[Group, ...]:
-    """Return the uncertainties that the package comes with."""
+    """Return the default uncertainties."""
     path = data_path("identify", "assumed.toml")
     return tuple(validated(Groups, read_toml(path), str(path)).groups)
 
@@ -102,7 +102,7 @@ def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
         places = [i for i, g in enumerate(groups) if name == g.name or name in g.keys]
         if not places:
             known = [word for group in groups for word in (group.name, *group.keys)]
-            raise InputError(f'assumed: nothing is called "{name}"{nearest(name, known)}')
+            raise InputError(f'assumed: there is no number "{name}"{nearest(name, known)}')
         if not (is_number(value) and 0.0 <= value <= LARGEST_SPREAD):
             said = "must be a relative standard uncertainty, 0 to"
             raise InputError(f"assumed: {name} = {value!r} {said} {LARGEST_SPREAD:g}")
@@ -114,14 +114,14 @@ def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
 
 
 class Assumed(NamedTuple):
-    """What a fit does not identify."""
+    """Numbers that a calibration does not identify."""
 
     groups: tuple[Group, ...]  # of the bearing, not free and not known exactly
     columns: Floats  # [residual, group] change by one standard uncertainty
 
 
-def shifted(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
-    """Return a bearing whose numbers of a group are off by so many standard uncertainties."""
+def shift(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
+    """Return a bearing whose numbers of a group are changed by `sigmas` standard uncertainties."""
     values = {key: kinds.dotted_value(bearing, key) for key in group.keys}
     known = {key: value for key, value in values.items() if value is not None}
     return kinds.with_values(
@@ -132,7 +132,7 @@ def shifted(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
 def _assumed_groups(
     bearing: Bearing, identified: Sequence[str], groups: Sequence[Group]
 ) -> list[Group]:
-    """Return the groups that a fit of a bearing assumes.
+    """Return the groups that a calibration assumes.
 
     Those that are identified (dotted keys, free or tied), known exactly, zero or without effect are
     left out.
@@ -166,7 +166,7 @@ def linearise_assumed(
             columns.append(column)
 
     for group in _assumed_groups(bearing, identified, groups):
-        _add(group, shifted(bearing, group, PART), problem.records, PART)
+        _add(group, shift(bearing, group, PART), problem.records, PART)
     for group, records in _other_tests(problem.records, groups):
         _add(group, bearing, records, 1.0)
     shape = (len(here), len(kept))
@@ -203,7 +203,7 @@ def _other_tests(
 
 @dataclass(frozen=True)
 class Evidence:
-    """What the tests say about one group, the others as in the file."""
+    """Evidence of the tests on one group, with the others as in the file."""
 
     group: Group
     sigmas: float  # wanted change of the file's values, in standard uncertainties
@@ -212,12 +212,12 @@ class Evidence:
 
     @property
     def contradicted(self) -> bool:
-        """Whether the tests are sure that the file's values are beyond their uncertainty."""
+        """Whether the tests show that the values of the file are outside their uncertainty."""
         off = abs(self.sigmas)
         return off > SURE * self.stderr and off > BEYOND * float(np.hypot(1.0, self.stderr))
 
     def summary(self) -> dict[str, Any]:
-        """Return what summary.json says of the group."""
+        """Return the content of summary.json about the group."""
         return {
             "name": self.group.name,
             "keys": self.group.keys,
@@ -249,13 +249,13 @@ class Propagated:
 
 
 def _propagate(linear: Linear, assumed: Assumed) -> Propagated:
-    """Carry the uncertainty of what is assumed into what is identified.
+    """Propagate the uncertainty of the assumed numbers to the calibrated ones.
 
     The optimum moves by -(J^T J)^-1 J^T c for a column c (a "consider" analysis; Schmidt 1966).
-    How far the groups may be off is what their sources leave open given the tests: with the
-    information H of the tests and b = H times what they ask for, the posterior of a normal prior
-    has the covariance P = (1 + H)^-1 and the mean P b. The fit stays at the file's values, so that
-    it is off by both.
+    The error of the groups is the uncertainty of their sources given the tests: with the
+    information H of the tests and b = H times the change that they require, the posterior of a
+    normal prior has the covariance P = (1 + H)^-1 and the mean P b. The calibration keeps the
+    values of the file, so that its error contains both.
     """
     columns = linear.weights[:, None] * assumed.columns
     shifts = -linear.solved(columns)
@@ -275,7 +275,7 @@ def _propagate(linear: Linear, assumed: Assumed) -> Propagated:
 
 
 def _weigh(linear: Linear, group: Group, column: Floats) -> Evidence:
-    """Return what the tests say about a group, by its column less what parameters can imitate."""
+    """Return the evidence on a group from the part of its column that no parameter can imitate."""
     residuals = linear.residuals
     norm = float(column @ column)
     if norm <= UNSEEN * max(linear.variance, 1e-300):
@@ -319,7 +319,7 @@ class Uncertainty:
     effective_samples: float  # independent samples that they are worth
     rms: float  # of the residuals, relative to the peak force
     warnings: list[str] = field(default_factory=list)
-    misfit: list[str] = field(default_factory=list)  # likely causes of residuals that are no noise
+    misfit: list[str] = field(default_factory=list)  # likely causes of residuals that are not noise
 
 
 def effective_samples(residuals: Floats) -> float:
@@ -341,7 +341,7 @@ def effective_samples(residuals: Floats) -> float:
 
 def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = None) -> Uncertainty:
     """Return standard errors, intervals and warnings at the optimum of a fit."""
-    linear = linearised(problem, cube)
+    linear = linearise(problem, cube)
     groups = chosen_groups(None) if groups is None else groups
     assumed = _propagate(linear, linearise_assumed(problem, cube, groups))
     inside = np.ix_(linear.inside, linear.inside)
@@ -411,20 +411,20 @@ def _wide(freedom: float) -> float:
 
 
 def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
-    """Return warnings of bounds reached, weak and entangled parameters, and tests too alike."""
+    """Return warnings of bounds, weak and correlated parameters, and tests that are too similar."""
     said, estimates = _test_warnings(problem), found.estimates
     warm = [estimates[key] for key in (kinds.M_T, kinds.N_T) if key in estimates]
     if warm and all(item.lower > ENTROPIC for item in warm):  # of no rubber
         shown = " and ".join(f"{e.parameter.kind.symbol} = {e.value:.2f}" for e in warm)
         said.append(
-            f"{shown} would be rubber that stiffens as it warms: are the ambient temperatures of "
-            "the tests swapped?"
+            f"{shown} describes a rubber that stiffens as it warms: are the ambient temperatures "
+            "of the tests swapped?"
         )
     for key, item in estimates.items():
         kind = item.parameter.kind
         shown = f"{kind.symbol} = {item.value:.4g} {kind.unit}".strip()
         if not item.determined:
-            said.append(f"{shown} is not determined, it ended {item.where}: {kinds.remedy({key})}")
+            said.append(f"{shown} is not determined (it ended {item.where}): {kinds.remedy({key})}")
         elif item.relative_error > POOR:
             error = f"standard error {item.stderr:.2g}"
             said.append(f"{shown} is poorly determined ({error}): {kinds.remedy({key})}")
@@ -433,14 +433,14 @@ def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
         if abs(rho) > CORRELATED and any(item.relative_error > WELL for item in pair):
             names = " and ".join(item.parameter.kind.symbol for item in pair)
             said.append(
-                f"{names} are entangled (correlation {rho:.2f}): only a combination of them is "
-                f"known; {kinds.remedy({item.parameter.kind.key for item in pair})}"
+                f"{names} are strongly correlated ({rho:.2f}): only a combination of them is "
+                f"determined; {kinds.remedy({item.parameter.kind.key for item in pair})}"
             )
     return said
 
 
 def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
-    """Return likely causes of residuals that are no noise: first what the tests contradict."""
+    """Return likely causes of residuals that are not noise; contradicted assumptions first."""
     if found.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
         return []
     evidence = sorted(found.assumed.evidence, key=lambda item: -item.explained)
@@ -453,9 +453,9 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
         alike = [item for item in evidence if item.contradicted and item.explained > least]
         causes = [item.group.cause or f"the value of {item.group.name}" for item in alike]
         said.append(
-            f"likely {'; or '.join(causes[:MOST_CAUSES])}: the tests ask for "
-            f"{'more' if worst.sigmas > 0.0 else 'less'} {worst.group.name} than was assumed, by "
-            f"{abs(worst.sigmas):.0f} times its uncertainty"
+            f"the tests require a {'larger' if worst.sigmas > 0.0 else 'smaller'} "
+            f"{worst.group.name} than assumed, by {abs(worst.sigmas):.0f} times its uncertainty; "
+            f"likely causes: {'; or '.join(causes[:MOST_CAUSES])}"
         )
     held = [
         item
@@ -468,14 +468,14 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
         name = worst.group.name
         free = [*(item.parameter.kind.symbol for item in found.estimates.values()), name]
         said.append(
-            f"{worst.explained:.0%} of the squared misfit would go with another {name} than the "
-            f"file has: free {name} (--free {','.join(free)})"
+            f"another {name} than that of the file would reduce the squared residuals by "
+            f"{worst.explained:.0%}: free it (--free {','.join(free)})"
         )
     if not said and found.effective_samples < ALIKE * found.samples:
         said.append(
             f"the residuals are not noise ({found.samples} samples are worth "
-            f"{found.effective_samples:.0f} independent ones): the law misses something, or the "
-            "force was filtered; standard errors are those of the numbers of this law"
+            f"{found.effective_samples:.0f} independent ones): the model lacks an effect, or the "
+            "force was filtered; the standard errors hold for the parameters of this model"
         )
     return said
 
@@ -489,7 +489,7 @@ def _test_warnings(problem: Problem) -> list[str]:
     if free & {kinds.M_T, kinds.N_T} and high - low < TEMPERATURE_SPAN:
         span = f"{low:g} to {high:g}" if high > low else f"{low:g}"
         said.append(
-            f"m_T and n_T were fitted to tests at {span} degC only, mostly from self-heating: "
+            f"m_T and n_T were calibrated to tests at {span} degC only, mostly by self-heating: "
             f"{kinds.remedy({kinds.M_T})}"
         )
     if free & {kinds.C_V, kinds.K_V}:
@@ -502,7 +502,7 @@ def _test_warnings(problem: Problem) -> list[str]:
         if speeds.max() < SPEED_SPAN * speeds.min():
             span = f"{speeds.min():.3g} to {speeds.max():.3g} mm/s"
             said.append(
-                f"c_v and K_v were fitted to mean speeds of {span} only: "
+                f"c_v and K_v were calibrated to mean speeds of {span} only: "
                 f"{kinds.remedy({kinds.C_V})}"
             )
     return said

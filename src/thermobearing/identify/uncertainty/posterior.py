@@ -1,6 +1,6 @@
 """Posterior distribution of the parameters, and the forecast from it.
 
-By default samples come from the normal distribution of the fit (Laplace). With emcee
+By default samples come from the normal distribution of the estimates (Laplace). With emcee
 (Foreman-Mackey et al. 2013, the optional extra `bayes`) they come from the posterior itself,
 whose likelihood is tempered by the effective number of samples (see covariance.py), flat
 within the bounds on the scale of the search; the uncertainty of the assumed values is added to
@@ -25,7 +25,7 @@ from thermobearing.border.schema import validated
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.forward import ForwardModel
-from thermobearing.identify.records.record import reached_in
+from thermobearing.identify.records.record import reached_values
 from thermobearing.identify.result import Identification
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
 from thermobearing.results.ranges import asked_of_tests, limits_passed, outside_tests
@@ -55,8 +55,7 @@ class Samples:
 class Band:
     """95 % band of the force at the samples of a test, and of its peak.
 
-    It carries the uncertainty of the parameters of this law; noise and what the law misses
-    come on top.
+    It contains the uncertainty of the parameters only, neither noise nor model error.
     """
 
     ambient: float  # [degC]
@@ -68,7 +67,7 @@ class Band:
     peak_lower: float
     peak_upper: float
     lead: tuple[float, float] | None = None  # coldest and warmest lead [degC]
-    beyond_tested: str = ""  # quantities that are beyond the tests of the fit
+    beyond_tested: str = ""  # quantities outside the calibration range
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ class Forecast:
     warnings: tuple[str, ...] = ()  # statements on extrapolation beyond the tests
 
     def summary(self) -> dict[str, Any]:
-        """Return what summary.json says of the forecast."""
+        """Return the content of summary.json about the forecast."""
         return {
             "source": self.samples.source,
             "samples": len(self.samples.cube),
@@ -107,13 +106,13 @@ def forecast(
     posterior: bool = False,
     seed: int = 0,
 ) -> Forecast:
-    """What the tests leave open at some temperatures: a band around the predicted loops.
+    """Predict loops at ambient temperatures, with 95 % bands by the uncertainty of parameters.
 
     Parameters
     ----------
     found : from `identify_bearing`.
     ambients : temperatures [degC], each in [-100, 100]; that of the first test by default.
-    posterior : sample the posterior with emcee; else the normal distribution of the fit.
+    posterior : sample the posterior with emcee; otherwise the normal distribution of the estimates.
     seed : of the draws, >= 0.
 
     Returns
@@ -143,7 +142,7 @@ def forecast(
     for one in at:
         band, name = _predictive_band(found, samples, one, seed=seed), f"predicted at {one:g} degC"
         thickness = found.bearing.total_rubber_thickness
-        reached = reached_in(found.records[0], thickness, one, band.lead)
+        reached = reached_values(found.records[0], thickness, one, band.lead)
         asked = list(asked_of_tests(name, reached, tested))
         bands.append(replace(band, beyond_tested=limits_passed(asked, [name])[0]))
         rows += asked
@@ -161,13 +160,13 @@ def _laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) 
 
 
 def need_emcee() -> None:
-    """Refuse a posterior without emcee, before an hour of fitting."""
+    """Refuse a posterior without emcee before the calibration starts."""
     try:
         import emcee  # noqa: F401
     except ImportError:
         raise InputError(
             "the posterior needs emcee: pip install 'thermobearing[bayes]'; without it, "
-            "the normal distribution of the fit is sampled"
+            "the normal distribution of the estimates is sampled"
         ) from None
 
 
@@ -178,9 +177,9 @@ def _walkers(found: Identification) -> int:
 def posterior_effort(
     found: Identification, *, steps: int = STEPS, burn: int = BURN
 ) -> tuple[int, float]:
-    """Return the most runs of a test that `_posterior_samples` takes, and about how long [s].
+    """Return the largest number of runs of `_posterior_samples`, and their approximate time [s].
 
-    Draws beyond a bound need no run; the time is that of one more run of the fit by the clock.
+    Draws beyond a bound need no run; the time is measured with one run.
     """
     rounds = _walkers(found) * (burn + steps + 1)  # and each walker's begin
     begin = time.perf_counter()
@@ -196,7 +195,9 @@ def _posterior_samples(
     Each walker makes `steps` after `burn` steps that do not count.
     """
     if not (1 <= steps <= MOST_STEPS and 0 <= burn <= MOST_STEPS):
-        raise InputError(f"steps = {steps}, burn = {burn}: must be 1 and 0 to {MOST_STEPS}")
+        raise InputError(
+            f"steps = {steps}, burn = {burn}: must be 1 to {MOST_STEPS} and 0 to {MOST_STEPS}"
+        )
     need_emcee()
     import emcee
 
@@ -254,7 +255,7 @@ def _predictive_band(
     forces = np.array([run.force for run in runs if run is not None])
     best = model.run(found.bearing)
     if best is None or len(forces) == 0:
-        raise InputError(f"the model ends early in the test at {ambient:g} degC")
+        raise InputError(f"the model does not complete the test at {ambient:g} degC")
     lower, upper = np.quantile(forces, [LOW, HIGH], axis=0)
     peak_lower, peak_upper = np.quantile(np.abs(forces).max(axis=1), [LOW, HIGH])
     return Band(
@@ -273,16 +274,16 @@ def _predictive_band(
 def posterior_bearings(
     bearing: Bearing | str | Path, path: str | Path, count: int = 20
 ) -> list[Bearing]:
-    r"""The fitted bearing, then bearings of some samples of its posterior.
+    r"""Return the calibrated bearing, followed by bearings of samples of its posterior.
 
-    Or a bearing of another size that is made of the fitted compound, with `bearing.toml` of the
-    fit in the directory of the samples: each of them is then scaled to that size.
+    A bearing of another size, made of the calibrated compound, is possible if `bearing.toml` of the
+    calibration is in the directory of the samples: each sample is then scaled to that size.
 
     Parameters
     ----------
-    bearing : the fitted one, or one made of its compound: a name, a file or a Bearing.
+    bearing : the calibrated one, or one made of its compound: a name, a file or a Bearing.
     path : posterior.csv of `identify`: a column for each parameter, a row for each sample.
-    count : of samples, evenly through the file, 1 to 10 000; all if the file has fewer.
+    count : number of samples, 1 to 10 000, evenly through the file; all if it has fewer.
 
     Returns
     -------
@@ -309,7 +310,9 @@ def posterior_bearings(
         raise InputError(f"samples = {count!r}: must be an integer from 1 to {MOST}")
     rows = [row for row in csv.reader(io.StringIO(read_text(Path(path)))) if any(row)]
     if len(rows) < 2:
-        raise InputError("holds no samples: a line of symbols, then a row for each", where)
+        raise InputError(
+            "contains no samples: a line of symbols and a row for each sample are needed", where
+        )
     fitted = _fitted(first, Path(path).parent / IDENTIFIED)
     keys = _keys(rows[0], fitted, where)
     chosen = np.unique(np.linspace(1, len(rows) - 1, min(count, len(rows) - 1)).round().astype(int))
@@ -326,7 +329,7 @@ def posterior_bearings(
 
 
 def _fitted(bearing: Bearing, place: Path) -> Bearing:
-    """Return the bearing of the samples: that in their directory if its size is another one."""
+    """Return the bearing of the samples: the one in their directory if it has another size."""
     if not is_file(place):
         return bearing
     try:
@@ -341,10 +344,10 @@ def _fitted(bearing: Bearing, place: Path) -> Bearing:
         number = isinstance(mine, float) and isinstance(value, float)
         if abs(mine - value) > ALIKE * abs(value) if number else mine != value:
             shown, wanted = (f"{v:.6g}" if number else str(v) for v in (mine, value))
-            said = f"{bearing.name} has another size than {fitted.name}, whose samples these are, "
-            said += (
-                f"and is not made of its compound: {key} is {shown}, not {wanted}; make it with "
+            said = (
+                f"{bearing.name} differs in size from {fitted.name}, to which the samples belong, "
             )
+            said += f"and is not made of its compound: {key} is {shown}, not {wanted}; create it "
             said += f"with thermobearing new --compound {place}"
             raise InputError(said, str(place.with_name(SAMPLES)))
     return fitted
@@ -360,8 +363,10 @@ def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where
         own, mean = kinds.dotted_value(bearing, key) or 0.0, float(values.mean())
         if abs(own - mean) > max(FAR * float(values.std()), APART * abs(mean)):
             said = f"{kind.symbol} is {mean:.4g} {kind.unit} in the samples and {own:.4g} in "
-            said += f"{bearing.name}: they are of another bearing; a bearing made of the fitted "
-            said += f"compound takes them where {IDENTIFIED} of the fit lies in their directory"
+            said += (
+                f"{bearing.name}: they belong to another bearing. A bearing of the same compound "
+            )
+            said += f"can use them if {IDENTIFIED} of the calibration is in their directory"
             raise InputError(said, where)
 
 
