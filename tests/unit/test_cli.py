@@ -224,7 +224,7 @@ def test_no_memory_is_told(case: Path, tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(thermobearing.cyclic.history, "march", exhausted)
     done = inputs.cyclic(case, "-o", tmp_path / "out", "--json")
     assert done.exit_code == 2
-    assert "(--keep-every) or a larger --dt" in inputs.last_line(done)["message"]
+    assert "(--keep-every) or use a larger --dt" in inputs.last_line(done)["message"]
     assert not (tmp_path / "out").exists()
 
 

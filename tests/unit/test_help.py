@@ -119,7 +119,7 @@ def test_a_test_in_a_few_words(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--cycles", 3], "--cycles describes a test: give its --strain too"),
+        (["--cycles", 3], "--cycles requires --strain"),
         (["--strain", 1, "--speed", 30, "--period", 2], "speed"),
         (["--strain", -1], "strain"),
         (["--strain", 1, "--wave", "square"], "wave"),
@@ -203,7 +203,8 @@ def test_python_names_its_keywords(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("seconds", "told"), [(0.5, "2 a second"), (0.01, "100 a second"), (120.0, "0.5 a minute")]
+    ("seconds", "told"),
+    [(0.5, "2 per second"), (0.01, "100 per second"), (120.0, "0.5 per minute")],
 )
 def test_rate(seconds: float, told: str) -> None:
     """Of those that were done since the first call, which may bring many from an earlier start."""

@@ -121,7 +121,7 @@ def test_bad_tests_write_nothing_and_say_why(folder: Path, tmp_path: Path) -> No
         (["--start", "nobody"], "no bearing"),
         (["--bearing", "nobody"], "no bearing"),
         (["--predict", "400"], "between -100 and 100"),
-        ([], "which bearing?"),
+        ([], "no bearing is given"),
     ],
 )
 def test_wrong_options(folder: Path, tmp_path: Path, words: list[str], said: str) -> None:

@@ -93,8 +93,8 @@ def test_poor_fit_is_an_outcome_of_its_own(tmp_path: Path, monkeypatch: pytest.M
         (["--seed", -1], "seed: -1"),
         (["--dt", 1], "dt: 1 s is outside"),
         (["--zone-factor", 9], "--zone-factor: 9"),
-        (["--from", "jra-ii-i-1", "--seed", 2], "--seed belongs to random phases"),
-        (["--unit", "gal"], "belong to a record"),
+        (["--from", "jra-ii-i-1", "--seed", 2], "give --seed or --from, not both"),
+        (["--unit", "gal"], "require a record"),
         (["--from", "jra-ii-i-9"], 'no motion is named "jra-ii-i-9"'),
     ],
 )

@@ -230,7 +230,7 @@ def test_command(tmp_path: Path, fits: "Counter[str]") -> None:
     done = CliRunner().invoke(app, ["study", str(file), "-o", str(out), "--jobs", "1"])
     assert done.exit_code == 0
     assert "runs    4 of 4" in done.stdout
-    assert "1 motion to be made to fit jra-ii-ii, once" in done.stderr
+    assert "1 motion will be generated once to fit jra-ii-ii" in done.stderr
     again = CliRunner().invoke(app, ["study", str(file), "-o", str(out), "--jobs", "1"])
     assert "to be made" not in again.stderr
     assert fits == dict.fromkeys(NAMES, 1)

@@ -65,7 +65,7 @@ def test_a_file_without_cells_and_a_scaled_bearing_get_the_defaults(tmp_path: Pa
     assert scaled_bearing("shen-hdr-specimen", 2.0).cells == Cells()
     assert scaled_bearing("shen-hdr-bridge", 0.5).cells.end_plate == 20  # finer parts stay
     facts = cells_facts(path)
-    assert facts["their error"].startswith("G +")
+    assert facts["error of cells"].startswith("G +")
     assert "advice" not in facts
 
 
@@ -75,15 +75,15 @@ def test_check_says_when_the_error_is_not_known(tmp_path: Path) -> None:
     table["materials"]["rubber"] |= {"density": "50 kg/m^3", "specific_heat": "50 J/(kg K)"}
     table["hysteresis"] |= {"hysteretic_temperature_coefficient": 0.0}
     facts = cells_facts(write_toml(tmp_path / "light.toml", table))
-    assert facts["their error"].startswith("not known: 5 sine cycles of 175 %")
+    assert facts["error of cells"].startswith("unknown: 5 sine cycles of 175 %")
 
 
 def test_linear_rubber_and_a_thousand_cells_are_told_too(tmp_path: Path) -> None:
     table = read_toml(DATA / "shen-hdr-specimen.toml")
     table["hysteresis"] |= {"post_yield_ratio": 1.0}
     facts = cells_facts(write_toml(tmp_path / "linear.toml", table))
-    assert "energy +" in facts["their error"] or "energy -" in facts["their error"]
+    assert "energy +" in facts["error of cells"] or "energy -" in facts["error of cells"]
     table["cells"] = {"rubber": 1000, "shim": 1000}
     table["geometry"]["rubber_layers"] = 200
     facts = cells_facts(write_toml(tmp_path / "many.toml", table))
-    assert facts == {"their error": "not known: twice as many cells are more than a run can have"}
+    assert facts == {"error of cells": "unknown: twice as many cells exceed the limit"}

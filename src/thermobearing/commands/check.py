@@ -1,4 +1,4 @@
-"""What a file says, without running it: its kind, its main facts, and what seems a slip."""
+"""Check a file without running it: its kind, its main facts, and implausible values."""
 
 from collections.abc import Callable
 from pathlib import Path, PurePath
@@ -38,7 +38,7 @@ from thermobearing.studies.definition.motions import with_stand_ins
 from thermobearing.studies.definition.record import Posterior, Study
 from thermobearing.tables.laboratory import Sidecar
 
-# Kind: keys that tell it, and the record that it is.
+# Kind: keys that identify it, and its record.
 DATA: dict[str, tuple[set[str], type[Strict]]] = {
     "rubber curves": ({"compounds", "smallest_strain"}, Curves),
     "published factors": ({"tables"}, Published),
@@ -54,7 +54,7 @@ SHIPPED = "data of the package"  # read key by key
 LIBRARIES = {"bearings", "bilinear", "compounds", "rigs", "structures", "studies"}  # of things
 
 
-# Keys that files of one kind alone have, to tell files that do not say what they are.
+# Keys of one kind of file only, to recognise files that do not state what they are.
 DESIGNS = set(DesignCase.model_fields) - set(EarthquakeCase.model_fields)
 DESIGNS -= set(Sidecar.model_fields)
 EARTHQUAKES = set(EarthquakeCase.model_fields) - set(Case.model_fields) - set(Sidecar.model_fields)
@@ -62,7 +62,7 @@ TESTS = set(Sidecar.model_fields) - set(Case.model_fields) - {"name", "speed"}
 
 
 class Checked(NamedTuple):
-    """What a check found in a valid file."""
+    """The result of a check of a valid file."""
 
     kind: str
     facts: dict[str, str]
@@ -70,7 +70,7 @@ class Checked(NamedTuple):
 
 
 def check_file(path: Path) -> Checked:
-    """Kind of a TOML file, its main facts, and numbers that usual ones do not have.
+    """Return the kind of a TOML file, its main facts, and warnings of implausible values.
 
     Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
     next to a CSV), "earthquake case", "study", "sequence case", "design case", "case" of a cyclic
@@ -98,7 +98,7 @@ def check_file(path: Path) -> Checked:
 
 
 def find_kind(table: dict[str, Any], path: Path) -> str:
-    """What a file is, by the keys that it has."""
+    """Return what a file is, by its keys."""
     keys = set(table)
     if table.get("kind") == "bilinear":
         return "bilinear bearing"
@@ -135,21 +135,21 @@ def _case_facts(case: Case) -> dict[str, str]:
         "bearing": f"{case.bearing.name} ({case.bearing.description})",
         "ambient": ambient,
         "test": f"{case.test.name}: " + "; ".join(segment.label for segment in segments),
-        "duration": f"{until}{time:g} s in {until}{steps} steps a run",
+        "duration": f"{until}{time:g} s in {until}{steps} steps per run",
         "scheme": f"{case.analysis.scheme}, {case.analysis.integrator} integrator",
     }
 
 
 def _design_facts(case: DesignCase) -> dict[str, str]:
     loads = [
-        f"{bearing_weight(case, group):.0f} kN a bearing{' of ' if group.name else ''}{group.name}"
+        f"{group.name}: {bearing_weight(case, group):.0f} kN per bearing".removeprefix(": ")
         for group in case.groups
     ]
     return {
         "compound": f"{case.compound_kind} {case.compound}",
         "motions": ", ".join(PurePath(motion.name).name for motion in case.motions),
-        "begins at": f"{case.start:g} mm, {'; '.join(loads)}",
-        "ends": f"within {case.tolerance:.2%}, or after {case.most_rounds} rounds",
+        "start": f"{case.start:g} mm, {'; '.join(loads)}",
+        "convergence": f"within {case.tolerance:.2%}, at most {case.most_rounds} rounds",
         "equal bearings": ", ".join(case.equal) or "none",
         **_structure_facts(case.structure),
     }
@@ -163,27 +163,27 @@ def _record_facts(record: TestRecord) -> dict[str, str]:
         "samples": f"{len(record.time)} in {record.time[-1] - record.time[0]:g} s",
         "largest": f"{record.peak_displacement:.4g} mm, {record.peak_force:.4g} kN",
         "thermocouples": ", ".join(f"{k} ({v})" for k, v in record.places.items()) or "none",
-        "assumed": "; ".join(record.assumptions) or "nothing",
+        "assumed": "; ".join(record.assumptions) or "none",
     }
 
 
 def cells_facts(path: Path) -> dict[str, str]:
-    """What the heat cells of a bearing's layers cost in accuracy, by a short test on it."""
+    """Return the error of the heat cells in the layers of a bearing, from a short test."""
     try:
         found = cells_error(load_bearing(path))
     except InputError:
-        return {"their error": "not known: twice as many cells are more than a run can have"}
+        return {"error of cells": "unknown: twice as many cells exceed the limit"}
     if found is None:
-        return {"their error": f"not known: {REFERENCE} do not run to their end"}
+        return {"error of cells": f"unknown: {REFERENCE} end early"}
     facts = {
-        "their error": f"G {100.0 * found.stiffness:+.1f} %, energy {100.0 * found.energy:+.1f} %, "
-        f"hottest layer {found.warming:+.1f} of {found.rise:.1f} K",
-        "estimated in": f"{REFERENCE}, the last, from twice as many cells",
+        "error of cells": f"G {100.0 * found.stiffness:+.1f} %, energy "
+        f"{100.0 * found.energy:+.1f} %, hottest layer {found.warming:+.1f} of {found.rise:.1f} K",
+        "estimated in": f"the last of {REFERENCE}, compared with twice as many cells",
     }
     if not found.enough:
         facts["advice"] = (
-            f"{found.cells} cells a layer are few; cells.rubber = {found.advised}, shim = 2 would "
-            f"leave about {100.0 * TOLERABLE:g} %"
+            f"{found.cells} cells per layer are few; cells.rubber = {found.advised}, shim = 2 "
+            f"would reduce the error to about {100.0 * TOLERABLE:g} %"
         )
     return facts
 
@@ -209,10 +209,10 @@ def _study_facts(study: Study) -> dict[str, str]:
             said = str(column.levels[0])
         elif column.distribution is not None:
             low, high = column.distribution.reach
-            said = f"{column.distribution.kind}, one in a million beyond {low:.4g} to {high:.4g}"
+            said = f"{column.distribution.kind}, {low:.4g} to {high:.4g} (one in a million outside)"
         elif column.share:
-            said = "one for each sample"
-        facts[column.name] = said + (", by lot" if column.chances is not None else "")
+            said = "one value for each sample"
+        facts[column.name] = said + (", chosen at random" if column.chances is not None else "")
     return facts
 
 
@@ -268,7 +268,7 @@ def bearing_facts(bearing: Bearing) -> dict[str, str]:
 
 
 def _compound_facts(compound: Compound) -> dict[str, str]:
-    """Stresses and strains of a compound, and what it says nothing of."""
+    """Return stresses, strains and other parameters of a compound."""
     rubber, lead, rate = compound.rubber, compound.lead, compound.rate
     facts = {
         "name": compound.name,
@@ -283,8 +283,8 @@ def _compound_facts(compound: Compound) -> dict[str, str]:
         "tested at": _tested(compound.tested_range),
         "lead": f"{lead.yield_stress:g} MPa at {lead.reference_temperature:g} degC"
         if lead
-        else "nothing is said of it",
-        "rate": f"K_v H/A = {rate.shear_modulus:.3g} MPa" if rate else "does not matter",
+        else "not stated",
+        "rate": f"K_v H/A = {rate.shear_modulus:.3g} MPa" if rate else "rate-independent",
     }
     keys = ("rubber.elastic_temperature_coefficient", "rubber.hysteretic_temperature_coefficient")
     borrowed = sorted({compound.sources[key] for key in keys if key in compound.sources})
@@ -292,7 +292,7 @@ def _compound_facts(compound: Compound) -> dict[str, str]:
 
 
 def _tested(tested: Validity | None) -> str:
-    """What a bearing or a compound was tested at."""
+    """Return the calibration range of a bearing or a compound."""
     if tested is None:
         return "range not given (tested_range)"
     shown = [(*TESTED[name][1:4], *ends) for name, ends in tested.ranges().items()]
@@ -302,7 +302,7 @@ def _tested(tested: Validity | None) -> str:
 
 
 def _range(law: TemperatureLaw | None) -> str:
-    """Where the temperature law is known."""
+    """Return the range of a temperature law."""
     if law is None or law.range is None:
         return "the range of the temperature law is not stated (temperature_law)"
     low, high = law.range

@@ -1,4 +1,4 @@
-"""The program, and what all commands share: help, messages, progress, results that are written.
+"""The program, and what all commands share: help, messages, progress, written results.
 
 On a terminal typer draws panels with rich. Elsewhere the same panels are plain sections.
 """
@@ -44,7 +44,7 @@ STATUSES = {
     "interrupted": INTERRUPTED,
     "files_left_out": BAD_INPUT,
 }
-COMPILING = "compiling: once after installing, for ten seconds to a minute"
+COMPILING = "compiling the kernels: once after installation, ten seconds to a minute"
 STEPPING = "march.march"  # the kernel that every analysis but those of structures begins with
 STRUCTURES = "newmark.newmark_march"
 # Panels of --help: of the list of commands, and of the options of one.
@@ -103,7 +103,7 @@ def _echo_json(last: Answer) -> None:
 
 
 def reported(command: Callable[..., Answer]) -> Callable[..., None]:
-    """Turn what a command raises or returns into one message, a line of JSON, an exit status."""
+    """Convert the result or error of a command to one message, a line of JSON and a status."""
 
     @functools.wraps(command)
     def _wrapper(*, as_json: bool, **words: Any) -> None:
@@ -114,7 +114,7 @@ def reported(command: Callable[..., Answer]) -> Callable[..., None]:
         except OutputError as error:
             raise _fail(str(error), BAD_INPUT, "not_written", as_json) from None
         except MemoryError:
-            message = "not enough memory; keep fewer histories (keep_every) or a larger dt"
+            message = "not enough memory; keep fewer histories (keep_every) or use a larger dt"
             raise _fail(_as_options(message), BAD_INPUT, "bad_input", as_json) from None
         except KeyboardInterrupt:
             message = "interrupted; nothing was written"
@@ -129,7 +129,7 @@ def reported(command: Callable[..., Answer]) -> Callable[..., None]:
 
 @dataclass(frozen=True)
 class Printed:
-    """Where the result of a command goes, and what is printed: options of every command."""
+    """Options of every command: the output directory, and what is printed."""
 
     output: Path | None = None
     overwrite: bool = False
@@ -150,7 +150,7 @@ class Printed:
             self.target()
 
     def documents(self, target: Path) -> list[Path]:
-        """Write no documents: a command without a report."""
+        """Write no documents, since the command has no report."""
         return []
 
     def save(
@@ -162,7 +162,7 @@ class Printed:
         sentence: str = "",
         **options: Any,
     ) -> Answer:
-        """Save a result, print it, write its documents, say where they are."""
+        """Save a result, print it, write its documents, and print where they are."""
         result.save(target, overwrite=self.overwrite, figures=not self.no_figures, **options)
         if not self.quiet:
             with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
@@ -200,9 +200,9 @@ class Ending(Printed):
     case: Path | None = None  # the file of the command, which may have a title block
 
     def __post_init__(self) -> None:
-        """Refuse before a run what could not be written after it."""
+        """Raise an error before the run for what could not be written after it."""
         if (self.title or self.template) and not self.with_report:
-            raise InputError("--title and --template belong to a report: give --report too")
+            raise InputError("--title and --template require --report or --xlsx")
         self._block().logo_bytes()
         # Imported where they are needed: drawing alone takes as long to import as a small run.
         if self.template is not None:
@@ -227,7 +227,7 @@ class Ending(Printed):
         """Refuse an output directory that cannot be written, and a report without one."""
         super().check()
         if self.output is None and self.with_report:
-            raise InputError("a report goes into a result directory: give -o")
+            raise InputError("a report is written into a result directory: give it with -o")
 
     def _block(self) -> "TitleBlock":
         """Return the title block: of the options, and below them of the case file."""
@@ -251,12 +251,12 @@ class Ending(Printed):
             kinds = Kinds(html=self.report, pdf=self.report, workbook=self.workbook)
             return make_documents(target, kinds, title=title, template=self.template)
         except (InputError, OutputError) as error:
-            message = f"the result is in {target}, but its report is not: {error}"
+            message = f"the result is in {target}, but its report could not be written: {error}"
             raise type(error)(message) from None
 
 
 def echo_written(target: Path, more: str = "") -> None:
-    """Say which file or directory was written."""
+    """Print which file or directory was written."""
     typer.echo(f"written: {printable(str(target))}{more}")
 
 
@@ -280,7 +280,7 @@ def values_by_name(
 
 
 def announce_compiling(quiet: bool, kernel: str = STEPPING) -> None:
-    """Say that a run compiles first, on stderr, if the machine code of a kernel is not kept yet."""
+    """Announce on stderr that a kernel is compiled first, if its machine code is not cached."""
     from thermobearing.core.compile import is_compiled
 
     if not quiet and not is_compiled(kernel):
@@ -307,23 +307,23 @@ def with_progress(
         )
 
 
-LOOKS_BACK = 600.0  # what was done before that says little of the rest [s]
+LOOKS_BACK = 600.0  # window of the rate that is shown [s]
 
 
 class Rate(ProgressColumn):
-    """How many are done in a second; in a minute where that is less than one."""
+    """The rate per second, or per minute where that is less than one."""
 
     def render(self, task: Task) -> Text:
-        """Return the rate; nothing until two are done."""
+        """Return the rate; empty until two tasks are completed."""
         speed = task.speed
         if not speed:
             return Text("")
-        message = f"{speed:.3g} a second" if speed >= 1.0 else f"{60.0 * speed:.3g} a minute"
+        message = f"{speed:.3g} per second" if speed >= 1.0 else f"{60.0 * speed:.3g} per minute"
         return Text(message, style="progress.data.speed")
 
 
 def _progress_bar(console: Console) -> Progress:
-    """Return a bar that vanishes when all is done."""
+    """Return a progress bar that disappears at the end."""
     return Progress(
         TextColumn("{task.description}"),
         BarColumn(),
@@ -343,7 +343,7 @@ EARLIER_OPTIONS = {"--force": ["--overwrite"], "--beside": ["--compare-with", "-
 
 
 class _WithHelp:
-    """Help in panels on a terminal, in plain sections elsewhere."""
+    """Help in panels on a terminal, and in plain sections elsewhere."""
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         """Write usage, help, a section for each panel, the examples."""
@@ -434,10 +434,10 @@ app = typer.Typer(
 
 
 class Patient:
-    """A stream whose reader may leave: what is printed after that goes nowhere.
+    """A stream that discards the output after its reader has closed it.
 
-    `thermobearing cyclic | head -1` then ends as it would have ended otherwise. Where a disk is
-    full, the results are written all the same; `lost` says why the output is not.
+    `thermobearing cyclic | head -1` then ends like without `head`. If the disk of the output is
+    full, the results are still written; `lost` is the reason why the output is incomplete.
     """
 
     def __init__(self, stream: TextIO) -> None:
@@ -456,7 +456,7 @@ class Patient:
         return len(text)
 
     def flush(self) -> None:
-        """Hand over what is buffered."""
+        """Write what is buffered."""
         try:
             self._stream.flush()
         except OSError as error:

@@ -85,7 +85,7 @@ def _cyclic(
 
     words = {name: given.pop(name) for name in SHORT.split() if name in given}
     if words and "strain" not in words:
-        raise InputError(f"--{next(iter(words))} describes a test: give its --strain too")
+        raise InputError(f"--{next(iter(words))} requires --strain")
     given["test"] = cyclic_test(**words) if words else None
     given |= {"exposure": exposure_given(exposure), "histories": "complete" if complete else None}
     whole = load_case(case, **given) if case else make_case({}, "command line", **given)

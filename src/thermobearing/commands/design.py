@@ -153,7 +153,7 @@ def _lambda(
     bearings = [load_bearing(name) for name in bearing]
     if posterior is not None:
         if len(bearings) > 1:
-            raise InputError("--posterior goes with one bearing, the fitted one")
+            raise InputError("--posterior needs exactly one bearing, the calibrated one")
         bearings = posterior_bearings(bearings[0], posterior, samples)
     target = end.target(f"lambda-{bearings[0].name}")
     announce_compiling(end.quiet)

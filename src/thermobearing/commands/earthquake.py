@@ -21,6 +21,7 @@ from thermobearing.commands.common import (
 from thermobearing.commands.options import (
     COMPARE,
     EXPOSURE,
+    Fields,
     command,
     exposure_given,
     fields,
@@ -49,77 +50,62 @@ ANALYSIS = fields(
 )
 
 
-@command(
-    app,
+def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
+    """Add the command of an analysis, with options of its own in addition to those of both."""
+
+    def _analyse(
+        case: CaseFile,
+        given: dict[str, Any],
+        fixed_base: FIXED_BASE,
+        exposure: EXPOSURE,
+        compare: COMPARE,
+        end: Ending,
+    ) -> Answer:
+        from thermobearing.border.schema import overridden
+        from thermobearing.earthquake.analysis import compare_models, refuse_incomparable
+        from thermobearing.earthquake.case import (
+            Laboratory,
+            load_earthquake_case,
+            make_earthquake_case,
+        )
+        from thermobearing.earthquake.run import run_earthquake
+
+        laboratory = {key: given.pop(key) for key in Laboratory.model_fields if key in given}
+        given["laboratory"] = overridden({}, laboratory, Laboratory) or None
+        given |= {"fixed_base": fixed_base or None, "exposure": exposure_given(exposure)}
+        if case is None:
+            whole = make_earthquake_case({"command": name}, "command line", **given)
+        else:
+            whole = load_earthquake_case(case, command=name, **given)
+        target = end.target(f"{whole.command}-{whole.structure.name}")
+        if compare:
+            refuse_incomparable(whole)
+        predicted = whole.analysis.method == "predictor-corrector"
+        result = with_progress(
+            lambda show: run_earthquake(whole, progress=show),
+            "runs",
+            end.quiet,
+            "predictor.predictor_march" if predicted else STRUCTURES,
+        )
+        if compare and result.outcome == "completed":
+            result.compared = compare_models(whole)
+        return end.save(result, target)
+
+    _analyse.__doc__ = purpose
+    command(app, name, *more, INPUTS, ANALYSIS, examples=examples, panel=ANALYSES)(_analyse)
+
+
+_add(
     "bridge",
-    INPUTS,
-    ANALYSIS,
+    "Analyse a structure on isolation bearings in earthquakes, at several temperatures.",
     examples="bridge --motion jra-ii-i-1 --ambient -20 -o pier",
-    panel=ANALYSES,
 )
-def _bridge(
-    case: CaseFile,
-    given: dict[str, Any],
-    fixed_base: FIXED_BASE,
-    exposure: EXPOSURE,
-    compare: COMPARE,
-    end: Ending,
-) -> Answer:
-    """Analyse a structure on isolation bearings in earthquakes, at several temperatures."""
-    given |= {"fixed_base": fixed_base or None, "exposure": exposure_given(exposure)}
-    return _analyse("bridge", case, given, compare, end)
-
-
-@command(
-    app,
+_add(
     "hybrid",
+    "Simulate a hybrid test: a bearing specimen coupled to a calculated pier.",
     fields("earthquake.case:Laboratory", "mode delay force_noise seed", LABORATORY),
-    INPUTS,
-    ANALYSIS,
     examples="hybrid --mode rt --mode pd --ambient -20 -o hybrid",
-    panel=ANALYSES,
 )
-def _hybrid(
-    case: CaseFile,
-    given: dict[str, Any],
-    fixed_base: FIXED_BASE,
-    exposure: EXPOSURE,
-    compare: COMPARE,
-    end: Ending,
-) -> Answer:
-    """Simulate a hybrid test: a bearing specimen coupled to a calculated pier."""
-    from thermobearing.border.schema import overridden
-    from thermobearing.earthquake.case import Laboratory
-
-    laboratory = {name: given.pop(name) for name in Laboratory.model_fields if name in given}
-    given["laboratory"] = overridden({}, laboratory, Laboratory) or None
-    given |= {"fixed_base": fixed_base or None, "exposure": exposure_given(exposure)}
-    return _analyse("hybrid", case, given, compare, end)
-
-
-def _analyse(
-    name: str, path: Path | None, given: dict[str, Any], compare: bool, end: Ending
-) -> Answer:
-    """Read the case, check the target, run, write."""
-    from thermobearing.earthquake.analysis import compare_models, refuse_incomparable
-    from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
-    from thermobearing.earthquake.run import run_earthquake
-
-    if path is None:
-        case = make_earthquake_case({"command": name}, "command line", **given)
-    else:
-        case = load_earthquake_case(path, command=name, **given)
-    target = end.target(f"{case.command}-{case.structure.name}")
-    if compare:
-        refuse_incomparable(case)
-    predicted = case.analysis.method == "predictor-corrector"
-    kernel = "predictor.predictor_march" if predicted else STRUCTURES
-    result = with_progress(
-        lambda show: run_earthquake(case, progress=show), "runs", end.quiet, kernel
-    )
-    if compare and result.outcome == "completed":
-        result.compared = compare_models(case)
-    return end.save(result, target)
 
 
 HELP = "List and examine structures."

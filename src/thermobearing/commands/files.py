@@ -118,7 +118,7 @@ def _new(
     if not quiet:
         facts = bearing_facts(bearing)
         if "end_plate" not in given:
-            facts["end plates"] += ", assumed: give --end-plate"
+            facts["end plates"] += " (assumed; give --end-plate)"
         if unmeasured:
             facts["not measured"] = _rows(unmeasured)
         print_facts(f"{target}: a new bearing", facts)

@@ -131,8 +131,8 @@ def _identify(
         return _look_over(request_treatment(records, **treatment), bearing, end)
     if bearing is None:
         raise InputError(
-            "which bearing? give --bearing NAME/FILE, or bearing = ... in the sidecar: a fit needs "
-            "its geometry and materials (thermobearing list names the built-in ones)"
+            "no bearing is given: a calibration needs its geometry and materials; use --bearing "
+            "NAME/FILE, or the key bearing of the sidecar (`thermobearing list` names the library)"
         )
     target = end.target(f"identify-{records[0].name}")
     records = request_treatment(records, **treatment)

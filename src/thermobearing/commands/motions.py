@@ -101,11 +101,11 @@ def _make(given: dict[str, Any], end: Ending) -> Answer:
     from thermobearing.motions.run import make_motion_case, run_motion
 
     if "record" not in given and {"unit", "component", "trust_unit"} & set(given):
-        raise InputError("--unit, --component and --trust-unit belong to a record (--from)")
+        raise InputError("--unit, --component and --trust-unit require a record (--from)")
     if "record" in given and "seed" in given:
-        raise InputError("--seed belongs to random phases; --from keeps those of a record")
+        raise InputError("give --seed or --from, not both: --from keeps the phases of a record")
     case = make_motion_case(given.pop("kind", "II"), given.pop("ground", "I"), **given)
     target = end.target(f"motion-{case.name}")
-    what = "rounds of the fit, at most"
+    what = "rounds"
     result = with_progress(lambda show: run_motion(case, progress=show), what, end.quiet)
     return end.save(result, target)

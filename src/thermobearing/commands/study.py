@@ -210,23 +210,22 @@ def _repeat(
 
 
 def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> Any:
-    """A study whose motions are made; says first that this takes its time."""
+    """Return the study with generated motions, which are announced first."""
     from thermobearing.report.words import counted
     from thermobearing.studies.definition.motions import missing_motions, with_matched
 
     missing = len(missing_motions(study, target))
     if missing and not quiet:
         message = (
-            f"{counted(missing, 'motion')} to be made to fit {study.factors.motion.matched}, once"
+            f"{counted(missing, 'motion')} will be generated once to fit "
+            f"{study.factors.motion.matched}"
         )
         typer.echo(message, err=True)
-    return with_progress(
-        lambda show: with_matched(study, target, jobs, show), "motions made", quiet
-    )
+    return with_progress(lambda show: with_matched(study, target, jobs, show), "motions", quiet)
 
 
 def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
-    """What a study will cost."""
+    """Print the expected number of runs, time and size of a study."""
     from thermobearing.results.screen import print_facts
     from thermobearing.studies.run.engine import forecast, say_duration
 
@@ -234,13 +233,13 @@ def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
     found = forecast(study, jobs)
     if not quiet:
         size = f"{found.size / 1e3:.0f} kB" if found.size < 1e6 else megabytes(found.size)
-        failed = f", {found.failed} of which failed" if found.failed else ""
+        failed = f", {found.failed} failed" if found.failed else ""
         facts = {
             "runs": str(found.runs),
-            "one run": f"{1e3 * found.seconds:.3g} ms, of {found.tried} that were tried{failed}",
-            "motions": f"{found.motions} to be made first, "
+            "one run": f"{1e3 * found.seconds:.3g} ms, of {found.tried} trial runs{failed}",
+            "motions": f"{found.motions} to be generated first, "
             f"{say_duration(found.motion_seconds)} each",
-            "all": f"{say_duration(max(found.whole_seconds, 1.0))} with --jobs {found.jobs}",
+            "total": f"{say_duration(max(found.whole_seconds, 1.0))} with --jobs {found.jobs}",
             "size": f"at most {size}",
         }
         if not found.motions:
@@ -260,7 +259,7 @@ def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
 
 
 def _answer(status: "Status", quiet: bool, *, part: bool) -> Answer:
-    """Say how far a study is and why runs failed; the exit status."""
+    """Print the progress of a study and return its answer with the exit status."""
     codes = {"interrupted": INTERRUPTED, "some_failed": ENDED_EARLY}
     code = codes.get(status.outcome, 0)
     if status.outcome == "incomplete" and status.failed:

@@ -197,7 +197,7 @@ def _entry(text: str) -> float | None:
 
 def _only_component(component: str | None, held: str = "one component") -> None:
     if component not in (None, "1"):
-        raise InputError(f'holds {held}; it has no component "{component}"')
+        raise InputError(f'has {held}, and no component "{component}"')
 
 
 def _read_at2(lines: list[str], component: str | None, place: int, points: int, dt: float) -> _Raw:
@@ -213,7 +213,7 @@ def _read_at2(lines: list[str], component: str | None, place: int, points: int, 
     )
     if len(values) != points:
         more = "fewer: a gap, or the file is cut off" if len(values) < points else "more"
-        raise InputError(f"states NPTS = {points}, but holds {len(values)} numbers ({more})")
+        raise InputError(f"states NPTS = {points}, but contains {len(values)} numbers ({more})")
     unit = _AT2_UNIT.search(header)
     about = "; ".join(line.strip() for line in lines[:place][:2] if line.strip())
     return _Raw(values, dt, unit[1] if unit else None, description=about)
@@ -249,8 +249,8 @@ def _read_knet(lines: list[str], component: str | None) -> _Raw:
     points = len(counts) if length is None else round(length / dt)
     if len(counts) < points or not len(counts):
         raise InputError(
-            f"states {points} samples ({points * dt:g} s), but holds {len(counts)}: a gap, or the "
-            "file is cut off"
+            f"states {points} samples ({points * dt:g} s), but contains {len(counts)}: a gap, or "
+            "the file is cut off"
         )
     values = (counts - counts.mean()) * scale[0] / scale[1]
     stated = _entry(entries.get("maxaccgal", ""))
@@ -278,7 +278,7 @@ def _read_jma(lines: list[str], component: str | None) -> _Raw:
     if rate is None or rate <= 0.0:
         raise InputError('has no usable "SAMPLING RATE"')
     if component is None:
-        raise InputError(f"holds the components {', '.join(titles)}; give component")
+        raise InputError(f"has the components {', '.join(titles)}; give component")
     wanted = component.upper()
     if wanted in ("1", "2", "3"):
         wanted = titles[int(wanted) - 1]
@@ -304,7 +304,7 @@ def _read_columns(lines: list[str], component: str | None) -> _Raw:
     ]
     first = next((k for k, (_, cells) in enumerate(rows) if _is_row(cells)), None)
     if first is None:
-        raise InputError("holds no numbers; is it an accelerogram?")
+        raise InputError("contains no numbers; is it an accelerogram?")
     start, width = rows[first][0], len(rows[first][1])
     header = [line[:LONGEST_LINE] for line in lines[: start - 1] if line.strip()]
     table = np.array(_rows(rows[first:], width, sheet.separator))
@@ -392,13 +392,11 @@ def _sorted_columns(
 def _chosen(columns: list[_Column], component: str | None) -> _Column:
     """The wanted component; InputError if there are several and none was chosen."""
     if not columns:
-        raise InputError("holds a column of time and no acceleration")
+        raise InputError("has a column of time, but none of acceleration")
     names = [column.name or str(place) for place, column in enumerate(columns, 1)]
     if component is None:
         if len(columns) > 1:
-            raise InputError(
-                f"holds {len(columns)} components ({', '.join(names)}); give component"
-            )
+            raise InputError(f"has {len(columns)} components ({', '.join(names)}); give component")
         return columns[0]
     known = {str(place): column for place, column in enumerate(columns, 1)}
     named = {name.lower(): column for name, column in zip(names, columns, strict=True)}

@@ -191,7 +191,7 @@ def checked_motion(
         limit = f"at least {SHORTEST} are needed"
         if len(values) > SHORTEST:
             limit = f"at most {MOST_SAMPLES} can be used"
-        raise InputError(f"holds {len(values)} samples; {limit}")
+        raise InputError(f"has {len(values)} samples; {limit}")
     if given is not None and not (np.isfinite(given) and given > 0.0):
         raise InputError(f"dt = {given:g} s: must be > 0")
     dt = given if found is None else found

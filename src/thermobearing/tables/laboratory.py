@@ -331,7 +331,7 @@ class _Reader:
                 )
             if column.why in DOUBTFUL:
                 self.assumptions.append(
-                    f'column "{column.title}" is assumed to be the {name} (reason: {column.why});  '
+                    f'column "{column.title}" is assumed to be the {name} (reason: {column.why}); '
                     "set columns in the sidecar"
                 )
         return layout._replace(titles=titles, units=units), wanted

@@ -121,7 +121,7 @@ def _decoded(raw: bytes, where: str, encoding: str | None) -> str:
         encoding = "utf-16"
     if encoding is None:
         if b"\0" in raw:
-            raise InputError("is not a text file: it holds null bytes", where)
+            raise InputError("is not a text file: it contains null bytes", where)
         try:
             return raw.decode("utf-8-sig")
         except UnicodeDecodeError:
@@ -131,7 +131,7 @@ def _decoded(raw: bytes, where: str, encoding: str | None) -> str:
     except (UnicodeError, LookupError):
         raise InputError(f'is not text in the encoding "{shortened(encoding)}"', where) from None
     if "\0" in text:
-        raise InputError("is not a text file: it holds null bytes", where)
+        raise InputError("is not a text file: it contains null bytes", where)
     return text
 
 
