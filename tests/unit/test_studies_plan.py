@@ -120,7 +120,7 @@ def test_numbers_of_heat_keep_runs_apart() -> None:
     made = study({"kind": "factorial"}, **HEAT)
     asked = made.design.model_copy(update={"lockstep": True})
     assert not designs.in_lockstep(made.model_copy(update={"design": asked}))
-    with pytest.raises(InputError, match=r"lockstep: true; .*conductivity changes it"):
+    with pytest.raises(InputError, match=r"lockstep: true .*conductivity"):
         study({"kind": "factorial", "lockstep": True}, **HEAT)
     other = study({"kind": "factorial", "lockstep": True}, **{"bearing.K_r": {"levels": [0.9]}})
     assert Preparer(other).lockstep
@@ -186,13 +186,14 @@ def test_a_motion_is_brought_to_an_intensity() -> None:
 def test_too_many_runs_are_refused() -> None:
     air = {"distribution": "normal", "mean": "0 degC", "sd": "10 K"}
     levels = [0.01 * k for k in range(1, 2000)]
-    with pytest.raises(InputError, match="at most 10000000 are done"):
+    with pytest.raises(InputError, match="at most 10000000"):
         designs.plan(study({"kind": "monte-carlo", "samples": 10_000}, ambient=air, scale=levels))
 
 
 ONE = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": "0 degC"}
 NORMAL = {"distribution": "normal", "mean": 1.0, "cov": 0.1}
 SIZE = {"plan": "1000x1000mm", "layers": "20x8mm", "shim": "3mm", "lead": "180mm"}
+NATURAL = {"compound": "natural-rubber"}
 DRAWN = {"kind": "sobol", "samples": 8}
 
 
@@ -204,10 +205,10 @@ def told(table: dict[str, Any], folder: Path = Path()) -> str:
 
 
 FACTORS: list[tuple[dict[str, Any], str]] = [
-    ({"motion": None}, "which motion? Give factors.motion"),
+    ({"motion": None}, "factors.motion"),
     ({"bearings": "x"}, 'did you mean "bearing"'),
     ({"bearing": ["shen-hdr-brigde"]}, 'did you mean "shen-hdr-bridge"'),
-    ({"bearing": ["shen-hdr-bridge", "shen-hdr-bridge"]}, 'two are called "shen-hdr-bridge"'),
+    ({"bearing": ["shen-hdr-bridge", "shen-hdr-bridge"]}, 'two have the name "shen-hdr-bridge"'),
     ({"motion": ["jra-ii-i-9999"]}, "factors.motion.levels[0]"),
     ({"structure": ["pier-p2"]}, "factors.structure.levels[0]"),
     ({"ambient": [23]}, "has no unit"),
@@ -215,65 +216,41 @@ FACTORS: list[tuple[dict[str, Any], str]] = [
     ({"scale": {"of": "intensity", "levels": ["2 m"]}}, "factors.scale.levels[0]"),
     ({"scale": ["2 m/s2"]}, "must be a plain number"),
     ({"scale": [-1.0]}, "greater than 0"),
-    ({"scale": [1.0, 1.0]}, "factors.scale.levels: one is given more than once"),
+    ({"scale": [1.0, 1.0]}, "factors.scale.levels: "),
     ({"ambient": ["300 degC"]}, "at most 100 degC"),
-    (
-        {"scale": {"of": "intensity", "measure": "Sa", "levels": ["2 m/s2"]}},
-        'measure = "Sa" needs one',
-    ),
+    ({"scale": {"of": "intensity", "measure": "Sa", "levels": ["2 m/s2"]}}, "period: "),
     ({"scale": {"of": "factor"}}, "either levels or a distribution"),
     ({"ambient": {"climate": "cold-town", "levels": ["0 degC"]}}, "give one of"),
     ({"ambient": {"climate": "cold-twon"}}, 'did you mean "cold-town"'),
     ({"ambient": {"weather": "no.epw"}}, "no such file"),
-    ({"ambient": {"levels": ["0 degC"], "history": "3 d"}}, "history: of weather"),
+    ({"ambient": {"levels": ["0 degC"], "history": "3 d"}}, "history: "),
     ({"ambient": {"climate": "cold-town", "years": 1, "history": "400 d"}}, "needs more of them"),
     ({"motion": {"levels": ["jra-ii-i-1"], "weights": [1]}}, "random = true"),
-    (
-        {"motion": {"levels": ["jra-ii-i-1"], "weights": [1, 2], "random": True}},
-        "2 of them for 1 levels",
-    ),
+    ({"motion": {"levels": ["jra-ii-i-1"], "weights": [1, 2], "random": True}}, "for 1 levels"),
     ({"bearing.K_rr": NORMAL}, 'did you mean "bearing.K_r"'),
     ({"pier.mass": NORMAL}, "bearing, structure, case"),
-    ({"bearing.K_r": NORMAL, "bearing.hysteresis.layer_stiffness": NORMAL}, "are one number"),
+    ({"bearing.K_r": NORMAL, "bearing.hysteresis.layer_stiffness": NORMAL}, " are the same number"),
     ({"bearing.K_r": {"of": "value", "levels": [30.0]}}, "factors.bearing.K_r.levels[0]"),
-    (
-        {"bearing.K_r": {"distribution": "lognormall", "median": 1.0, "cov": 0.1}},
-        'did you mean "lognormal"',
-    ),
-    ({"bearing.K_r": {"distribution": "normal", "mean": 1.0}}, "takes mean and sd or mean and cov"),
-    (
-        {"bearing.K_r": {"distribution": "normal", "mean": 1.0, "sd": 0.0}},
-        "factors.bearing.K_r.sd = 0",
-    ),
-    (
-        {"bearing.K_r": {"distribution": "uniform", "low": 2.0, "high": 1.0}},
-        "low = 2 must be less than high = 1",
-    ),
-    (
-        {"bearing.K_r": {"distribution": "normal", "mean": 1.0, "cov": 0.3}},
-        "normal distribution reaches",
-    ),
+    ({"bearing.K_r": NORMAL | {"distribution": "lognormall"}}, 'did you mean "lognormal"'),
+    ({"bearing.K_r": {"distribution": "normal", "mean": 1.0}}, "mean and sd or mean and cov"),
+    ({"bearing.K_r": {"distribution": "normal", "mean": 1.0, "sd": 0.0}}, "bearing.K_r.sd = 0"),
+    ({"bearing.K_r": {"distribution": "uniform", "low": 2.0, "high": 1.0}}, "low = 2"),
+    ({"bearing.K_r": NORMAL | {"cov": 0.3}}, "normal distribution reaches"),
     ({"ambient": {"distribution": "normal", "mean": "-60 degC", "sd": "15 K"}}, "reaches -131"),
-    ({"ambient": {"distribution": "normal", "mean": "0 degC", "sd": "40 K"}}, "cut it off"),
+    ({"ambient": {"distribution": "normal", "mean": "0 degC", "sd": "40 K"}}, "low and high"),
     ({"ambient": {"distribution": "normal", "mean": "10 degC", "cov": 0.2}}, "mean and sd"),
     (
         {
             "ambient": {"climate": "cold-town", "years": 1},
             "bearing.materials.rubber.conductivity": NORMAL,
         },
-        'write history = "10 d" in factors.ambient',
+        'history = "10 d"',
     ),
-    ({"bearing": {"posterior": "nowhere"}}, "holds no posterior.csv"),
+    ({"bearing": {"posterior": "nowhere"}}, "no posterior.csv"),
     ({"bearing": {"posterior": "fit", "counts": 3}}, 'did you mean "count"'),
     ({"bearing": {"posterior": "fit", "levels": ["shen-hdr-bridge"]}}, "in addition to levels"),
-    (
-        {"bearing": {"compound": "natural-rubber", "size": SIZE | {"shim": 3.0}}},
-        "size.shim = 3.0 has no unit",
-    ),
-    (
-        {"bearing": {"compound": "natural-rubber", "size": SIZE | {"layer": "1x8mm"}}},
-        'did you mean "layers"',
-    ),
+    ({"bearing": NATURAL | {"size": SIZE | {"shim": 3.0}}}, "size.shim = 3.0 has no unit"),
+    ({"bearing": NATURAL | {"size": SIZE | {"layer": "1x8mm"}}}, 'did you mean "layers"'),
     ({"bearing": {"compound": "natural-rubbr", "size": SIZE}}, 'did you mean "natural-rubber"'),
 ]
 
@@ -293,24 +270,24 @@ def test_a_bad_factor_is_reported(tmp_path: Path, factors: dict[str, Any], word:
     ("table", "words"),
     [
         ({"kind": "studdy"}, ['must be "study"']),
-        ({"name": 3}, ["name = 3: no text"]),
+        ({"name": 3}, ["name = 3"]),
         ({"desing": {}}, ['unknown key "desing"', 'did you mean "design"']),
-        ({"design": {"kind": "sobol", "samples": 1000}}, ["powers of two, 512 or 1024"]),
+        ({"design": {"kind": "sobol", "samples": 1000}}, ["512 or 1024"]),
         ({"design": {"kind": "latin-hypercube"}}, ['missing key "samples"']),
         ({"design": {"kind": "lhs", "samples": 3}}, ["design.kind = 'lhs'", "latin-hypercube"]),
-        ({"design": {"samples": 16}}, ["nothing is drawn"]),
-        ({"design": {"arrangement": "saltelli"}}, ["needs draws"]),
-        ({"factors": ONE | {"bearing.K_r": NORMAL}}, ["how many draws of bearing.K_r"]),
+        ({"design": {"samples": 16}}, ["design.samples"]),
+        ({"design": {"arrangement": "saltelli"}}, ["arrangement"]),
+        ({"factors": ONE | {"bearing.K_r": NORMAL}}, ["design.samples", "bearing.K_r"]),
         ({"keep": {"histories": "best 10"}}, ["keep.histories", "worst 10"]),
-        ({"case": {"weather": "w.csv"}}, ["case.weather: give it as factors.ambient"]),
-        ({"case": {"motions": "jra-ii-i-1"}}, ["factors.motion says it too"]),
+        ({"case": {"weather": "w.csv"}}, ["case.weather", "factors.ambient"]),
+        ({"case": {"motions": "jra-ii-i-1"}}, ["factors.motion"]),
         ({"case": {"duration": 40}}, ["duration", "has no unit"]),
         ({"case": {"duration": "1 ms"}}, ["shorter than a step"]),
         ({"case": {"analysis": {"dtt": "1 ms"}}}, ["analysis.dtt"]),
         ({"case": {"lines": [{"line": "G9", "count": 3}]}}, ['no bearing line is called "G9"']),
         (
             {"case": {"command": "hybrid", "laboratory": {"mode": ["rt", "pd"]}}},
-            ["case.laboratory.mode: a study takes one"],
+            ["case.laboratory.mode"],
         ),
         ({"case": [], "factors": 3}, ["case: must be a table", "factors: must be a table"]),
     ],
@@ -339,7 +316,7 @@ def test_check_says_what_a_study_would_run(tmp_path: Path) -> None:
     assert (kind, facts["runs"], facts["bearing"]) == ("study", "16", "2 levels")
 
 
-def test_what_the_message_on_heat_says_to_write_is_enough() -> None:
+def test_a_history_allows_varied_thermal_properties() -> None:
     number = {"distribution": "uniform", "low": 0.9, "high": 1.1}
     ambient = {"climate": "cold-town", "years": 1, "history": "10 d"}
     factors = ONE | {"ambient": ambient, "bearing.materials.rubber.conductivity": number}

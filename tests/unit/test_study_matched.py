@@ -239,17 +239,17 @@ def test_command(tmp_path: Path, fits: "Counter[str]") -> None:
 BAD: list[tuple[dict[str, Any], str]] = [
     ({"matched": "jra-ii-iv", "count": 2}, 'did you mean "jra-ii-i"'),
     ({"matched": "site.csv", "count": 2}, "site.csv: no such file"),
-    ({"matched": "jra-ii-i"}, "how many? Give count, or levels"),
+    ({"matched": "jra-ii-i"}, "matched: give count, or levels"),
     ({"matched": "jra-ii-i", "count": 0}, "count = 0"),
-    ({"count": 3}, "count: only of motions that are matched"),
+    ({"count": 3}, "count: only with"),
     ({"random": False}, 'missing key "levels"'),
-    (FITS | {"count": 2, "seed": 1}, "seed: of random phases"),
+    (FITS | {"count": 2, "seed": 1}, "seed: only with"),
     (FITS | {"levels": ["jra-ii-i-9"]}, "levels[0]"),
     (MADE_UP | {"phases": "jra-iii-i"}, '"jra-iii-i"'),
     (MADE_UP | {"dt": "0.1 s"}, "at most 0.02 s"),
     (MADE_UP | {"zone_factor": 3.0}, "at most 2"),
     (MADE_UP | {"sed": 3}, 'did you mean "seed"'),
-    (MADE_UP | {"weights": [1, 2], "random": True}, "2 of them for 3 motions"),
+    (MADE_UP | {"weights": [1, 2], "random": True}, "for 3 motions"),
 ]
 
 

@@ -1,4 +1,4 @@
-"""A study from the table of its file: checked parts, all faults in one message."""
+"""A study from the table of its file; all errors are in one message."""
 
 import re
 from itertools import product
@@ -58,14 +58,14 @@ FACTORS = {
     "scale": ScaleFactor,
     "ambient": AmbientFactor,
 }
-DEFAULT = "pier-p1"  # structure, as of `bridge`
-KEY = re.compile(r"[a-z_][\w.\[\]]*(?: = |: )")  # a problem that begins with its key
-# What belongs to one run, or to one specimen, and has no place in what very many share.
+DEFAULT = "pier-p1"  # structure, as in `bridge`
+KEY = re.compile(r"[a-z_][\w.\[\]]*(?: = |: )")  # start of a problem that begins with its key
+# Keys of a case that a study does not have.
 REFUSED = {
-    "weather": "give it as factors.ambient",
-    "initial_state": "the bearings of a study are virgin",
-    "initial_result": "the bearings of a study are virgin",
-    "rig": "a study asks no rig",
+    "weather": "use factors.ambient",
+    "initial_state": "the bearings of a study are unscragged",
+    "initial_result": "the bearings of a study are unscragged",
+    "rig": "a study has no rig",
 }
 STUDIES = Library("study", "studies")
 
@@ -73,7 +73,7 @@ STUDIES = Library("study", "studies")
 def load_study(name_or_path: str | Path) -> Study:
     """Return a study from its TOML file (docs/files/study.md), or an example such as "cold-town".
 
-    Names of files in it are relative to its folder. InputError has all faults of the file.
+    Names of files are relative to its folder. InputError lists all errors of the file.
     """
     path = STUDIES.path(name_or_path)
     return with_kept(make_study(case_table(path), str(path), path.parent), path.parent)
@@ -95,7 +95,7 @@ def make_study(table: dict[str, Any], where: str, folder: Path = Path()) -> Stud
 
 
 def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[str]]:
-    """The study of a table, and what is wrong with it; None where nothing can be made of it."""
+    """Return the study of a table, or None, and the errors."""
     faults: list[str] = []
     case, given = _parted(table, faults)
     parts: dict[str, Any] = {}
@@ -115,13 +115,15 @@ def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[st
     }
     numbers = {name: made.pop(name) for name in list(made) if name not in FACTORS}
     faults += [
-        f"factors: which {name}? Give factors.{name}"
+        f"factors: factors.{name} is missing"
         for name in ("bearing", "motion", "ambient")
         if name not in given
     ]
     called = table.get("name")
     if not isinstance(called, str):
-        faults.append('missing key "name"' if called is None else f"name = {called!r}: no text")
+        faults.append(
+            'missing key "name"' if called is None else f"name = {called!r}: must be text"
+        )
     if faults:
         return None, faults
     try:
@@ -137,7 +139,7 @@ def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[st
 
 
 def _parted(table: dict[str, Any], faults: list[str]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What all runs share, and the table of each factor, wherever a level was given."""
+    """Return the common case of all runs, and the table of each factor."""
     case, factors = table.get("case", {}), table.get("factors", {})
     for key, item in (("case", case), ("factors", factors)):
         if not isinstance(item, dict):
@@ -152,14 +154,14 @@ def _parted(table: dict[str, Any], faults: list[str]) -> tuple[dict[str, Any], d
         if key not in case:
             continue
         if isinstance(factors, dict) and name in factors:
-            faults.append(f"case.{key}: factors.{name} says it too; leave one out")
+            faults.append(f"case.{key}: also given as factors.{name}; remove one of them")
         given[name] = case.pop(key)
     faults += [f"case.{key}: {REFUSED[key]}" for key in case if key in REFUSED]
     return case, {name: _as_table(item) for name, item in given.items()}
 
 
 def _as_table(item: Any) -> Any:
-    """A factor as a table: levels may stand alone, and one level without a list."""
+    """Return a factor as a table; levels may be given alone, and one level without a list."""
     if isinstance(item, dict):
         levels = item.get("levels")
         alone = levels is not None and not isinstance(levels, list | tuple)
@@ -188,18 +190,20 @@ def _settle_structures(table: dict[str, Any], folder: Path, faults: list[str]) -
 def _twice(levels: list[Any], factor: str) -> list[str]:
     names = [getattr(item, "name", "") for item in levels]
     twice = dict.fromkeys(name for name in names if name and names.count(name) > 1)
-    return [f'factors.{factor}.levels: two are called "{name}"; give each a name' for name in twice]
+    return [
+        f'factors.{factor}.levels: two have the name "{name}"; names must differ' for name in twice
+    ]
 
 
 def _settle_weather(table: dict[str, Any], folder: Path) -> None:
-    """Make the paths of weather and of a climate of one's own absolute."""
+    """Make the paths of weather and of a climate file absolute."""
     absolute(table, "weather", folder)
     if is_path(table.get("climate") or ""):
         absolute(table, "climate", folder)
 
 
 def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> list[GroundMotion]:
-    """Motions as tables that name absolute files; what they hold."""
+    """Make the paths of motions absolute; return the motions."""
     levels, matched = table.get("levels"), table.get("matched")
     if isinstance(matched, str) and is_file(folder / matched):
         table["matched"] = str((folder / matched).absolute())
@@ -207,7 +211,7 @@ def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> l
         return []
     table["levels"], motions, found = settle_motions(levels, folder, "factors.motion.levels[{}]")
     faults += [text.replace("motions:", "factors.motion:", 1) for text in found]
-    if not found:  # a plan identifies runs by names without paths
+    if not found:  # a plan has names without paths
         for item, motion in zip(table["levels"], motions, strict=False):
             if isinstance(item, dict) and item.get("label") is None:
                 item["label"] = motion.name
@@ -217,7 +221,7 @@ def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> l
 def _with_case(
     case: dict[str, Any], factors: Factors, motions: list[GroundMotion], folder: Path
 ) -> tuple[EarthquakeCase, Factors]:
-    """The case that all runs share; structures with what its lines say of them."""
+    """Return the common case of all runs, and factors with complete structures."""
     air = factors.ambient.levels[0] if factors.ambient.levels else 0.0
     bearings = [
         one.bearing if isinstance(one, Posterior) else one for one in factors.bearing.levels
@@ -246,16 +250,16 @@ def _with_case(
 
 
 def _study_faults(study: Study) -> list[str]:
-    """What the parts of a study do to each other."""
+    """Return the errors in the combination of the parts of a study."""
     factors, faults = study.factors, []
     laboratory = study.case.laboratory
     if laboratory is not None and len(laboratory.mode) > 1:
-        faults.append("case.laboratory.mode: a study takes one")
+        faults.append("case.laboratory.mode: a study has one mode")
     keys: dict[tuple[str, str], list[str]] = {}
     for name in factors.numbers:
         keys.setdefault(spelled(name), []).append(name)
     faults += [
-        f"factors: {' and '.join(names)} are one number"
+        f"factors: {' and '.join(names)} are the same number"
         for names in keys.values()
         if len(names) > 1
     ]
@@ -273,31 +277,31 @@ def _study_faults(study: Study) -> list[str]:
 
 
 def _heat_faults(study: Study) -> list[str]:
-    """Numbers that move heat, where it is to be the same in many runs.
+    """Return the errors of varied thermal properties where many runs share their temperatures.
 
-    In weather without end each run would live through all of it: 0.3 to 1 s for fifty years, 20
-    times the run itself; ten days take some ms.
+    Without a history each run would integrate over all weather: 0.3 to 1 s for fifty years, 20
+    times the run itself; ten days take milliseconds.
     """
     ambient = study.factors.ambient
     names = [target.name for target in list_targets(study) if moves_warmth(target)]
     faults = []
     if ambient.hourly and ambient.history is None:
         faults += [
-            f"factors.{name}: changes how the bearing takes on the warmth of the air, so that "
-            "every run would go through all the weather before it, 20 times as long as the run "
-            'itself; write history = "10 d" in factors.ambient, nothing is left of the air before'
+            f"factors.{name}: changes thermal properties, so that every run would integrate over "
+            'all weather before it, which takes 20 times as long; set history = "10 d" in '
+            "factors.ambient, which is long enough"
             for name in names
         ]
     if study.design.lockstep:
         faults += [
-            f"design.lockstep: true; runs side by side have one heat, and factors.{name} changes "
-            "it from run to run; leave it out"
+            f"design.lockstep: true is impossible, because factors.{name} changes thermal "
+            "properties from run to run; remove it"
             for name in names
         ]
     return faults
 
 
-AnyLevel = Bearing | BilinearBearing | Posterior | Any  # what is none of them, checks will find
+AnyLevel = Bearing | BilinearBearing | Posterior | Any  # others are found by later checks
 ANY = "shen-bilinear-bridge"
 OF_POSTERIOR = ("posterior", "bearing", "count", "name")
 OF_DRAWING = ("compound", "size", "name")
@@ -308,15 +312,15 @@ OTHERS = ("cores", "confined", "end_spreading")
 def _settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> None:
     """Replace the levels of a table `factors.bearing` by records of bearings and posteriors.
 
-    A calibration or a compound may stand in the table itself instead of `levels`.
+    The table may contain the keys of one calibration or compound instead of `levels`.
     """
     own: dict[str, Any] = {}
     if {"posterior", "compound"} & set(table):
         own = {key: table.pop(key) for key in list(table) if key not in BearingFactor.model_fields}
     if own and "levels" in table:
         faults.append(
-            f"factors.bearing: {', '.join(sorted(own))} in addition to levels; put it among "
-            'them, as {posterior = "fit"}'
+            f"factors.bearing: {', '.join(sorted(own))} in addition to levels; add a level "
+            'such as {posterior = "fit"} instead'
         )
     levels = table.get("levels") if not own else [own]
     if not isinstance(levels, list):
@@ -329,7 +333,7 @@ def _settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> 
             settled += _level(item, folder)
         except InputError as error:
             faults += error.lines(key)
-    # A stand-in for what is reported already, so that the other checks go on.
+    # After an error a library bearing lets the other checks continue.
     table["levels"] = settled or [load_device(ANY)] if len(faults) > before else settled
     faults += _twice(settled, "bearing")
 
@@ -345,20 +349,22 @@ def _level(item: Any, folder: Path) -> list[AnyLevel]:
 
 
 def _posterior(item: dict[str, Any], folder: Path) -> Posterior:
-    """Return the samples of a calibration, by its directory or file; read once to be checked."""
+    """Return the checked samples of a calibration, from its directory or file."""
     _refuse_unknown(item, OF_POSTERIOR)
     given = item["posterior"]
     if not isinstance(given, str | Path) or not str(given):
-        raise InputError("posterior: must name the directory of a fit, or its posterior.csv")
+        raise InputError("posterior: must be the directory of a calibration, or its posterior.csv")
     path = (folder / given).absolute()
     path = path if is_file(path) else path / SAMPLES
     if not is_file(path):
         raise InputError(
-            f'posterior = "{given}": holds no {SAMPLES}; identify writes it with --posterior'
+            f'posterior = "{given}": has no {SAMPLES}; identify writes it with --posterior'
         )
     fitted, bearing = path.with_name(IDENTIFIED), item.get("bearing")
     if bearing is None and not is_file(fitted):
-        raise InputError(f"posterior: no {IDENTIFIED} next to it; give its bearing")
+        raise InputError(
+            f"posterior: the key bearing is missing, and there is no {IDENTIFIED} next to it"
+        )
     if isinstance(bearing, str | Path):
         own = str(bearing).endswith(".toml")
         bearing = load_bearing(folder / bearing if own else bearing)
@@ -374,12 +380,12 @@ def _posterior(item: dict[str, Any], folder: Path) -> Posterior:
 
 
 def _drawn(item: dict[str, Any], folder: Path) -> list[Bearing]:
-    """Return bearings of a compound, one for each combination of the sizes that are given."""
+    """Return bearings of a compound, one for each combination of sizes."""
     _refuse_unknown(item, OF_DRAWING)
     size = item.get("size")
     if not isinstance(size, dict) or not size:
         raise InputError(
-            'size: a table such as {plan = "1 x 1 m", layers = "20x8mm", shim = "3 mm"}'
+            'size: must be a table such as {plan = "1 x 1 m", layers = "20x8mm", shim = "3 mm"}'
         )
     for key in size:
         if key not in (*SIZES, *OTHERS):

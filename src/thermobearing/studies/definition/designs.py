@@ -1,7 +1,7 @@
 """Columns and designs of a study: one row for each run, identified by a digest of its input.
 
-A column of the plan is a factor. Factors with levels are crossed; for every combination, what is
-drawn (distributions, levels by lot) has a row for each sample. `plan` is the story.
+A column of the plan is a factor. Factors with levels are crossed; every combination has a row for
+each sample of the drawn factors (distributions, random levels). See `plan`.
 """
 
 import hashlib
@@ -49,7 +49,7 @@ from thermobearing.studies.definition.record import (
 NumberPath = tuple[str | int, ...]
 S = TypeVar("S", bound=Strict)
 FACES = (("analysis", "upper_face"), ("analysis", "lower_face"), ("analysis", "side"))
-# Numbers of a bearing that its heat cells know nothing of, so that they are made once.
+# Numbers of a bearing that do not affect its heat cells.
 WITHOUT_HEAT: dict[str | int, set[str] | None] = {
     "hysteresis": None,
     "scragging": None,
@@ -62,15 +62,14 @@ WITHOUT_HEAT: dict[str | int, set[str] | None] = {
 class Target:
     """A number that a study varies."""
 
-    name: str  # dotted, as the study says it
+    name: str  # dotted, as in the study
     part: str  # "bearing", "structure" or "case"
-    # where it is in each level of that part; None in one that does not have it
-    paths: Sequence[NumberPath | None]
-    unit: str | None  # its own; None for a pure number
+    paths: Sequence[NumberPath | None]  # in each level of the part; None in one without it
+    unit: str | None  # None if dimensionless
     of: str  # "factor" multiplies it, "value" replaces it
 
     def change(self, level: int, record: Strict, number: float) -> dict[NumberPath, float]:
-        """Return the number of a record of a level, changed, by its path; {} without it."""
+        """Return the changed number of a record of a level, by its path; {} without it."""
         path = self.paths[level]
         if path is None:
             return {}
@@ -91,7 +90,7 @@ def _find_target(name: str, of: str, levels: Mapping[str, Sequence[Strict]]) -> 
             names |= {
                 f"bearing.{alias}" for alias, key in ALIASES.items() if f"bearing.{key}" in names
             }
-        raise InputError(f'factors: no number is called "{name}"{_nearest(name, names)}')
+        raise InputError(f'factors: no number "{name}"{_nearest(name, names)}')
     return Target(name, part, [None if one is None else one[0] for one in found], units[0], of)
 
 
@@ -107,9 +106,9 @@ def _nearest(name: str, names: set[str]) -> str:
 def _number_paths(
     record: Strict, without: Sequence[str] = ()
 ) -> dict[str, tuple[NumberPath, str | None]]:
-    """Return path and unit of all numbers of a record that are no counts, by dotted name.
+    """Return path and unit of all numbers of a record except counts, by dotted name.
 
-    Things in a list go by their name, or by that of their body where that is unique.
+    Items of a list are identified by their name, or that of their body if it is unique.
     """
     found = _numbers(record, "", ())
     return {name: (path, unit) for name, path, unit in found if path[0] not in without}
@@ -132,7 +131,7 @@ def _numbers(
 
 
 def _labels(items: list[Any] | tuple[Any, ...]) -> list[str]:
-    """Return what identifies a thing in a list: its name, its body, or its number."""
+    """Return the key of each item of a list: its name, its body, or its number."""
     names = [str(getattr(item, "name", getattr(item, "body", ""))) for item in items]
     return [
         f".{name}" if name and names.count(name) == 1 else f"[{number}]"
@@ -141,7 +140,7 @@ def _labels(items: list[Any] | tuple[Any, ...]) -> list[str]:
 
 
 def spelled(name: str) -> tuple[str, str]:
-    """Return part and dotted key of a number; of "bearing.K_r" hysteresis.layer_stiffness."""
+    """Return part and dotted key of a number: of "bearing.K_r" hysteresis.layer_stiffness."""
     part, _, key = name.partition(".")
     return part, ALIASES.get(key, key) if part == "bearing" else key
 
@@ -154,7 +153,7 @@ def _value_at(record: Any, path: NumberPath) -> float:
 
 
 def with_numbers(record: S, changes: Mapping[NumberPath, float]) -> S:
-    """Return the record with other numbers; quick, its limits are not checked again."""
+    """Return the record with other numbers, without checking limits again."""
     update: dict[str, Any] = {}
     for key in dict.fromkeys(path[0] for path in changes):
         inner = {path[1:]: value for path, value in changes.items() if path[0] == key}
@@ -178,7 +177,7 @@ def _changed(value: Any, changes: Mapping[NumberPath, float]) -> Any:
 
 
 def moves_heat(path: NumberPath) -> bool:
-    """Return whether a number of a bearing goes into its heat cells."""
+    """Return whether a number of a bearing affects its heat cells."""
     if path[0] not in WITHOUT_HEAT:
         return True
     within = WITHOUT_HEAT[path[0]]
@@ -195,34 +194,32 @@ def moves_warmth(target: Target) -> bool:
 
 THINGS = ("structure", "bearing", "motion")
 AMBIENT, HOUR = "ambient_degC", "hour"
-SAMPLE = "bearing.sample"  # number of a sample of a posterior, -1 of a bearing without
+SAMPLE = "bearing.sample"  # number of a posterior sample; -1 of a bearing without
 
 
 @dataclass(frozen=True)
 class Column:
     """One factor."""
 
-    name: str  # of the column
-    # names of things, or numbers; none of a distribution
-    levels: Sequence[str] | Sequence[float] = ()
-    distribution: Distribution | None = None  # of a number
-    # of each level, where one is drawn by lot; None where all are met
-    chances: Sequence[float] | None = None
-    share: bool = False  # a number in [0, 1) that selects a sample, or an hour of the weather
+    name: str
+    levels: Sequence[str] | Sequence[float] = ()  # names or numbers; none with a distribution
+    distribution: Distribution | None = None
+    chances: Sequence[float] | None = None  # of random levels; None if levels are crossed
+    share: bool = False  # a number in [0, 1) that selects a posterior sample or an hour
 
     @property
     def drawn(self) -> bool:
-        """Whether each sample draws it; else its levels meet those of all others."""
+        """Whether each sample draws it; otherwise its levels are crossed."""
         return self.share or self.distribution is not None or self.chances is not None
 
     def _of(self, places: Ints) -> Any:
-        """Return numbers at places of the levels; the places themselves of things."""
+        """Return numbers at places of the levels; of names the places."""
         if self.levels and isinstance(self.levels[0], str):
             return places
         return np.array(self.levels, dtype=np.float64)[places]
 
     def _at(self, probability: Floats) -> Any:
-        """Return numbers (or places) at probabilities, for a factor that is drawn."""
+        """Return numbers or places at probabilities."""
         if self.share:
             return probability
         if self.distribution is not None:
@@ -232,7 +229,7 @@ class Column:
 
 
 def list_columns(study: Study) -> list[Column]:
-    """Return the columns of a study: things, then numbers, those with dotted names last."""
+    """Return the columns of a study: names, then numbers, those with dotted names last."""
     factors = study.factors
     columns = []
     for name in THINGS:
@@ -267,7 +264,7 @@ def _number(factor: Any, name: str, unit: str | None, key: str) -> Column:
 
 
 def list_targets(study: Study) -> list[Target]:
-    """Return where the dotted names of a study lead; of a posterior, in its bearing."""
+    """Return the numbers that a study varies by dotted name."""
     levels = _levels_by_part(study)
     return [_find_target(name, one.of, levels) for name, one in study.factors.numbers.items()]
 
@@ -283,11 +280,11 @@ def _levels_by_part(study: Study) -> dict[str, list[Strict]]:
 
 
 LARGEST_SCALE = 1000.0
-CUT = "; cut it off with low and high, or take a narrower one"
+CUT = "; truncate it with low and high, or use a narrower one"
 
 
 def reach_faults(study: Study) -> list[str]:
-    """Return the faults of numbers that a study may meet, one run in a million included."""
+    """Return the errors of numbers that a study of a million runs may have."""
     ends: dict[str, tuple[float, float]] = {}
     drawn: dict[str, str] = {}
     for column in list_columns(study):
@@ -301,7 +298,7 @@ def reach_faults(study: Study) -> list[str]:
 
 
 def _check_numbers(study: Study, numbers: Mapping[str, Floats]) -> None:
-    """Raise InputError where drawn numbers, by name of their column, leave what is allowed."""
+    """Raise InputError for drawn numbers outside their limits, by column."""
     known = {name: values[~np.isnan(values)] for name, values in numbers.items()}
     ends = {name: (float(v.min()), float(v.max())) for name, v in known.items() if len(v)}
     if found := _faults(study, ends, {}):
@@ -311,7 +308,7 @@ def _check_numbers(study: Study, numbers: Mapping[str, Floats]) -> None:
 def _faults(
     study: Study, ends: Mapping[str, tuple[float, float]], drawn: Mapping[str, str]
 ) -> list[str]:
-    """Return the faults of the smallest and the largest number of each column."""
+    """Return the errors of the smallest and the largest number of each column."""
     faults = []
     scale, top = study.factors.scale, LARGEST_SCALE
     limits = {"scale": (0.0, top, scale.unit or ""), AMBIENT: (COLDEST, HOTTEST, "degC")}
@@ -357,14 +354,11 @@ def _target_faults(
 
 
 AnyBearing: TypeAlias = Bearing | BilinearBearing
-YEARS = 50  # of weather that is made up, where nothing is said
+YEARS = 50  # of generated weather, by default
 
 
 class Levels:
-    """The levels of a study.
-
-    A bearing is known by its place in `bearings`, where each sample of a posterior has its own.
-    """
+    """The levels of a study; `bearings` has a place for each sample of a posterior."""
 
     def __init__(self, study: Study) -> None:
         self.study = study
@@ -386,29 +380,29 @@ class Levels:
 
     @cached_property
     def _counts(self) -> Ints:
-        """Number of samples of each level of the bearing; 0 of a single one."""
+        """Number of samples of each level of the bearing; 0 of a single bearing."""
         levels = zip(self._each, self.study.factors.bearing.levels, strict=True)
         counts = [len(each) if isinstance(one, Posterior) else 0 for each, one in levels]
         return np.array(counts, dtype=np.int64)
 
     def place(self, level: Ints, sample: Ints) -> Ints:
-        """Return places in `bearings` of samples (-1: none) of levels."""
+        """Return the places in `bearings` of samples (-1: none) of levels."""
         taken = np.maximum(self._counts, 1)
         return np.asarray((np.cumsum(taken) - taken)[level] + np.maximum(sample, 0))
 
     @cached_property
     def motions(self) -> list[GroundMotion]:
-        """Ground motions, not yet scaled."""
+        """Ground motions, not scaled."""
         return factor_motions(self.study.factors.motion)
 
     @cached_property
     def listed(self) -> list[Motion]:
-        """The same as data, each with the factor of its level."""
+        """The motions as records of a case, with the factors of their levels."""
         return motion_levels(self.study.factors.motion)
 
     @cached_property
     def weather(self) -> Hourly | None:
-        """Hourly weather; None where the air is levels or a distribution."""
+        """Hourly weather; None with levels or a distribution."""
         return study_weather(self.study.factors.ambient)
 
 
@@ -422,11 +416,11 @@ def study_weather(ambient: AmbientFactor) -> Hourly | None:
     return ambient.series
 
 
-RUN_BYTES = 8  # of the digest that names a run: among ten million, two alike once in 400 000
+RUN_BYTES = 8  # of the id of a run: ten million runs have a collision once in 400 000 studies
 
 
 def _digest(*parts: Any) -> bytes:
-    """Return a digest of numbers, texts and arrays, the same on every machine."""
+    """Return a digest of numbers, texts and arrays, equal on all machines."""
     found = hashlib.sha256()
     for part in parts:
         if isinstance(part, bytes):
@@ -442,12 +436,12 @@ def _digest(*parts: Any) -> bytes:
 
 
 def _motion_digest(motion: GroundMotion, factor: float) -> bytes:
-    """Return a digest of the samples of a motion, from any file, and the factor of its level."""
+    """Return a digest of the samples of a motion and the factor of its level."""
     return _digest(motion.dt, motion.acceleration, factor)
 
 
 def _shared_digest(study: Study, levels: Levels) -> bytes:
-    """Return a digest of the case without factors and documents, and of the weather."""
+    """Return a digest of the case without factors and texts, and of the weather."""
     table = study.case.model_dump(
         exclude={"structure", "bearings", "motions", "ambient", "weather", "sources", "rig"}
     )
@@ -461,10 +455,10 @@ def _shared_digest(study: Study, levels: Levels) -> bytes:
 def _run_ids(
     study: Study, levels: Levels, places: Mapping[str, Ints], numbers: Mapping[str, Floats]
 ) -> list[str]:
-    """Return names of runs, 16 hexadecimal digits each.
+    """Return the ids of runs, 16 hexadecimal digits each.
 
-    `places` are those of the things of each row, of bearings in `Levels.bearings`; `numbers` have
-    NaN where a run has no such number.
+    `places`: of structure, bearing (in `Levels.bearings`) and motion of each row; `numbers`: NaN if
+    a run has no such number.
     """
     shared = _shared_digest(study, levels)
     pairs = zip(levels.motions, [one.factor for one in levels.listed], strict=True)
@@ -496,13 +490,13 @@ def _run_ids(
 
 
 A, B, SWAPPED = "A", "B", "AB"
-MANY = 5000  # runs from which compiling for lockstep, once for all studies, is worth it
-SPARE = 16  # bits of an id that its seed does without: 48 are exact in any table
+MANY = 5000  # runs from which lockstep saves more time than its compilation takes
+SPARE = 16  # bits of an id that its seed drops: 48 bits are exact in any table
 
 
 @dataclass(frozen=True)
 class Draws:
-    """Probabilities for each drawn factor, and where in the arrangement a row of them belongs."""
+    """Probabilities of drawn factors, and the places of their rows in the arrangement."""
 
     values: Floats  # [rows, drawn factors] in [0, 1)
     sample: Ints  # [rows] number of the sample
@@ -510,13 +504,13 @@ class Draws:
 
 
 def plan(study: Study) -> pd.DataFrame:
-    """Return all runs of a study, one row each; the same study gives the same bits.
+    """Return all runs of a study, one row each; equal studies have equal bits.
 
     The columns are `run` (from 0), `id` (16 hexadecimal digits: a digest of the input of the run,
     whatever its place in the plan), `seed` (from it), `sample`, with Saltelli's arrangement
     `matrix`, then a column for each factor: structure, bearing, motion, scale, ambient_degC, and
-    numbers by their dotted names. InputError for too many runs, samples that do not go with the
-    factors, or drawn numbers that a bearing or a structure may not have.
+    numbers by their dotted names. InputError for too many runs, samples that contradict the
+    factors, or drawn numbers outside their limits.
     """
     columns = list_columns(study)
     picked, each, cells = _picked(study, columns)
@@ -528,10 +522,9 @@ def plan(study: Study) -> pd.DataFrame:
 
 
 def in_lockstep(study: Study) -> bool:
-    """Return whether runs of a study are carried out side by side; a study alone decides it.
+    """Return whether runs of a study are computed in lockstep, from the study alone.
 
-    Runs side by side have the heat of their cells in common, so that a study which varies it from
-    run to run goes one by one.
+    Runs in lockstep share thermal properties, so that a study that varies them does not use it.
     """
     case, wanted = study.case, study.design.lockstep
     alone = case.analysis.method == "predictor-corrector" or study.keep.histories == "all"
@@ -571,29 +564,29 @@ def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], li
 def _refuse(design: Design, cells: int, drawn: Sequence[Column]) -> None:
     names = ", ".join(column.name for column in drawn)
     if drawn and design.samples is None:
-        raise InputError(f"design: how many draws of {names}? Give samples")
+        raise InputError(f"design.samples: required to draw {names}")
     if not drawn and design.samples is not None:
         raise InputError(
-            "design.samples: every factor has levels, and nothing is drawn; leave it out, or give "
-            "a factor a distribution or random = true"
+            "design.samples: no factor is drawn, all have levels; remove it, or give a factor a "
+            "distribution or random = true"
         )
     rows = _rows(design, drawn)
     if cells * rows > MOST_RUNS:
         raise InputError(
-            f"makes {cells * rows} runs, {cells} combinations of levels and {rows} draws of each; "
-            f"at most {MOST_RUNS} are done: draw levels by lot (random = true) or fewer samples"
+            f"the study has {cells * rows} runs, {cells} combinations of levels with {rows} draws "
+            f"each; at most {MOST_RUNS}: use random levels (random = true) or fewer samples"
         )
 
 
 def _draws(design: Design, drawn: Sequence[Column], cell: int) -> Draws:
-    """Return probabilities of one combination of levels, or of all that share them."""
+    """Return the probabilities of one combination of levels, or of all with paired draws."""
     samples, width = design.samples or 1, len(drawn)
     seed = [design.seed] if design.paired else [design.seed, cell]
     rng = np.random.default_rng(seed)
     number = np.arange(samples, dtype=np.int64)
     if design.arrangement == "plain":
         return Draws(_points(design.kind, width, samples, rng), number)
-    # A and B are halves of points in twice the dimensions: independent, and each well spread.
+    # A and B are halves of points in twice the dimensions: independent and each space-filling.
     both = _points(design.kind, 2 * width, samples, rng)
     first, second = both[:, :width], both[:, width:]
     blocks, names = [first, second], [A] * samples + [B] * samples
@@ -620,7 +613,7 @@ def _points(kind: str, width: int, samples: int, rng: np.random.Generator) -> Fl
 
 
 def _settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, Any]:
-    """Return what was picked, with samples and hours for shares, NaN for missing numbers."""
+    """Return the picked values, with samples and hours for shares, NaN for missing numbers."""
     found = dict(picked)
     if SAMPLE in found:
         counts = levels._counts[found["bearing"]]
@@ -639,13 +632,13 @@ def _settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, 
 def _with_ids(
     study: Study, columns: Sequence[Column], picked: dict[str, Any], frame: pd.DataFrame
 ) -> pd.DataFrame:
-    """Return the plan with names and seeds of runs, and its columns for readers."""
+    """Return the plan with ids and seeds of runs, and its columns."""
     levels, scale = Levels(study), study.factors.scale
     found = _settled(study, levels, picked)
     pairs = zip(levels.motions, levels.listed, strict=True)
     strengths = np.array([one.factor * intensity(motion, scale) for motion, one in pairs])
     strength = strengths[found["motion"]]
-    given = scale.of == "intensity"  # to the last bit as given, so that stripes are complete
+    given = scale.of == "intensity"  # exactly as given, so that stripes are complete
     intensities = found["scale"] if given else found["scale"] * strength
     if given:
         found["scale"] = intensities / strength

@@ -29,19 +29,19 @@ from thermobearing.structure.model import Structure
 
 Kind = Literal["normal", "lognormal", "uniform", "triangular"]
 Number = float | str | None  # text where the factor has a unit
-# Each way to give a distribution, by its kind; `low` and `high` truncate the first two besides.
+# Parameters of each distribution; `low` and `high` can also truncate the first two.
 WAYS: dict[str, tuple[tuple[str, ...], ...]] = {
     "normal": (("mean", "sd"), ("mean", "cov")),
     "lognormal": (("median", "cov"), ("median", "log_sd"), ("mean", "cov")),
     "uniform": (("low", "high"),),
     "triangular": (("low", "mode", "high"),),
 }
-TRUNCATED = ("normal", "lognormal")  # have no ends of their own
-PURE = ("cov", "log_sd")  # have no unit whatever the number is
+TRUNCATED = ("normal", "lognormal")  # can be truncated
+PURE = ("cov", "log_sd")  # dimensionless for every number
 ACCELERATION = "m/s^2"
 MM_PER_M = 1000.0
 NUMBER = re.compile(r"^(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*)?$")
-RARE = 1e-6  # a study of a million runs meets what is as rare as this
+RARE = 1e-6  # probability of the extremes that are checked
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,7 @@ class Distribution:
 
     kind: Kind  # "normal", "lognormal", "uniform" or "triangular"
     centre: float  # mean, median, or mode
-    # standard deviation; of a lognormal one that of the logarithm; none of the others
-    spread: float
+    spread: float  # standard deviation, of a lognormal one that of the logarithm; others 0
     low: float = -math.inf  # ends
     high: float = math.inf
 
@@ -71,26 +70,26 @@ class Distribution:
 
     @cached_property
     def _ends(self) -> tuple[float, float]:
-        """Probabilities below `low` and below `high`, if it were not truncated."""
+        """Probabilities below `low` and `high` without truncation."""
         return float(self._whole.cdf(self.low)), float(self._whole.cdf(self.high))
 
     def at(self, probability: Floats) -> Floats:
-        """Return the values that are not exceeded with a probability, in [0, 1]."""
+        """Return the quantiles at probabilities in [0, 1]."""
         below, above = self._ends
         inside = below + np.asarray(probability, dtype=np.float64) * (above - below)
         return np.clip(np.asarray(self._whole.ppf(inside), np.float64), self.low, self.high)
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Values as small and as large as one run in a million has."""
+        """Smallest and largest value of a million runs."""
         smallest, largest = self.at(np.array([RARE, 1.0 - RARE]))
         return float(smallest), float(largest)
 
 
 def _number(value: float | str, unit: str | None) -> float:
-    """Return a number of a study file: text with a unit where there is one, else a plain number.
+    """Return a number of a study file: text with a unit, or a plain number if `unit` is None.
 
-    An acceleration may have any unit that records have: m/s2, g, gal, ...
+    An acceleration may have any unit of records: m/s2, g, gal, ...
     """
     if unit is None:
         if isinstance(value, str):
@@ -107,7 +106,7 @@ def _number(value: float | str, unit: str | None) -> float:
 
 
 class Drawn(Strict):
-    """Keys of a number that has a distribution; `WAYS` has those that go together."""
+    """Keys of a number with a distribution; see `WAYS`."""
 
     distribution: Kind | None = None
     mean: Number = None
@@ -120,7 +119,7 @@ class Drawn(Strict):
     high: Number = None
 
     def _read(self, unit: str | None, key: str) -> Distribution:
-        """Return the distribution of a number with this unit (None: pure); InputError at `key`."""
+        """Return the distribution of a number in `unit`; errors name `key`."""
         kind = self.distribution
         assert kind is not None
         given = {name: getattr(self, name) for name in Drawn.model_fields if name != "distribution"}
@@ -128,12 +127,12 @@ class Drawn(Strict):
         ends = {"low", "high"} if kind in TRUNCATED else set()
         if not any(set(way) == set(given) - ends for way in WAYS[kind]):
             takes = " or ".join(" and ".join(way) for way in WAYS[kind])
-            more = "; low and high cut it off" if ends else ""
+            more = ", optionally with low and high" if ends else ""
             got = ", ".join(given) or "nothing"
             raise InputError(f"{key}: a {kind} distribution takes {takes}{more}; got {got}")
         if unit == "degC" and (kind == "lognormal" or "cov" in given):
             raise InputError(
-                f"{key}: of a temperature: normal with mean and sd, uniform or triangular"
+                f"{key}: a temperature must be normal with mean and sd, uniform or triangular"
             )
         numbers, faults = {}, []
         for name, value in given.items():
@@ -159,12 +158,14 @@ def _distribution(kind: Kind, numbers: dict[str, float], key: str) -> Distributi
         centre = numbers["mean"]
         spread = numbers["sd"] if "sd" in numbers else abs(centre) * cov
         if spread == 0.0:
-            raise InputError(f"{key}: a cov of a mean of 0 is no spread; give sd")
+            raise InputError(f"{key}: with a mean of 0 give sd instead of cov")
     elif kind == "lognormal":
         spread = numbers["log_sd"] if "log_sd" in numbers else math.sqrt(math.log1p(cov * cov))
         centre = numbers["median"] if "median" in numbers else numbers["mean"]
         if not centre > 0.0:
-            raise InputError(f"{key}: a lognormal distribution is of numbers greater than 0")
+            raise InputError(
+                f"{key}: a lognormal distribution needs a median or mean greater than 0"
+            )
         centre = centre if "median" in numbers else centre / math.sqrt(1.0 + cov * cov)
     else:
         mode = numbers.get("mode", low)
@@ -173,7 +174,7 @@ def _distribution(kind: Kind, numbers: dict[str, float], key: str) -> Distributi
         return Distribution(kind, mode, 0.0, low, high)
     made = Distribution(kind, centre, spread, low, high)
     if not made._ends[1] - made._ends[0] > RARE:
-        raise InputError(f"{key}: next to nothing of the distribution is between low and high")
+        raise InputError(f"{key}: the distribution has almost no probability between low and high")
     return made
 
 
@@ -184,10 +185,10 @@ INTENSITY_UNITS = {"PGA": "m/s^2", "PGV": "m/s", "Sa": "m/s^2"}
 
 
 class Picked(Strict):
-    """How levels are met: each with every one of the other factors, or drawn by lot.
+    """How levels are combined: in all combinations with other factors, or drawn at random.
 
-    `random` draws one level for each sample, with the probabilities of `weights` (all alike
-    without); otherwise every combination of levels has its samples.
+    `random` draws one level for each sample, with probabilities proportional to `weights` (equal
+    by default).
     """
 
     random: bool = False
@@ -200,15 +201,15 @@ class Picked(Strict):
             faults.append("weights: only with random = true")
         levels, weights = given.get("levels"), given.get("weights")
         if isinstance(levels, list) and isinstance(weights, list) and len(levels) != len(weights):
-            faults.append(f"weights: {len(weights)} of them for {len(levels)} levels")
+            faults.append(f"weights: {len(weights)} weights for {len(levels)} levels")
         return faults
 
 
 class Posterior(Strict):
-    """Bearings that a calibration leaves possible, of which each run draws one.
+    """Posterior samples of a calibration, of which each run draws one.
 
-    `count` samples are taken evenly from the file `posterior`; `bearing` is the calibrated one, or
-    one of another size made of its compound.
+    `count` evenly spaced samples of the file `posterior`; `bearing`: the calibrated bearing, or one
+    of another size from its compound.
     """
 
     kind: Literal["posterior"] = "posterior"
@@ -219,7 +220,7 @@ class Posterior(Strict):
 
 
 class BearingFactor(Picked):
-    """Bearings on the lines that have none of their own."""
+    """Bearings on the lines without a bearing of their own."""
 
     levels: Annotated[
         list[Annotated[Bearing | BilinearBearing | Posterior, Field(discriminator="kind")]],
@@ -235,18 +236,18 @@ class StructureFactor(Picked):
 
 @dataclass(frozen=True, eq=False)
 class Made:
-    """Ground motions that were made for a factor; two of them are only alike if they are one."""
+    """Matched motions of a factor, compared by identity."""
 
     motions: tuple[GroundMotion, ...]
 
 
 class MotionFactor(Picked):
-    """Ground motions; or motions `matched` to a standard spectrum, or that of a file.
+    """Ground motions, or motions `matched` to a standard spectrum or that of a file.
 
-    Matched motions keep the phases of records (`levels`), or have `count` random ones, from `seed`
-    (1) on, which shake as those of the spectrum `phases` ("jra-ii-i" with a file). `zone_factor`
-    (1) multiplies the spectrum, `dt` is the time step (0.01 s, or that of a record), `tolerance`
-    (0.03) the root mean square misfit from 0.1 to 3 s that is accepted.
+    Matched motions keep the phases of records (`levels`), or have `count` sets of random phases,
+    from `seed` (1) on, with the envelope of the spectrum `phases` ("jra-ii-i" with a file).
+    `zone_factor` (1) multiplies the spectrum; `dt`: time step (0.01 s, or that of a record);
+    `tolerance` (0.03): largest root mean square misfit from 0.1 to 3 s.
     """
 
     levels: Annotated[list[Motion], Field(min_length=1, max_length=MOST_LEVELS)] | None = None
@@ -264,17 +265,17 @@ class MotionFactor(Picked):
         faults = super()._conflicts(given)
         count, weights = given.get("count"), given.get("weights")
         if isinstance(count, int) and isinstance(weights, list) and len(weights) != count:
-            faults.append(f"weights: {len(weights)} of them for {count} motions")
+            faults.append(f"weights: {len(weights)} weights for {count} motions")
         if "matched" not in given:
             own = ("count", "seed", "phases", "zone_factor", "dt", "tolerance")
-            faults += [f"{key}: only of motions that are matched" for key in own if key in given]
+            faults += [f"{key}: only with matched motions" for key in own if key in given]
             if "levels" not in given:
                 faults.append('missing key "levels"; or matched = "jra-ii-i" with count')
         elif "levels" not in given and count is None:
-            faults.append("matched: how many? Give count, or levels: records whose phases are kept")
+            faults.append("matched: give count, or levels (records whose phases are kept)")
         elif "levels" in given:
             faults += [
-                f"{key}: of random phases; levels are records"
+                f"{key}: only with random phases, not with levels"
                 for key in ("count", "seed", "phases")
                 if key in given
             ]
@@ -282,7 +283,7 @@ class MotionFactor(Picked):
 
     @property
     def names(self) -> list[str]:
-        """Of the motions, each once."""
+        """Names of the motions."""
         own = [str(one.label or one.name) for one in self.levels or ()]
         if self.matched is None:
             return own
@@ -294,11 +295,11 @@ class MotionFactor(Picked):
 
     @property
     def made(self) -> Made | None:
-        """Those that were made; None before."""
+        """The matched motions; None before they are computed."""
         return self._made
 
     def keep_made(self, motions: Sequence[GroundMotion]) -> None:
-        """Remember what was made, so that it is made once."""
+        """Store the matched motions."""
         self._made = Made(tuple(motions))
 
 
@@ -306,7 +307,7 @@ Levels = Annotated[list[float | str], Field(min_length=1, max_length=MOST_LEVELS
 
 
 class ScaleFactor(Drawn, Picked):
-    """Factor of a motion, or (`of` = "intensity") the `measure` that it is scaled to.
+    """Scale factor of a motion, or with `of` = "intensity" the `measure` that it is scaled to.
 
     "Sa" is the spectral acceleration at `period` and `damping` (0.05).
     """
@@ -321,14 +322,14 @@ class ScaleFactor(Drawn, Picked):
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         faults = super()._conflicts(given)
         if (given.get("measure") == "Sa") != ("period" in given):
-            faults.append('period: measure = "Sa" needs one, the others have none')
+            faults.append('period: required with measure = "Sa", and only with it')
         if "damping" in given and given.get("measure") != "Sa":
-            faults.append('damping: only of measure = "Sa"')
+            faults.append('damping: only with measure = "Sa"')
         return faults
 
     @property
     def unit(self) -> str | None:
-        """Unit of its numbers; None for a factor."""
+        """Unit of the numbers; None for a factor."""
         return INTENSITY_UNITS[self.measure] if self.of == "intensity" else None
 
 
@@ -336,8 +337,8 @@ class AmbientFactor(Drawn, Picked):
     """Ambient temperature [degC]: levels, a distribution, or hourly weather.
 
     Each run draws an hour of the file `weather`, or of `years` (50) that a `climate` generates with
-    `seed` (0). Before the earthquake the bearing has the ambient temperature for `history` [h];
-    without it, from the beginning of the weather.
+    `seed` (0). The bearing follows the weather for `history` [h] before the earthquake; by default
+    from the beginning.
     """
 
     levels: Annotated[list[Temperature], Field(min_length=1, max_length=MOST_LEVELS)] | None = None
@@ -350,11 +351,11 @@ class AmbientFactor(Drawn, Picked):
 
     @property
     def series(self) -> Hourly | None:
-        """The weather, after it was read or generated."""
+        """The weather, once it was read or generated."""
         return self._series
 
     def keep_series(self, series: Hourly | None) -> None:
-        """Remember the weather, which takes seconds to read; None forgets it."""
+        """Store the weather; None removes it."""
         self._series = series
 
     @classmethod
@@ -366,21 +367,21 @@ class AmbientFactor(Drawn, Picked):
             faults.append(f"give one of levels, distribution, weather and climate{got}")
         made_up = [key for key in ("years", "seed") if key in given]
         if made_up and "climate" not in given:
-            faults.append(f"{made_up[0]}: needs a climate, from which weather is generated")
+            faults.append(f"{made_up[0]}: only with a climate")
         if "history" in given and not {"weather", "climate"} & set(given):
-            faults.append("history: of weather or a climate; levels and distributions have none")
+            faults.append("history: only with weather or a climate")
         return faults
 
     @property
     def hourly(self) -> bool:
-        """Whether the air is that of an hour of weather."""
+        """Whether the ambient temperature is that of an hour of weather."""
         return self.weather is not None or self.climate is not None
 
 
 class NumberFactor(Drawn, Picked):
     """Any number of the bearing, the structure or the case, by its dotted name.
 
-    `of` = "factor" multiplies the number that is there, "value" replaces it, with a unit.
+    `of` = "factor" multiplies the number, "value" replaces it.
     """
 
     levels: Levels | None = None
@@ -390,12 +391,12 @@ class NumberFactor(Drawn, Picked):
 def list_numbers(
     factor: ScaleFactor | AmbientFactor | NumberFactor, unit: str | None, key: str
 ) -> list[float] | Distribution:
-    """Return levels or distribution of a factor that is a number with this unit (None: pure)."""
+    """Return levels or distribution of a numeric factor in a unit (None: dimensionless)."""
     if (factor.levels is None) == (factor.distribution is None):
         raise InputError(f"{key}: give either levels or a distribution")
     if factor.levels is None:
         if factor.random:
-            raise InputError(f"{key}.random: only of levels; a distribution is always drawn")
+            raise InputError(f"{key}.random: only with levels")
         return factor._read(unit, key)
     if isinstance(factor, AmbientFactor):
         return list(factor.levels)
@@ -406,7 +407,7 @@ def list_numbers(
         except InputError as error:
             faults += error.lines(f"{key}.levels[{number}]")
     if not faults and len(set(numbers)) < len(numbers):
-        faults = [f"{key}.levels: one is given more than once"]
+        faults = [f"{key}.levels: a level is given twice"]
     if faults:
         raise InputError(faults)
     return numbers
@@ -416,7 +417,7 @@ COLUMNS = {"PGA": "PGA_m_s2", "PGV": "PGV_m_s", "Sa": "Sa_m_s2"}
 
 
 def intensity(motion: GroundMotion, scale: ScaleFactor) -> float:
-    """Return the measure of a motion that is not scaled: PGA, Sa [m/s2] or PGV [m/s]."""
+    """Return the measure of an unscaled motion: PGA, Sa [m/s2] or PGV [m/s]."""
     if scale.measure == "PGA":
         found = motion.pga
     elif scale.measure == "PGV":
@@ -425,7 +426,7 @@ def intensity(motion: GroundMotion, scale: ScaleFactor) -> float:
         period = np.array([scale.period])
         found = float(response_spectrum(motion, period, scale.damping or DAMPING).acceleration[0])
     if not found > 0.0:
-        raise InputError(f'motion "{motion.name}" is zero throughout and has no {scale.measure}')
+        raise InputError(f'motion "{motion.name}" is zero and has no {scale.measure}')
     return found / MM_PER_M
 
 
@@ -436,19 +437,19 @@ Samples = Annotated[int, Field(ge=1, le=MOST_RUNS)]
 
 
 class Design(Strict):
-    """How the combinations are chosen.
+    """Design of the study.
 
     Attributes
     ----------
-    kind : of the draws of what has a distribution; levels meet in every combination.
+    kind : sampling of factors with a distribution; levels are crossed.
     samples : draws for each combination of levels.
     seed : of the draws.
     paired : every combination of levels has the same draws (default), or separate draws.
     arrangement : "plain" (default), or "saltelli" for Sobol' indices: two sets of draws A and B,
         and for each drawn factor A with that factor from B.
-    lockstep : runs of one shape side by side (docs/theory.md), which differ from runs alone by
-        rounding; None for studies of 5000 runs or more, whose histories are not all kept and
-        whose numbers of heat are not varied.
+    lockstep : compute runs of one shape together (docs/theory.md), which differ from single runs by
+        rounding. By default studies of 5000 runs or more do, unless all histories are kept or
+        thermal properties vary.
     """
 
     kind: DesignKind = "factorial"
@@ -463,22 +464,21 @@ class Design(Strict):
         kind, samples = given.get("kind", "factorial"), given.get("samples")
         faults = []
         if kind != "factorial" and samples is None:
-            faults.append(f'missing key "samples": kind = "{kind}" draws that many')
+            faults.append(f'missing key "samples": required with kind = "{kind}"')
         if kind == "sobol" and isinstance(samples, int) and samples > 0 and samples.bit_count() > 1:
             below = 1 << (samples.bit_length() - 1)
             faults.append(
-                f"samples = {samples}: a Sobol sequence takes powers of two, {below} or {2 * below}"
+                f"samples = {samples}: must be a power of two for Sobol, {below} or {2 * below}"
             )
         if kind == "factorial" and given.get("arrangement") == "saltelli":
             faults.append(
-                'arrangement = "saltelli": needs draws; take kind = "sobol", "latin-hypercube" or '
-                '"monte-carlo"'
+                'arrangement = "saltelli": needs kind = "sobol", "latin-hypercube" or "monte-carlo"'
             )
         return faults
 
 
 class Keep(Strict):
-    """What is kept besides the table of runs; `histories` of "none", "all" or "worst 10"."""
+    """Histories that are kept: "none", "all" or "worst 10" (any number)."""
 
     histories: str = "none"
 
@@ -497,10 +497,7 @@ class Keep(Strict):
 
 
 class Factors(Strict):
-    """Everything that differs between runs; one level is none that differs.
-
-    `numbers` are those with a dotted name.
-    """
+    """Factors of a study; `numbers` are those with a dotted name."""
 
     structure: StructureFactor
     bearing: BearingFactor
@@ -511,7 +508,7 @@ class Factors(Strict):
 
 
 class Study(Strict):
-    """A study: what all runs share (`case`), what differs, and how it is combined (`plan`)."""
+    """A study: the common case of all runs, the factors, and their design."""
 
     kind: Literal["study"] = "study"
     name: Annotated[str, Field(min_length=1, max_length=100, pattern=r"^[^/\\]*$"), OneLine]
@@ -521,7 +518,7 @@ class Study(Strict):
     keep: Keep = Keep()
 
     def to_toml(self) -> str:
-        """The study with names resolved and defaults filled in; reads back to the same runs."""
+        """Return the study as TOML with names resolved and defaults filled in."""
         table = to_table(self)
         for key in OF_FACTORS:
             table["case"].pop(key, None)
