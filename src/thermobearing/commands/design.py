@@ -2,7 +2,7 @@
 
 import re
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -17,6 +17,9 @@ from thermobearing.commands.common import (
 )
 from thermobearing.commands.earthquake import FIXED_BASE
 from thermobearing.commands.options import command, fields, option
+
+if TYPE_CHECKING:
+    from thermobearing.design.sizing import Round
 
 
 @command(
@@ -55,7 +58,6 @@ def _design(
     """Size isolation bearings: assume a displacement, size, analyse, compare, and repeat."""
     from thermobearing.bearing.library import load_bearing
     from thermobearing.design.case import load_design_case, make_design_case
-    from thermobearing.design.result import print_head, print_round
     from thermobearing.design.run import run_design
 
     groups = [{"lines": [name.strip() for name in text.split(",")]} for text in group or []]
@@ -67,11 +69,15 @@ def _design(
     templates = [load_bearing(name) for name in complete.equal]
     target = end.target("design")
     announce_compiling(end.quiet, STRUCTURES)
-    if not end.quiet:
-        print_head(complete)
-    found = run_design(complete, None if end.quiet else print_round, templates=templates)
+    found = run_design(complete, None if end.quiet else _print_round, templates=templates)
     outcome = "completed" if found.usable else found.outcome
     return end.save(found, target, outcome=outcome)
+
+
+def _print_round(turn: "Round") -> None:
+    """Print the displacements of a round while the design runs."""
+    of = f" of {turn.group}" if turn.group else ""
+    print(f"round {turn.number}{of}: assumed {turn.assumed:.0f} mm, found {turn.found:.0f} mm")
 
 
 @command(

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from thermobearing.bearing.bilinear import BilinearBearing
@@ -180,32 +179,6 @@ def verdict(ratio: float) -> str:
     if ratio < UNSAFE:
         return "unsafe"
     return "wasteful" if ratio > WASTEFUL else "good"
-
-
-def paragraph(table: pd.DataFrame, name: str) -> str:
-    """Return the result in words."""
-    sentences = []
-    for column, title in DEMANDS.items():
-        rows = table[table["demand"] == column]
-        parts = list(dict.fromkeys(rows["part"])) if "part" in rows else []
-        ratios = rows["envelope_over_coupled"].to_numpy()
-        unsafe, wasteful = int((ratios < UNSAFE).sum()), int((ratios > WASTEFUL).sum())
-        several = len(parts) > 1
-        who = f" ({', '.join(parts)})" if several else ""
-        of = f"{len(ratios)} {'cases' if several else 'motions'}"
-        sentences.append(
-            f"{title.split(' [')[0]}{who}: {ratios.min():.2f} to {ratios.max():.2f} of what the "
-            f"coupled model gives (unsafe for {unsafe}, wasteful for {wasteful} of {of})"
-        )
-    on = f" on {table.attrs['structure']}" if "structure" in table.attrs else ""
-    worst = table.loc[int(np.argmin(table["envelope_over_coupled"].to_numpy()))]
-    where = f" of {worst['part']}" if worst.get("part") else ""
-    return (
-        f"{name}{on}: the envelope of the two bilinear bounds against the coupled model. "
-        + "; ".join(sentences)
-        + f". The least safe is {DEMANDS[str(worst['demand'])].split(' [')[0]}{where} under "
-        f"{worst['motion']} ({worst['envelope_over_coupled']:.2f})."
-    )
 
 
 BOUNDS_NOTE = (

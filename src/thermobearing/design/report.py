@@ -13,18 +13,22 @@ from thermobearing.cyclic.reported import (
     bearing_words,
     model_assumptions,
 )
-from thermobearing.design.bounds import BOUNDS_NOTE
 from thermobearing.design.factors import FOOTNOTE
-from thermobearing.design.peaks import JUDGED, of_group
+from thermobearing.design.peaks import of_group
 from thermobearing.design.result import USABLE
+from thermobearing.design.tables import (
+    bounds_sentences,
+    demands_table,
+    design_tables,
+    factor_tables,
+)
 from thermobearing.earthquake.case import EarthquakeAnalysis
 from thermobearing.earthquake.report import given_motions_table
-from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
 from thermobearing.report.pieces import EXCEEDED, PASSED, Check, Pieces
 from thermobearing.report.words import (
-    counted,
     degrees,
     identity_rows,
     joined,
@@ -42,8 +46,6 @@ from thermobearing.structure.report import structure_table
 from thermobearing.tables.text import read_text
 
 Summary = Mapping[str, Any]
-LINES = Quantity("Lines", name="group")
-Names = list[str | Quantity]
 
 
 def build_pieces(saved: SavedResult) -> Pieces:
@@ -54,12 +56,6 @@ def build_pieces(saved: SavedResult) -> Pieces:
 
 BOUNDS_CAPTIONS = {
     "bounds": "Demands of the two bounds and of the coupled model, and their envelope."
-}
-DEMANDS = {  # words, unit, factor
-    "bearing_strain_max": ("shear strain", "%", 100.0),
-    "bearing_force_max_kN": ("force of one bearing", "kN", 1.0),
-    "pier_displacement_max_mm": ("pier top", "mm", 1.0),
-    "deck_acceleration_max_m_s2": ("deck acceleration", "m/s²", 1.0),
 }
 
 
@@ -78,9 +74,9 @@ def _bounds_pieces(saved: SavedResult) -> Pieces:
         f"Is it enough to run {summary['structure']} twice, with a lower and an upper bilinear "
         f"model of {joined(words, 'or')}, instead of the coupled model at {airs}, under "
         f"{joined(motions)}?",
-        _bounds_answer(summary),
+        bounds_sentences(summary),
         inputs=_bounds_inputs(inputs),
-        tables={"demands": _demands_table(summary)},
+        tables={"demands": demands_table(summary)},
         figures=content.saved_figures(saved, BOUNDS_CAPTIONS),
         checks=content.limit_checks(
             rows, content.IN_EARTHQUAKES, f"{content.TESTED_RANGE} of the bearing", names
@@ -89,49 +85,6 @@ def _bounds_pieces(saved: SavedResult) -> Pieces:
         assumptions=_assumptions(first, [one["bearing"] for one in inputs.values()]),
         **content.saved_parts(saved, "thermobearing.design.run_bounds(...) in Python"),
     )
-
-
-def _bounds_answer(summary: Mapping[str, Any]) -> list[str]:
-    """Return how many demands are unsafe, and the worst of them."""
-    rows = [(name, row) for name, table in summary["rows"].items() for row in table]
-    early = []
-    if summary["outcome"] != "completed":
-        sentence = tidy(str(summary.get("sentence", "")))
-        early = [f"Not every run came to its end ({summary['outcome']}): {sentence}"]
-    verdicts = [row["verdict"] for _, row in rows]
-    unsafe, wasteful = verdicts.count("unsafe"), verdicts.count("wasteful")
-    name, least = min(rows, key=lambda pair: pair[1]["envelope_over_coupled"])
-    what = DEMANDS.get(least["demand"], (least["demand"],))[0]
-    first = (
-        f"Of {counted(len(rows), 'demand')}, {unsafe} are unsafe (below 0.95 of the coupled "
-        f"model) and {wasteful} wasteful (above 1.3)."
-    )
-    second = (
-        f"The least safe is the {what} of {name} under {least['motion']}: the envelope of the "
-        f"bounds gives {least['envelope_over_coupled']:.2f} of what the coupled model gives at "
-        f"{degrees([least['coupled_at_degC']])}."
-    )
-    return [*early, first, second]
-
-
-def _demands_table(summary: Summary) -> Table:
-    """Return a row for each bearing, motion and demand."""
-    frame = pd.DataFrame(
-        [{"bearing": name} | row for name, table in summary["rows"].items() for row in table]
-    )
-    shown = [DEMANDS.get(name, (name, "", 1.0)) for name in frame["demand"]]
-    frame["demand"], frame["unit"], factors = map(list, zip(*shown, strict=True))
-    for name in ("lower_bound", "upper_bound", "coupled_max"):
-        frame[name] *= factors
-    names: Names = ["bearing", "motion", "demand", Quantity("Unit", name="unit"), "part"]
-    keys = 4 + ("part" in frame)
-    names += ["lower_bound", "upper_bound", "coupled_max", "coupled_at_degC"]
-    names += ["envelope_over_coupled", "verdict"]
-    beyond = [bool(str(text or "")) for text in frame["beyond_tested"]]
-    note = "unsafe: envelope below 0.95 of the coupled model; wasteful: above 1.3."
-    note += f" {content.MARKED} (some run of that motion)." * any(beyond)
-    caption = "Bounds compared with the coupled model"
-    return make_table(frame, names, caption, keys=keys, marked={"motion": beyond}, note=note)
 
 
 def _bounds_inputs(inputs: Summary) -> dict[str, Table]:
@@ -187,7 +140,7 @@ def _factors_pieces(saved: SavedResult) -> Pieces:
         f"{summary['cycles']})?",
         _factors_answer(summary),
         inputs=bearing_tables(table, summary["inputs"]["sources"]),
-        tables=_factor_tables(summary),
+        tables=factor_tables(summary) | _published_tables(summary),
         figures=content.saved_figures(saved, FACTORS_CAPTIONS),
         checks=content.limit_checks(rows, content.TESTS, f"{content.TESTED_RANGE} of {name}"),
         assumptions=[
@@ -223,52 +176,9 @@ def _factors_answer(summary: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _factor_tables(summary: Summary) -> dict[str, Table]:
-    """Return factors with a column for each temperature, bounds, published factors."""
-    rows = summary["factors"]
-    airs = sorted({float(row["ambient_degC"]) for row in rows})
-    bands = any(row.get("factor_low") is not None for row in rows)
-    lines: dict[tuple[Any, ...], dict[float, Any]] = {}
-    values: dict[tuple[Any, ...], float] = {}
-    for row in rows:
-        unit, factor = printed_unit(str(row["unit"]))
-        key = (100.0 * row["strain"], row["basis"], row["quantity"], unit)
-        lines.setdefault(key, {})[float(row["ambient_degC"])] = row
-        if row["ambient_degC"] == summary["reference_degC"]:
-            values[key] = factor * row["value"]
-    reference = degrees([summary["reference_degC"]])
-    columns = [quantity("strain", form="g"), *map(Quantity, ("Cycle", "Quantity", "Unit"))]
-    columns.append(Quantity(f"Value at {reference}", form=".3g"))
-    columns += [Quantity(f"Factor at {degrees([air])}", form=".2f") for air in airs]
-    cells: list[list[Any]] = []
-    marked: set[tuple[int, int]] = set()
-    for at, (key, found) in enumerate(lines.items()):
-        each = [found.get(air) for air in airs]
-        cells.append([*key, values.get(key), *(one and _cell(one) for one in each)])
-        marked |= {
-            (at, 5 + place)
-            for place, one in enumerate(each)
-            if one is not None and "ambient" in str(one.get("beyond_tested") or "").split()
-        }
-    note = "first: the first cycle; heated: the last cycle, after self-heating; mean: the mean of "
-    note += (
-        "the cycles."
-        + " In brackets: band over the samples." * bands
-        + f" {content.MARKED}." * bool(marked)
-    )
-    caption = f"Temperature factors over {reference}"
-    ratio = summary["stiffness_ratio"]
-    bounds_note = f"K_2/K_1 = {ratio['K_2_over_K_1']:g}: {ratio['source']}. {BOUNDS_NOTE}."
-    names: Names = [Quantity("Bound", name="bound"), quantity("strain", form="g")]
-    names += [Quantity("Cycle", name="basis"), "ambient_degC"]
-    names += ["Q_d_kN", "K_1_kN_mm", "K_2_kN_mm", "Q_y_kN"]
-    bounds = pd.DataFrame(summary["bounds"])
-    tables = {
-        "factors": Table(caption, columns, cells, 4, frozenset(marked), note),
-        "bounds": make_table(
-            bounds, names, "Lower and upper bilinear model", keys=4, note=bounds_note
-        ),
-    }
+def _published_tables(summary: Summary) -> dict[str, Table]:
+    """Return the coldest day compared with published factors, and the provisions of codes."""
+    tables = {}
     if summary.get("coldest_day"):
         words = [[tidy(text)] for text in summary["coldest_day"]]
         note = f"{FOOTNOTE}." if any("*" in text for (text,) in words) else ""
@@ -288,23 +198,10 @@ def _factor_tables(summary: Summary) -> dict[str, Table]:
     return tables
 
 
-def _cell(row: Mapping[str, Any]) -> Any:
-    """Return a factor, with its band where there is one."""
-    low, high = row.get("factor_low"), row.get("factor_high")
-    if low is None or high is None or not np.isfinite([low, high]).all():
-        return row["factor"]
-    return f"{row['factor']:.2f} ({low:.2f}–{high:.2f})"
-
-
 CAPTIONS = {
     "rounds": "Assumed and found displacement of each round of the design.",
     "equal": "Loops of the bilinear bearing and of layered ones of the same stiffness.",
 }
-ROUNDS = (
-    *("round", LINES, "u_B_assumed_mm", "side_mm", "layers", "layer_thickness_mm", "K_B_kN_mm"),
-    *("h_B", "Q_d_kN", "K_1_kN_mm", quantity("K_2_kN_mm", form=".2f"), "u_found_mm"),
-    *("difference", quantity("pier_ductility", head="Pier ductility")),
-)
 
 
 def _design_pieces(saved: SavedResult) -> Pieces:
@@ -323,7 +220,7 @@ def _design_pieces(saved: SavedResult) -> Pieces:
         "layered bearings of the same stiffness do, at every temperature?",
         _design_answer(summary),
         inputs=_design_inputs(saved, case),
-        tables=_design_tables(summary),
+        tables=design_tables(summary),
         figures=content.saved_figures(saved, CAPTIONS),
         checks=_design_checks(summary),
         rate_rows=summary.get("tested_range", []),
@@ -376,29 +273,6 @@ def _design_inputs(saved: SavedResult, case: Summary) -> dict[str, Table]:
         found |= bearing_tables(table, sources, otherwise="this design")
     if "analysis" in case:
         found["analysis"] = analysis_table(case["analysis"], EarthquakeAnalysis())
-    return found
-
-
-def _design_tables(summary: Summary) -> dict[str, Table]:
-    """Return rounds, equal bearings, every temperature."""
-    rounds = pd.DataFrame(summary["rounds"])
-    several = "group" in rounds
-    note = f"Round {summary['chosen_round']} was taken."
-    caption = "Rounds of the design"
-    found = {"rounds": make_table(rounds, ROUNDS, caption, keys=1 + several, note=note)}
-    names: Names
-    if summary["equal"]:
-        names = [Quantity("Bearing", name="name"), LINES, "K_eq_kN_mm", "h_eq"]
-        caption = "Layered bearings of the same stiffness, third cycle at the design displacement"
-        found["equal"] = make_table(pd.DataFrame(summary["equal"]), names, caption)
-    if summary["temperatures"]:
-        names = ["bearing", LINES, "ambient_degC", *JUDGED.values()]
-        names += [quantity("pier", head="Governing pier"), "verdict", "fails"]
-        frame = pd.DataFrame(summary["temperatures"])
-        caption = "Layered bearings at every temperature"
-        found["temperatures"] = make_table(
-            frame, names, caption, keys=2 + several, drop_empty=False
-        )
     return found
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,36 +19,31 @@ from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.cyclic.result import Result as CyclicResult
 from thermobearing.design import factors
-from thermobearing.design.bounds import BOUNDS_NOTE, bound_models, opensees_text, paragraph
-from thermobearing.design.case import DesignCase, bearing_weight, make_design_case
+from thermobearing.design.bounds import BOUNDS_NOTE, bound_models, opensees_text
+from thermobearing.design.case import DesignCase, make_design_case
 from thermobearing.design.peaks import (
     coldest_sentences,
     envelope,
     few_motions,
-    of_group,
     peak_rule,
 )
 from thermobearing.design.sizing import Check, EqualBearing, Round, third_cycle
+from thermobearing.design.tables import (
+    bounds_sentences,
+    demands_table,
+    design_checks_table,
+    design_tables,
+    factor_tables,
+)
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.quantities.tables import Table
 from thermobearing.results import directory as files
 from thermobearing.results.base import Result
 from thermobearing.results.ranges import Row, asked_of_tests, one_per_cause, outside_tests
-from thermobearing.results.screen import print_table, print_warnings, say
 from thermobearing.results.writing import write_csv
 
 USABLE = ("converged", "two_sizes")  # outcomes of a design
 ENOUGH = 0.10  # of the displacement: "no more than 10 %" (6.2.2)
-COLUMNS = {  # of the rounds on the console: head, width
-    "round": 5,
-    "u_B mm": 6,
-    "bearing": 10,
-    "K_B kN/mm": 9,
-    "h_B": 6,
-    "Q_d kN": 6,
-    "found mm": 8,
-    "differ": 6,
-    "ductility": 9,
-}
 
 
 def _beyond_tests(tests: Mapping[str, tuple[list[Row], Any]]) -> list[str]:
@@ -58,38 +53,6 @@ def _beyond_tests(tests: Mapping[str, tuple[list[Row], Any]]) -> list[str]:
         outside = outside_tests(name, rows, ranges, skip=("strain_rate",))
         said += [(name, text.removeprefix(f"{name}: ")) for text in outside]
     return one_per_cause(said)
-
-
-def _line(cells: Mapping[str, str]) -> str:
-    return " ".join(cell.rjust(COLUMNS[head]) for head, cell in cells.items())
-
-
-def print_head(case: DesignCase) -> None:
-    """Print what is designed, and the heads of the rounds."""
-    names = ", ".join(PurePath(motion.name).name for motion in case.motions)
-    rubber = f"{case.structure.name}, {case.compound_kind} {case.compound}, "
-    loads = [f"{bearing_weight(case, group):.0f} kN a bearing" for group in case.groups]
-    pairs = zip(case.line_groups or [], loads, strict=False)
-    groups = "; ".join(f"group {group.name}: {load}" for group, load in pairs)
-    say(f"{rubber}{groups or loads[0]}, motions {names}")
-    say(_line({head: head for head in COLUMNS}), "bold")
-
-
-def print_round(turn: Round) -> None:
-    """Print a round in a line."""
-    size = turn.size
-    cells = (
-        f"{turn.number}",
-        f"{turn.assumed:.0f}",
-        f"{size.side:g}, {size.layers}x{size.layer_thickness:g}",
-        f"{turn.stiffness:.3f}",
-        f"{turn.damping:.3f}",
-        f"{turn.strength:.1f}",
-        f"{turn.found:.0f}",
-        f"{turn.difference:+.1%}",
-        f"{turn.ductility:.2f}",
-    )
-    say(f"{_line(dict(zip(COLUMNS, cells, strict=True)))} {turn.group}".rstrip())
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
@@ -202,43 +165,26 @@ class Design(Result):
             found[turn.group] = loops | {one.name: third_cycle(one, u) for one in mine}
         return found
 
-    def show(self) -> None:
-        """Print verdict, checks, the published design, layered bearings of equal stiffness."""
-        say(self.sentence)
-        rule = peak_rule(self.case.peaks)
-        say(f"Peaks are {rule.says}; {rule.source}{factors.marked(rule)}.")
+    def tables(self) -> dict[str, Table]:
+        """Return rounds, calculation sheet, layered bearings, and their peaks by temperature."""
+        summary = self.summary()
+        found = design_tables(summary)
+        rounds = found.pop("rounds")
+        return {"rounds": rounds, "checks": design_checks_table(summary), **found}
+
+    def notes(self) -> list[str]:
+        """Return the verdict, the rule for peaks, the published design, and the coldest day."""
+        rule, found = peak_rule(self.case.peaks), [self.sentence]
+        found.append(f"Peaks are {rule.says}; {rule.source}{factors.marked(rule)}.")
         if self.first_within is not None:
-            say(f"Round {self.first_within} was the first within the 10 % of the printed loop.")
-        self._print_checks()
+            found.append(f"Round {self.first_within} was the first within {ENOUGH:.0%}.")
         printed = make_design_case({}, "default")
         keys = {"structure", "compound", "compound_kind", "weight"}
         if self.case.model_dump(include=keys) == printed.model_dump(include=keys):
-            say(f"\n{_published_design()}")
-        for item in self.equal:
-            name = of_group(item.bearing.name, item.group)
-            say(
-                f"equal K_B: {name}, K_eq {item.stiffness:.3f} kN/mm, "
-                f"h_eq {item.damping:.3f} at 23 degC without heating"
-            )
-        for sentence in coldest_sentences(self.temperatures):
-            say(sentence)
-        if rule.unverified or any(check.unverified for check in self.checks):
-            say(factors.FOOTNOTE)
-        print_warnings(self.warnings)
-
-    def _print_checks(self) -> None:
-        """Print the calculation sheet."""
-        several = any(check.part for check in self.checks)
-        rows = []
-        for check in self.checks:
-            unit = "" if check.unit == "1" else f" {check.unit}"
-            limit = f"{'>=' if check.least else '<='} {check.limit:g}{unit}"
-            source = check.source + factors.marked(check)
-            cells = (f"{check.value:.3g}{unit}", limit, check.verdict, source)
-            rows.append((check.what, *[check.part] * several, *cells))
-        styles = ["" if check.passed else "bold red" for check in self.checks]
-        heads = ("checks", *["of"] * several, "value", "limit", "verdict", "source of the limit")
-        print_table(heads, rows, title=" ", styles=styles)
+            found.append(_published_design())
+        found += coldest_sentences(self.temperatures)
+        starred = rule.unverified or any(check.unverified for check in self.checks)
+        return [*found, factors.FOOTNOTE] if starred else found
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
@@ -292,12 +238,12 @@ def _published_design() -> str:
     bearing, more = published["bearing"], published["more"]
     hdr, lhdr = more["equal_K_B_kN_mm"]
     return (
-        f"source (Tables 6.1, 6.3): u_B {bearing['u_B_mm']:g} mm, {bearing['side_mm']:g} mm, "
-        f"{bearing['layers']}x{more['layer_thickness_mm']:g}, "
+        f"Shen (2023), Tables 6.1 and 6.3: u_B {bearing['u_B_mm']:g} mm, "
+        f"{bearing['side_mm']:g} mm, {bearing['layers']}x{more['layer_thickness_mm']:g}, "
         f"K_B {bearing['K_B_kN_mm']:.3f} kN/mm, "
         f"Q_d {bearing['Q_d_kN']:g} kN; equal HDR and LHDR bearings {more['equal_side_mm']:g} mm, "
         f"{more['equal_layers']}x{more['equal_layer_thickness_mm']:g}, K_B {hdr:g} and {lhdr:g} "
-        "kN/mm. Its motions are not free to ship, so the displacement differs."
+        "kN/mm. The motions of that design are not free, so that the displacement differs."
     )
 
 
@@ -347,16 +293,13 @@ class BoundsReport(Result):
         """What the bearings stand on."""
         return next((str(t.attrs.get("structure", "")) for t in self.studies.values()), "")
 
-    @property
-    def paragraphs(self) -> dict[str, str]:
-        """The result in words, by name of the bearing."""
-        return {name: paragraph(table, name) for name, table in self.studies.items()}
+    def tables(self) -> dict[str, Table]:
+        """Return the demands of the bounds and of the coupled model."""
+        return {"demands": demands_table(self.summary())}
 
-    def show(self) -> None:
-        """Print a paragraph for each bearing."""
-        for text in self.paragraphs.values():
-            say(text + "\n")
-        print_warnings(self.warnings)
+    def notes(self) -> list[str]:
+        """Return how many demands are unsafe, and the least safe one."""
+        return bounds_sentences(self.summary())
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
@@ -369,7 +312,6 @@ class BoundsReport(Result):
             **self._limits_summary(),
             "sentence": self.sentence,
             "inputs": {name: table.attrs.get("inputs") for name, table in self.studies.items()},
-            "paragraphs": self.paragraphs,
             "rows": {name: table.to_dict("records") for name, table in self.studies.items()},
         }
 
@@ -422,49 +364,16 @@ class FactorReport(Result):
         first = self.bearings[0]
         return bound_models(self.table, self.strain, first.total_rubber_thickness, first.kind)
 
-    def show(self) -> None:
-        """Print factors of the largest strain, and the bounds."""
-        others = len(self.bearings) - 1
-        band = f" (values; figure and factors.csv have the band of it and {others} more)"
-        say(
-            f"{self.name}{band if others else ''}: {self.motion}, cycles {self.cycles}, "
-            f"reference {self.reference:g} degC, strain {self.strain:.0%}"
-        )
-        self._print_factors()
-        for row in self._bounds.to_dict("records"):
-            say(
-                f"{row['bound']} bound ({row['basis']} cycle, {row['ambient_degC']:g} degC): Q_d "
-                f"{row['Q_d_kN']:.1f} kN, K_1 {row['K_1_kN_mm']:.2f}, "
-                f"K_2 {row['K_2_kN_mm']:.3f} kN/mm"
-            )
-        ratio = post_yield_ratio(self.bearings[0].kind)
-        say(f"K_2/K_1 {ratio.K_2_over_K_1:.3g}: {ratio.source}{factors.marked(ratio)}")
-        say(BOUNDS_NOTE)
-        for sentence in factors.coldest_factors(self.table, self.strain):
-            say(sentence)
-        for code in factors.published().codes:
-            say(f"{code.code}: {code.says}{factors.marked(code)}")
-        say("values of other sources: figure, and `published` in summary.json")
-        say(factors.FOOTNOTE)
-        print_warnings(self.warnings)
+    def tables(self) -> dict[str, Table]:
+        """Return factors and bounds."""
+        return factor_tables(self.summary())
 
-    def _print_factors(self) -> None:
-        """Print factors at the largest strain, their band, and what they are made of."""
-        rows = self.table[self.table["strain"] == self.strain]
-        last, mean = (rows.loc[rows["basis"] == basis, "value"] for basis in ("heated", "mean"))
-        if last.tolist() == mean.tolist():  # of one cycle: the same twice
-            rows = rows[rows["basis"] != "mean"]
-        _print_by_temperature(rows, "factor", [f"{value:.2f}" for value in rows["factor"]])
-        if len(self.bearings) > 1:
-            pairs = zip(rows["factor_low"], rows["factor_high"], strict=True)
-            shown = [f"{low:.2f} to {high:.2f}" for low, high in pairs]
-            _print_by_temperature(rows, f"5 to 95 % of {len(self.bearings)} bearings", shown)
-        names = [
-            quantity if unit == "1" else f"{quantity} {unit}"
-            for quantity, unit in zip(rows["quantity"], rows["unit"], strict=True)
-        ]
-        shown = [f"{value:.4g}" for value in rows["value"]]
-        _print_by_temperature(rows.assign(quantity=names), "value", shown)
+    def notes(self) -> list[str]:
+        """Return the coldest day compared with published factors, and provisions of codes."""
+        found = factors.coldest_factors(self.table, self.strain)
+        codes = factors.published().codes
+        found += [f"{code.code}: {code.says}{factors.marked(code)}" for code in codes]
+        return [*found, factors.FOOTNOTE]
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
@@ -502,13 +411,3 @@ class FactorReport(Result):
             (folder / file).write_text(text, encoding="utf-8")
         if self.sizes is not None:
             write_csv(folder / files.SCALE, self.sizes[0])
-
-
-def _print_by_temperature(rows: pd.DataFrame, head: str, shown: list[str]) -> None:
-    """Print a table: a row for each quantity and basis, a column for each temperature."""
-    wide = rows.assign(shown=shown).pivot_table(
-        index=["quantity", "basis"], columns="ambient_degC", values="shown", aggfunc="first"
-    )
-    keys = [key if isinstance(key, tuple) else (key, "") for key in wide.index]
-    cells = [tuple(map(str, [*key, *row])) for key, row in zip(keys, wide.to_numpy(), strict=True)]
-    print_table((head, "cycles", *(f"{value:g} degC" for value in wide.columns)), cells, keys=2)

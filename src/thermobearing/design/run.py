@@ -231,7 +231,7 @@ def _at_every_air(
 
 def run_design(
     case: DesignCase | str | Path | dict[str, Any] | None = None,
-    tell: Callable[[Round], None] | None = None,
+    progress: Callable[[Round], None] | None = None,
     *,
     templates: Sequence[Bearing] = (),
     **overrides: Any,
@@ -247,7 +247,7 @@ def run_design(
     ----------
     case : a case file, a table such as that of a file (every number has its unit as text), or a
         case; the bridge of Shen (2023), section 6.2, by default.
-    tell : called with each round of each group.
+    progress : called with each round of each group of bearing lines.
     templates : layered bearings to scale to the stiffness of each group, once it converged.
     overrides : values that replace those of a file or table, by key, such as motions, compound,
         start [mm] and weight [kN].
@@ -275,8 +275,8 @@ def run_design(
         turns.append(_one_turn(case, len(turns) + 1, [search.assumed for search in searches]))
         for search, one in zip(searches, turns[-1].rounds, strict=True):
             search.advance(one, case.tolerance)
-            if tell:
-                tell(one)
+            if progress:
+                progress(one)
         outcome, sentence, turn = _ended(case, turns, searches)
     strain = case.sizing.design_strain
     equal = [

@@ -105,7 +105,7 @@ class Quantity:
         return str(value)
 
 
-def format_number(value: float, form: str = ".3g") -> str:
+def format_number(value: Any, form: str = ".3g") -> str:
     """Return a number with a true minus sign, and without an exponent from 1e-4 to 1e6."""
     text = format(int(value) if form == "d" else value, form)
     if "e" in text and form.endswith("g") and 1e-4 <= abs(value) < 1e6:

@@ -4,9 +4,9 @@ import hashlib
 import re
 from collections.abc import Iterable, Sequence
 
-from thermobearing.quantities.register import FACTORS, MINUS, TYPESET
-from thermobearing.quantities.register import format_number as number
+from thermobearing.quantities.register import FACTORS, MINUS, TYPESET, format_number
 
+number = format_number
 SHARE = re.compile(r"(\d)%")
 NEGATIVE = re.compile(r"(?<![\w.-])-(?=\d)")
 # From a unit of the package to one that engineers quote; the others are only set in type.
