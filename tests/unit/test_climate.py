@@ -21,13 +21,10 @@ ALIKE = {"monthly_mean": [-3.0] * 12, "daily_range": [0.0] * 12, "weather_deviat
 SPELLS = generator.ColdSpells(months=[12, 1, 2], per_year=4.0, depth=6.0, length=96.0)
 
 
-def test_air_before_an_earthquake() -> None:
+def test_hours_before_an_earthquake_and_a_typical_year() -> None:
     air = STEPS.before(2, history=1.5)  # in full hours
     assert_array_equal(air.time, [0.0, 3600.0, 7200.0])
     assert_array_equal(air.temperature, [5.0, 4.0, 2.0])
-
-
-def test_typical_year_follows_itself() -> None:
     year = tb.Hourly(STEPS.temperature, recurs=True)
     assert_array_equal(year.before(1, history=3).temperature, [2.0, 3.0, 5.0, 4.0])
     assert_array_equal(year.hours_at(np.array([0.0, 0.99]), history=3), [0, 3])
@@ -70,16 +67,6 @@ def test_refused(act, told: str) -> None:
     with pytest.raises(tb.InputError) as caught:
         act()
     assert told in str(caught.value)
-
-
-def test_file_of_a_climate_says_its_units(tmp_path: Path) -> None:
-    file = tmp_path / "mine.toml"
-    means = ", ".join(["-3.0"] * 12)
-    file.write_text(f"monthly_mean = [{means}]\ndaily_range = []\n", encoding="utf-8")
-    with pytest.raises(tb.InputError) as caught:
-        generator.load_climate(file)
-    assert "weather_deviation" in str(caught.value)
-    assert "degC" in str(caught.value)
 
 
 def test_same_seed_same_weather() -> None:
@@ -261,15 +248,6 @@ def test_bad_epw(tmp_path: Path, change: Change, told: str) -> None:
     assert told in str(caught.value)
 
 
-def test_no_epw_inside(tmp_path: Path) -> None:
-    file = tmp_path / "town.epw"
-    file.write_text("time_s,temperature_degC\n0,1\n", encoding="utf-8")
-    with pytest.raises(tb.InputError, match="is not an EPW file"):
-        tb.read_weather(file)
-    with pytest.raises(tb.InputError, match="no such file"):
-        tb.read_weather(tmp_path / "other.csv")
-
-
 def table(folder: Path, rows: list[str], title: str = "time,temperature_degC") -> Path:
     file = folder / "town.csv"
     file.write_text("\n".join([title, *rows]) + "\n", encoding="utf-8")
@@ -348,10 +326,6 @@ def test_faults_of_an_epw_file_are_told_by_any_analysis(tmp_path: Path) -> None:
 
 
 NIGHT = tb.Ambient.series(np.array([10.0, 20.0, 40.0]), np.array([0.0, -10.0, 10.0]))
-
-
-def test_constant() -> None:
-    assert_array_equal(tb.Ambient.constant(-20.0).means(5.0, np.array([1.0, 2.0])), [-20.0, -20.0])
 
 
 def test_points_between_and_beyond() -> None:

@@ -6,12 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import thermobearing as tb
-from tests.unit.inputs import write_test
+from tests.unit.inputs import command, write_test
 from thermobearing.bearing.model import Bearing
-from thermobearing.cli import app
 from thermobearing.commands.common import POOR_FIT
 from thermobearing.identify.fit import parameters
 from thermobearing.identify.fit.problem import Linear, Problem
@@ -30,6 +28,7 @@ from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.uncertainty import covariance
 
+E2 = parameters.ALIASES["E2"]
 HDR, LHDR, LRB = (
     tb.load_bearing(name) for name in ("shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example")
 )
@@ -240,11 +239,9 @@ def test_candidates_are_what_the_bearing_has() -> None:
 @pytest.mark.parametrize(("test", "free"), [(HOT, True), (COOL, False)], ids=["hot", "cool"])
 def test_softening_is_free_where_the_lead_gets_hot(test: object, free: bool) -> None:
     found = told_sensitivity(LRB, records(LRB, test, (23.0,)))
-    assert found[parameters.ALIASES["E2"]].free is free
-    assert not found[parameters.ALIASES["E2"]].usual
-    assert (
-        found[parameters.ALIASES["E2"]].stderr < BETTER * found[parameters.ALIASES["E2"]].spread
-    ) is free
+    assert found[E2].free is free
+    assert not found[E2].usual
+    assert (found[E2].stderr < BETTER * found[E2].spread) is free
     assert found[parameters.SIGMA_Y].free
 
 
@@ -267,11 +264,11 @@ def test_what_tests_tell_nothing_of_is_held() -> None:
 
 def test_lrb_from_a_file_of_nobody() -> None:
     """The softening of lead is free before a fit without it ends at a bound (sigma_Y = 2 MPa)."""
-    start = parameters.with_values(blind_start(LRB), {parameters.ALIASES["E2"]: 0.0})
+    start = parameters.with_values(blind_start(LRB), {E2: 0.0})
     found = identify_bearing(records(LRB, HOT, (-10.0, 30.0), 27.0), start, starts=1)
     assert found.values[parameters.SIGMA_Y] == pytest.approx(10.0, rel=0.02)
-    assert found.values[parameters.ALIASES["E2"]] == pytest.approx(0.0069, rel=0.05)
-    assert found.summary()["sensitivity"][parameters.ALIASES["E2"]]["free"]
+    assert found.values[E2] == pytest.approx(0.0069, rel=0.05)
+    assert found.summary()["sensitivity"][E2]["free"]
     assert min(fit.R2 for fit in found.fits) > 0.99
 
 
@@ -279,10 +276,10 @@ def test_lead_without_softening_keeps_it_fixed() -> None:
     test = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, wave="sine", rest=None)
     tests = records(LHDR, test, (23.0,))
     found = identify_bearing(tests, LHDR, starts=1, blind=False)
-    (softening,) = (item for item in found.sensitivity if item.key == parameters.ALIASES["E2"])
+    (softening,) = (item for item in found.sensitivity if item.key == E2)
     assert softening.free
     assert not softening.usual
-    assert parameters.ALIASES["E2"] not in found.uncertainty.estimates
+    assert E2 not in found.uncertainty.estimates
     assert set(found.uncertainty.estimates) == set(parameters.default_free(LHDR, (23.0,)))
 
 
@@ -290,23 +287,22 @@ def test_needed_parameters_stay() -> None:
     (record,) = records(LRB, HOT, (23.0,))
     pset = parameters.parameter_set(LRB, ["K_r", "E2"], [23.0])
     problem = Problem([record], pset)
-    same, cube = drop_needless(problem, pset.start, [parameters.ALIASES["E2"]])
+    same, cube = drop_needless(problem, pset.start, [E2])
     assert same is problem
     assert np.array_equal(cube, pset.start)
 
 
-HDR_POOR = tb.load_bearing("shen-hdr-specimen")
 SHORT = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None)
 
 
 @pytest.fixture(scope="module")
 def record() -> TestRecord:
-    return synthetic_record(HDR_POOR, 23.0, SHORT, sampling=20.0)
+    return synthetic_record(HDR, 23.0, SHORT, sampling=20.0)
 
 
 @pytest.fixture(scope="module")
 def poor(record: TestRecord) -> Identification:
-    soft = parameters.with_values(HDR_POOR, {"hysteresis.layer_stiffness": 12.0})
+    soft = parameters.with_values(HDR, {"hysteresis.layer_stiffness": 12.0})
     return identify_bearing(record, soft, free=["s"], starts=1)
 
 
@@ -333,7 +329,7 @@ def test_its_bearing_does_not_load(poor: Identification, tmp_path: Path) -> None
 
 
 def test_a_parameter_at_its_bound_is_a_poor_fit(record: TestRecord) -> None:
-    found = identify_bearing(record, HDR_POOR, free=["K_r"], bounds={"K_r": (10.0, 30.0)}, starts=1)
+    found = identify_bearing(record, HDR, free=["K_r"], bounds={"K_r": (10.0, 30.0)}, starts=1)
     assert found.fits[0].R2 > 0.98
     assert found.poor == ["K_r = 30 kN/mm at its bound"]
 
@@ -341,9 +337,7 @@ def test_a_parameter_at_its_bound_is_a_poor_fit(record: TestRecord) -> None:
 def test_a_parameter_near_its_bound_is_not_determined(record: TestRecord) -> None:
     """Within 5 % of the range: the bound, not the test, may have given it. The truth is 30.7."""
     for upper, outcome in ((31.0, "poor_fit"), (40.0, "completed")):
-        found = identify_bearing(
-            record, HDR_POOR, free=["K_r"], bounds={"K_r": (10, upper)}, starts=1
-        )
+        found = identify_bearing(record, HDR, free=["K_r"], bounds={"K_r": (10, upper)}, starts=1)
         (item,) = found.uncertainty.estimates.values()
         assert not item.at_bound
         assert found.outcome == outcome
@@ -353,20 +347,20 @@ def test_a_parameter_near_its_bound_is_not_determined(record: TestRecord) -> Non
 
 
 def test_temperature_coefficients_are_held_at_one_temperature(record: TestRecord) -> None:
-    found = identify_bearing(record, HDR_POOR, free=["K_r", "m_T", "n_T = 2.4 * m_T"], starts=1)
+    found = identify_bearing(record, HDR, free=["K_r", "m_T", "n_T = 2.4 * m_T"], starts=1)
     assert set(found.uncertainty.estimates) == {"hysteresis.layer_stiffness"}
     assert found.bearing.hysteresis.elastic_temperature_coefficient == -0.914
     assert any("m_T and n_T held" in text for text in found.warnings)
     with pytest.raises(tb.InputError, match="one-temperature"):
-        identify_bearing(record, HDR_POOR, free=["m_T"], starts=1)
-    forced = identify_bearing(record, HDR_POOR, free=["m_T"], starts=1, one_temperature=True)
+        identify_bearing(record, HDR, free=["m_T"], starts=1)
+    forced = identify_bearing(record, HDR, free=["m_T"], starts=1, one_temperature=True)
     assert set(forced.uncertainty.estimates) == {parameters.M_T}
 
 
 def test_the_fitted_bearing_is_checked_for_plausibility(record: TestRecord) -> None:
     """The sign of a temperature coefficient of the starting bearing, which the test cannot tell."""
     found = identify_bearing(
-        record, parameters.with_values(HDR_POOR, {parameters.M_T: 1.0}), free=["K_r"], starts=1
+        record, parameters.with_values(HDR, {parameters.M_T: 1.0}), free=["K_r"], starts=1
     )
     assert any(parameters.M_T in text for text in found.warnings)
     assert found.outcome == "completed"
@@ -375,29 +369,20 @@ def test_the_fitted_bearing_is_checked_for_plausibility(record: TestRecord) -> N
 @pytest.mark.parametrize(("key", "value"), [("b", 0.0), ("alpha_0", 1.0), ("s", -0.98)])
 def test_an_end_of_the_law_is_no_failure(key: str, value: float) -> None:
     """Rubber without hardening has b = 0; s = -0.98 is where the search was stopped."""
-    (parameter,) = parameters.parameter_set(HDR_POOR, [key], [23.0]).free
+    (parameter,) = parameters.parameter_set(HDR, [key], [23.0]).free
     there = covariance._estimate(parameter, parameter.place(value), 0.0, 0.0, 0.0)
     assert there.lost == (key == "s")
 
 
 def test_the_command_ends_with_its_status(record: TestRecord, tmp_path: Path) -> None:
     file = write_test(tmp_path, record, "test")
-    words = [
-        "identify",
-        str(file),
-        "--bearing",
-        "shen-lhdr-specimen",
-        "--free",
-        "s",
-        "--from-start",
-        "--no-figures",
-    ]
-    words += ["-o", str(tmp_path / "out"), "--json", "-q"]
-    ended = CliRunner().invoke(app, words)
+    words = ["identify", file, "--bearing", "shen-lhdr-specimen", "--free", "s", "--from-start"]
+    words += ["--no-figures", "-o", tmp_path / "out", "--json", "-q"]
+    ended = command(*words)
     assert ended.exit_code == POOR_FIT == 4
     last = json.loads(ended.stdout.splitlines()[-1])
     assert (last["outcome"], last["exit_status"]) == ("poor_fit", 4)
     assert "poor_fit = " in (tmp_path / "out" / "bearing.toml").read_text()
-    ended = CliRunner().invoke(app, [*words, "--overwrite", "--accept-poor"])
+    ended = command(*words, "--overwrite", "--accept-poor")
     assert ended.exit_code == 0
     assert "poor_fit" not in (tmp_path / "out" / "bearing.toml").read_text()

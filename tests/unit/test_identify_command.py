@@ -7,13 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests import tolerances as tol
-from tests.unit.inputs import write_test
-from thermobearing.border.errors import InputError
-from thermobearing.cli import app
+from tests.unit.inputs import command, write_test
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.synthetic import synthetic_record
 from thermobearing.identify.result import Identification
@@ -23,6 +20,11 @@ from thermobearing.identify.uncertainty import posterior
 HDR = tb.load_bearing("shen-hdr-specimen")
 SHORT = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=600.0)
 AMBIENTS = (0.0, 23.0)
+
+
+def invoke(*words: object) -> tuple[int, str]:
+    result = command("identify", *words)
+    return result.exit_code, result.output
 
 
 @pytest.fixture(scope="module")
@@ -37,11 +39,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def found() -> Identification:
     records = [synthetic_record(HDR, at, SHORT, sampling=25.0) for at in AMBIENTS]
     return identify_bearing(records, HDR, starts=1)
-
-
-def invoke(*words: object) -> tuple[int, str]:
-    result = CliRunner().invoke(app, ["identify", *map(str, words)])
-    return result.exit_code, result.output
 
 
 def test_fit_of_two_files(folder: Path, tmp_path: Path) -> None:
@@ -222,12 +219,6 @@ def test_what_a_posterior_takes_is_told_before(
     assert "posterior:" not in invoke(*words, "--overwrite", "-q")[1]
 
 
-def test_posterior_without_emcee(found: Identification, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "emcee", None)
-    with pytest.raises(InputError, match="thermobearing\\[bayes\\]"):
-        posterior._posterior_samples(found)
-
-
 def test_a_missing_emcee_is_told_before_the_fit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -235,7 +226,6 @@ def test_a_missing_emcee_is_told_before_the_fit(
     monkeypatch.setattr("thermobearing.identify.run.run_identify", lambda case: pytest.fail("fit"))
     file = tmp_path / "t.csv"
     file.write_text("time_s,displacement_mm,force_kN\n0,0,0\n1,2,3\n2,0,-1\n")
-    words = ["identify", str(file), "--bearing", "shen-hdr-specimen", "--posterior"]
-    done = CliRunner().invoke(app, [*words, "-o", str(tmp_path / "out")])
-    assert done.exit_code == 2
-    assert "thermobearing[bayes]" in done.output
+    words = (file, "--bearing", "shen-hdr-specimen", "--posterior", "-o", tmp_path / "out")
+    status, text = invoke(*words)
+    assert (status, "thermobearing[bayes]" in text) == (2, True), text

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from numpy.typing import NDArray
-from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.cli import app
+from tests.unit.inputs import command
 from thermobearing.identify.records.figures import _time_axis
 from thermobearing.identify.records.record import load_test
 
@@ -50,15 +49,14 @@ def laboratory(path: Path) -> Path:
     return path
 
 
-def command(*words: object) -> tuple[int, str]:
-    done = CliRunner().invoke(app, [str(word) for word in words])
-    assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+def invoke(*words: object) -> tuple[int, str]:
+    done = command(*words)
     return done.exit_code, done.output
 
 
 def test_what_is_found(tmp_path: Path) -> None:
     file = laboratory(tmp_path / "lab day 1.csv")
-    status, shown = command("intake", file, "--bearing", BEARING, "-o", tmp_path / "out")
+    status, shown = invoke("intake", file, "--bearing", BEARING, "-o", tmp_path / "out")
     assert status == 0, shown
     said = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["files"][0]
     assert {c["title"]: c["holds"] for c in said["columns"]} == {
@@ -87,7 +85,7 @@ def test_the_sidecar_reads_what_was_found(tmp_path: Path) -> None:
     assert_allclose(bare.force, history()[2], atol=tol.FOUR_DECIMALS)
     (found,) = tb.take_in(file).files
     assert (
-        command("intake", file, "--write-sidecars", "--no-figures", "-o", tmp_path / "a/b/out")[0]
+        invoke("intake", file, "--write-sidecars", "--no-figures", "-o", tmp_path / "a/b/out")[0]
         == 0
     )
     for path in (file, tmp_path / "a/b/out/sidecars/lab.toml"):
@@ -114,7 +112,7 @@ def test_a_sidecar_that_is_there_wins_and_stays(tmp_path: Path) -> None:
     kept = 'ambient = "5 degC"\nflip_force = false\n[columns]\nforce = "T3 [°C]"\n'
     kept += '[units]\nforce = "kN"\n'
     file.with_suffix(".toml").write_text(kept, encoding="utf-8")
-    status, shown = command("intake", file, "--write-sidecars", "-o", tmp_path / "out")
+    status, shown = invoke("intake", file, "--write-sidecars", "-o", tmp_path / "out")
     assert status == 2
     assert "exists; correct it" in shown
     assert not (tmp_path / "out").exists()
@@ -171,7 +169,7 @@ BAD = [
 def test_bad_files(tmp_path: Path, content: str | bytes, told: str) -> None:
     path = tmp_path / "bad.csv"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    status, shown = command("intake", path, "-o", tmp_path / "out")
+    status, shown = invoke("intake", path, "-o", tmp_path / "out")
     assert (status, told in shown) == (2, True), shown
     assert [item.name for item in tmp_path.iterdir()] == ["bad.csv"]
 
@@ -179,14 +177,14 @@ def test_bad_files(tmp_path: Path, content: str | bytes, told: str) -> None:
 def test_a_recorded_history_reads_the_sidecar(tmp_path: Path) -> None:
     file = laboratory(tmp_path / "lab.csv")
     assert (
-        command("intake", file, "--write-sidecars", "--no-figures", "-o", tmp_path / "out")[0] == 0
+        invoke("intake", file, "--write-sidecars", "--no-figures", "-o", tmp_path / "out")[0] == 0
     )
     case = tmp_path / "case.toml"
     case.write_text(
         f'bearing = "{BEARING}"\nambient = ["0 degC"]\n[test]\n'
         'steps = [{ step = "recorded", file = "lab.csv" }]\n'
     )
-    status, shown = command("check", case)
+    status, shown = invoke("check", case)
     assert status == 0, shown
 
 
@@ -194,7 +192,7 @@ def test_one_bad_file_does_not_stop_the_others(tmp_path: Path) -> None:
     good, bad = laboratory(tmp_path / "good.csv"), tmp_path / "bad.csv"
     bad.write_text("a,b\nx,y\n")
     words = ("intake", bad, good, tmp_path / "none.csv", "-o", tmp_path / "out", "--no-figures")
-    status, shown = command(*words, "--json")
+    status, shown = invoke(*words, "--json")
     assert status == 2, shown
     assert "bad.csv: " in shown
     assert "none.csv: no such file" in shown
@@ -203,7 +201,7 @@ def test_one_bad_file_does_not_stop_the_others(tmp_path: Path) -> None:
     assert [Path(item["file"]).name for item in said["files"]] == ["good.csv"]
     assert len(said["problems"]) == 2
     assert [item.name for item in (tmp_path / "out" / "sidecars").iterdir()] == ["good.toml"]
-    assert command("intake", bad, "-o", tmp_path / "other")[0] == 2
+    assert invoke("intake", bad, "-o", tmp_path / "other")[0] == 2
     assert not (tmp_path / "other").exists()
 
 
@@ -221,11 +219,11 @@ def test_a_chamber_that_warms_is_told(tmp_path: Path, warmer: float, told: str) 
         "time_s,displacement_mm,force_kN,chamber_degC\n"
         + "".join(f"{a:.2f},{b:.4f},{c:.3f},{d:.1f}\n" for a, b, c, d in rows)
     )
-    status, shown = command("intake", path, "-o", tmp_path / "out", "--no-figures")
+    status, shown = invoke("intake", path, "-o", tmp_path / "out", "--no-figures")
     assert status == 0, shown
     assert ("the ambient temperature" in shown) is bool(told)
     assert told in shown
-    status, shown = command("identify", path, "--check")
+    status, shown = invoke("identify", path, "--check")
     assert (status, told in shown) == (0, True), shown
 
 
@@ -275,9 +273,7 @@ def logged(path: Path, *, separator: str = ",", comma: bool = False) -> Path:
 @pytest.mark.parametrize(("separator", "comma"), [(",", False), (";", True)])
 def test_sidecar_and_rests(tmp_path: Path, ending: str, separator: str, comma: bool) -> None:
     path = logged(tmp_path / "t.csv", separator=separator, comma=comma).with_suffix(ending)
-    done = CliRunner().invoke(
-        app, ["measure", str(path), "--bearing", "shen-hdr-specimen", "--json"]
-    )
+    done = command("measure", path, "--bearing", BEARING, "--json")
     assert done.exit_code == 0, done.output
     said = json.loads(done.stdout.splitlines()[-1])
     strengths = [cycle["characteristic_strength_kN"] for cycle in said["cycles"]]
@@ -291,15 +287,15 @@ def test_a_unit_that_no_bearing_can_have_is_told(tmp_path: Path) -> None:
     path = logged(tmp_path / "t.csv")
     sidecar = path.with_suffix(".toml")
     sidecar.write_text(sidecar.read_text().replace('"N"', '"kN"'))
-    done = CliRunner().invoke(app, ["measure", str(path), "--bearing", "shen-hdr-specimen"])
+    done = command("measure", path, "--bearing", BEARING)
     assert done.exit_code == 0, done.output
     assert "more than any bearing has; is force in N labelled kN" in done.stdout
 
 
 def test_written_like_the_others(tmp_path: Path) -> None:
     path, out = logged(tmp_path / "t.csv"), tmp_path / "out"
-    words = ["measure", str(path), "--bearing", "shen-hdr-specimen", "-o", str(out)]
-    done = CliRunner().invoke(app, [*words, "--json"])
+    words = ["measure", path, "--bearing", BEARING, "-o", out]
+    done = command(*words, "--json")
     assert done.exit_code == 0, done.output
     said = json.loads(done.stdout.splitlines()[-1])
     assert said["output"] == str(out)
@@ -313,8 +309,8 @@ def test_written_like_the_others(tmp_path: Path) -> None:
     assert_allclose(table["strain"], 1.0, rtol=tol.FORCE_AT_A_REST)
     assert [path.name for path in saved.figures] == ["loops.png"]
     assert "columns not used: T_3" in saved.summary["notes"]
-    again = CliRunner().invoke(app, words)
+    again = command(*words)
     assert (again.exit_code, "--overwrite" in again.output) == (2, True), again.output
-    quiet = CliRunner().invoke(app, [*words, "--overwrite", "-q", "--no-figures"])
+    quiet = command(*words, "--overwrite", "-q", "--no-figures")
     assert (quiet.exit_code, quiet.output) == (0, "")
     assert not (out / "figures").exists()
