@@ -149,7 +149,7 @@ def test_ended_early() -> None:
     motion = {"name": "jra-ii-i-1", "factor": 30.0}
     early = build_pieces(tb.bridge("shen-hdr-bridge", [motion], 23, duration=8))
     assert_well_formed(early)
-    assert early.answer[0].startswith("The analysis was not completed in 1 run")
+    assert early.answer[0].startswith("The analysis ended early in 1 run")
     assert "Ended" in [column.head for column in early.tables["peaks"].columns]
 
 

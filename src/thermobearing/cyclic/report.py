@@ -19,15 +19,15 @@ from thermobearing.cyclic.reported import (
     analysis_table,
     bearing_tables,
     bearing_words,
+    early_end,
     model_assumptions,
+    residual_rows,
 )
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.tables import cycles_table, energy_table, ratio_table, warming
-from thermobearing.model.earlier import BLIND
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
 from thermobearing.report.content import (
-    BOOKS_CLOSE,
     RIG,
     TESTED_RANGE,
     TESTS,
@@ -44,7 +44,6 @@ from thermobearing.report.words import (
     number,
     percent,
     quantity,
-    tidy,
 )
 from thermobearing.results import drawing
 from thermobearing.results.time_axis import duration
@@ -76,7 +75,7 @@ def build_pieces(result: Result) -> Pieces:
         figures=_figures(result),
         checks=_checks(result, case),
         lead_rise=float(np.nanmax(lead - lead[:, :1])),
-        residuals=_residuals(result, case),
+        residuals=residual_rows(result.energy, case["analysis"]),
         books=energy_table(result),
         assumptions=[*_start(case), *model_assumptions(case["analysis"], [case["bearing"]])],
         **content.result_parts(result, str(data.attrs["case"]), "cyclic", range_given=known),
@@ -168,14 +167,9 @@ def _question(result: Result, case: Case) -> str:
 
 
 def _answer(result: Result) -> list[str]:
-    early, cycles = [], result.cycles
-    if result.outcome != "completed":
-        ended = zip(result["ambient"].values, result["outcome"].values, strict=True)
-        where = degrees([float(air) for air, name in ended if name != "completed"])
-        early.append(
-            f"The analysis ended early at {where} ({result.outcome.replace('_', ' ')}), and what "
-            f"follows is what had been computed until then: {tidy(result.sentence)}"
-        )
+    cycles, data = result.cycles, result.dataset
+    ended = [float(air) for air in data["ambient"].values[data["outcome"].values != "completed"]]
+    early = early_end("The analysis", f" at {degrees(ended)}" if ended else "", result)
     if len(cycles):
         largest = float(cycles["amplitude_strain"].max())
         rows = cycles[cycles["amplitude_strain"] >= 0.999 * largest]
@@ -290,18 +284,6 @@ def _checks(result: Result, case: Case) -> list[Check]:
     found = limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
     source = f"{TESTED_RANGE} of {result.dataset.attrs['bearing']}"
     return found + limit_checks(result.tested_range.to_dict("records"), TESTS, source)
-
-
-def _residuals(result: Result, case: Case) -> list[tuple[str, float, float, str]]:
-    """Return the largest residuals of the energy balance with their limits."""
-    gaps = case["analysis"]["scheme"] == "published" or case["analysis"]["model"] in BLIND
-    source = "no limit: this model's balance has gaps" if gaps else "energy balance"
-    limits = {"mechanical": (BOOKS_CLOSE, "energy balance")}
-    limits["thermal"] = (float("nan") if gaps else BOOKS_CLOSE, source)
-    return [
-        (f"{name} residual", float(result.energy[f"{name}_residual"].abs().max()), *limit)
-        for name, limit in limits.items()
-    ]
 
 
 def _figures(result: Result) -> dict[str, ReportFigure]:

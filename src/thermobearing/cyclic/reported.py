@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
+import pandas as pd
+
 from thermobearing.bearing.bilinear import BILINEAR, BilinearBearing
 from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import Bearing, Cells
@@ -12,8 +14,9 @@ from thermobearing.border.toml import flat, read_toml, to_table
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.tables import Table
-from thermobearing.report.content import input_table
-from thermobearing.report.words import number, quantity
+from thermobearing.report.content import BOOKS_CLOSE, input_table
+from thermobearing.report.words import number, quantity, tidy
+from thermobearing.results.base import Result
 
 Inputs = Mapping[str, Any]  # a table of a resolved case
 IN_NOTE = ("description", "citation", "name", "kind", "poor_fit")
@@ -21,6 +24,9 @@ BUILD = ("geometry", "materials", "cells")
 RANGES = ("temperature_law", "tested_range")  # that the parameters were identified in
 SETTLED = {"small_loops", "heat_source", "lead_ends", "clock"}  # defaults depend on the bearing
 DEFAULT = "default of the program"
+# Of the input energy: with average acceleration the balance is exact but for rounding; other
+# methods have the error of a step (1e-5 in the default hybrid test).
+INEXACT = 1e-2
 
 
 @cache
@@ -148,3 +154,32 @@ def heat_flow(analysis: Inputs, bearings: Sequence[Inputs]) -> str:
             faces.append(f"{name} film {quantity(face['film'])}{more}")
     text: str = said["heat_flow"].format(sides=sides, faces=", ".join(faces))
     return text
+
+
+def residual_rows(energy: pd.DataFrame, analysis: Inputs) -> list[tuple[str, float, float, str]]:
+    """Return name, largest value, limit and source of the limit of each residual of a balance."""
+    gaps = analysis["scheme"] == "published" or analysis.get("model") in BLIND
+    exact = analysis.get("method", "average-acceleration") == "average-acceleration"
+    found = []
+    for name in ("structure", "mechanical", "thermal"):
+        if f"{name}_residual" not in energy:
+            continue
+        limit, source = BOOKS_CLOSE, "energy balance"
+        if name == "thermal" and gaps:
+            limit, source = float("nan"), "no limit: this model has no closed energy balance"
+        elif name == "structure" and not exact:
+            limit, source = INEXACT, "this time integration does not conserve energy exactly"
+        largest = float(energy[f"{name}_residual"].abs().max())
+        found.append((f"{name} residual", largest, limit, source))
+    return found
+
+
+def early_end(subject: str, where: str, result: Result) -> list[str]:
+    """Return a sentence on a result that is not complete; none for a completed one."""
+    if result.outcome == "completed":
+        return []
+    outcome = result.outcome.replace("_", " ")
+    return [
+        f"{subject} ended early{where} ({outcome}); the results are those computed up to then: "
+        f"{tidy(result.sentence)}"
+    ]

@@ -13,19 +13,20 @@ from thermobearing.cyclic.reported import (
     analysis_table,
     bearing_tables,
     bearing_words,
+    early_end,
     model_assumptions,
+    residual_rows,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
 from thermobearing.earthquake.figures import EarthquakeFigures
 from thermobearing.earthquake.panels import part_names, select_part
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.tables import balance_table, cold_ratios
-from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import outdoors
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
-from thermobearing.report.content import BOOKS_CLOSE, IN_EARTHQUAKES, RIG, TESTED_RANGE, input_table
+from thermobearing.report.content import IN_EARTHQUAKES, RIG, TESTED_RANGE, input_table
 from thermobearing.report.figures import POINTS, history, path, rounded
 from thermobearing.report.pieces import NOT_JUDGED, Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import (
@@ -211,9 +212,6 @@ def _laboratory(case: Case) -> list[str]:
     return found
 
 
-# Of the input: with average acceleration the books close but for rounding; other methods are off by
-# what a step is off (1e-5 in the default hybrid test).
-INEXACT = 1e-2
 COMMANDS = {"bridge": "Earthquake analysis", "hybrid": "Hybrid test"}
 
 
@@ -235,7 +233,7 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
         checks=_report_checks(result, case),
         rate_rows=result.tested_range.to_dict("records"),
         lead_rise=_lead_rise(result),
-        residuals=_residuals(result, case) if result.runs else (),
+        residuals=residual_rows(result.energy, case["analysis"]) if result.runs else (),
         books=balance_table(result) if result.runs else None,
         assumptions=_assumptions(result, case),
         **content.result_parts(result, str(attrs["case"]), command, range_given=given),
@@ -257,16 +255,11 @@ def _lead_rise(result: EarthquakeResult) -> float:
 
 
 def _early_words(result: EarthquakeResult) -> list[str]:
-    """Return a sentence on runs that ended early or are missing; nothing if none did."""
-    if result.outcome == "completed":
-        return []
+    """Return a sentence on runs that ended early or are missing; none if all were completed."""
     outcomes = [str(name) for name in result["outcome"].values]
     names = [n for n, out in zip(result.run_names, outcomes, strict=True) if out != "completed"]
     where = f" in {counted(len(names), 'run')}, first {plain(names[0])}" if names else ""
-    return [
-        f"The analysis was not completed{where} ({result.outcome.replace('_', ' ')}); what follows "
-        f"is what was computed: {tidy(result.sentence)}"
-    ]
+    return early_end("The analysis", where, result)
 
 
 def _largest(result: EarthquakeResult, column: str, part: str = "") -> tuple[float, str]:
@@ -373,20 +366,6 @@ def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
     return found + content.limit_checks(
         rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names
     )
-
-
-def _residuals(result: EarthquakeResult, case: Case) -> list[tuple[str, float, float, str]]:
-    found = []
-    gaps = case["analysis"]["scheme"] == "published" or case["analysis"]["model"] in BLIND
-    for name in ("structure", "mechanical", "thermal"):
-        largest = float(result.energy[f"{name}_residual"].abs().max())
-        limit, source = BOOKS_CLOSE, "energy balance"
-        if name == "thermal" and gaps:
-            limit, source = float("nan"), "no limit: the energy balance of this model has gaps"
-        elif name == "structure" and case["analysis"]["method"] != "average-acceleration":
-            limit, source = INEXACT, "this time integration does not keep energy exactly"
-        found.append((f"{name} residual", largest, limit, source))
-    return found
 
 
 def _ductilities(result: EarthquakeResult) -> list[Check]:

@@ -15,7 +15,9 @@ from thermobearing.cyclic.reported import (
     analysis_table,
     bearing_tables,
     bearing_words,
+    early_end,
     model_assumptions,
+    residual_rows,
 )
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.measures import BEARING
@@ -39,6 +41,10 @@ BETWEEN = {  # the rig, after each part
 }
 Case = Mapping[str, Any]
 KJ = 1e-3
+BALANCE_NOTE = (
+    "Specimen, since the start of each part: work in = heat released + recoverable; heat released "
+    "= stored + lost."
+)
 
 
 def build_pieces(result: SequenceResult) -> Pieces:
@@ -57,11 +63,17 @@ def build_pieces(result: SequenceResult) -> Pieces:
         warnings=result.warnings,
         range_given=case["bearing"].get("tested_range") is not None,
         checks=_checks(result, case),
-        residuals=_residuals(result, case) if parts else [],
+        residuals=residual_rows(_energies(result), case["analysis"]) if parts else [],
         inputs=_inputs(result, case),
         tables=result.tables(),
         figures=_figures(result) if parts else {},
-        books=_books(result) if parts else None,
+        books=(
+            make_table(
+                _energies(result), caption="Energy balance of the specimen", note=BALANCE_NOTE
+            )
+            if parts
+            else None
+        ),
         assumptions=[
             "All parts use the same specimen: each begins with the temperatures and the history "
             "variables of rubber and lead at the end of the previous one.",
@@ -97,13 +109,8 @@ def _words_of_part(part: Case) -> str:
 def _answer(result: SequenceResult) -> list[str]:
     if not result.parts:
         return [f"No part was finished: {tidy(result.sentence)}"]
-    early = []
-    if result.outcome != "completed":
-        early = [
-            f"The sequence ended early in part {len(result.parts)} of {len(result.case.parts)} "
-            f"({result.outcome.replace('_', ' ')}); the results are those computed "
-            f"up to then: {tidy(result.sentence)}"
-        ]
+    part = f" in part {len(result.parts)} of {len(result.case.parts)}"
+    early = early_end("The sequence", part, result)
     table, rubber = result.table, result.case.bearing.total_rubber_thickness
     force = table[["force_max_kN", "force_min_kN"]].abs().max(axis=1)
     far = table["displacement_max_mm"]
@@ -144,7 +151,8 @@ def _memory(table: pd.DataFrame, force: "pd.Series[Any]") -> str:
     return tidy(f"{text[:1].upper()}{text[1:]}")
 
 
-def _books(result: SequenceResult) -> Table:
+def _energies(result: SequenceResult) -> pd.DataFrame:
+    """Return the energy balance of the specimen in each part [kN mm]."""
     names = [*(f"{name}_kN_mm" for name in BEARING), "mechanical_residual", "thermal_residual"]
     rows = [
         part.energy.iloc[0].rename(lambda name: name.removeprefix("bearing_"))[names]
@@ -152,38 +160,20 @@ def _books(result: SequenceResult) -> Table:
     ]
     frame = pd.DataFrame(rows, index=range(len(rows)), dtype=float)
     frame.insert(0, "part", [result.case.label(k) for k in frame.index])
-    note = "Specimen, since the start of each part: work in = heat released + recoverable; "
-    note += "heat released = stored + lost."
-    return make_table(frame, caption="Energy balance of the specimen", note=note)
+    return frame
 
 
 def _checks(result: SequenceResult, case: Case) -> list[Check]:
-
-    def rows(table: pd.DataFrame) -> list[dict[Any, Any]]:
+    def _rows(table: pd.DataFrame) -> list[dict[Any, Any]]:
         return [row | {"run": row["part"]} for row in table.to_dict("records")]
 
     rig = str(case.get("rig", {}).get("name", "rig"))
     hybrid = {result.case.label(k) for k, p in enumerate(result.parts) if not isinstance(p, Result)}
-    found = content.limit_checks(rows(result.rig), content.RIG, f"rig {rig}")
-    tested = rows(result.tested_range)
+    found = content.limit_checks(_rows(result.rig), content.RIG, f"rig {rig}")
+    tested = _rows(result.tested_range)
     tested = [r for r in tested if r["limit"] != "strain_rate" or r["run"] not in hybrid]
     source = f"{content.TESTED_RANGE} of {case['bearing']['name']}"
     return found + content.limit_checks(tested, content.TESTS, source)
-
-
-def _residuals(result: SequenceResult, case: Case) -> list[tuple[str, float, float, str]]:
-    found = []
-    gaps = case["analysis"]["scheme"] == "published"
-    for name in ("mechanical", "thermal"):
-        worst = max(abs(float(part.energy[f"{name}_residual"].iloc[0])) for part in result.parts)
-        limit = float("nan") if gaps and name == "thermal" else content.BOOKS_CLOSE
-        source = (
-            "energy balance"
-            if limit == limit
-            else "no limit: this model has no closed energy balance"
-        )
-        found.append((f"{name} residual", worst, limit, source))
-    return found
 
 
 def _inputs(result: SequenceResult, case: Case) -> dict[str, Table]:
