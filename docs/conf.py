@@ -1,5 +1,6 @@
 """How Sphinx builds the site: `make site`, or `sphinx-build docs build/site`."""
 
+import os
 import sys
 from importlib.resources import files
 from pathlib import Path
@@ -67,6 +68,7 @@ sphinx_gallery_conf = {
     "download_all_examples": False,
     "remove_config_comments": True,
     "plot_gallery": True,
+    "thumbnail_size": (800, 520),
     "min_reported_time": 1e9,
     "write_computation_times": False,
 }
@@ -79,7 +81,12 @@ html_static_path = [
 ]
 html_css_files = ["site.css"]
 html_js_files = [("site.js", {"defer": "defer"})]
-html_context = {"default_mode": "auto"}
+# A repository with a web page makes "Edit this page" a link, such as
+# THERMOBEARING_REPOSITORY=https://example.org/thermobearing/edit/main
+html_context = {
+    "default_mode": "auto",
+    "repository": os.environ.get("THERMOBEARING_REPOSITORY", "").rstrip("/"),
+}
 html_last_updated_fmt = "%d %B %Y"
 html_show_sourcelink = False
 html_copy_source = False
@@ -89,6 +96,7 @@ html_theme_options = {
     "show_prev_next": True,
     "header_links_before_dropdown": 7,
     "navbar_align": "left",
+    "navbar_persistent": ["search-button"],
     "navbar_end": ["theme-switcher"],
     "footer_start": ["edition"],
     "footer_center": [],

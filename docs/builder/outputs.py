@@ -3,6 +3,8 @@
 A block whose first line is `# NAME.toml` or `# NAME.csv` is that file. A `text` block shows lines
 that the block before it printed; those that match the pattern of the comment above it,
 `<!-- output: PATTERN -->`, are written into it by `python -m docs.builder.outputs PAGE...`.
+A picture below a comment `<!-- figure: PATH -->` is a file that the blocks of the page write
+(for a PDF, its first page); `python -m docs.builder.outputs --figures PAGE...` copies it.
 """
 
 import contextlib
@@ -16,12 +18,16 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from PIL import Image
+
 BLOCK = re.compile(
     r"(?:<!-- output: (?P<pattern>.*?) -->\n)?```(?P<language>[\w{}]+)\n(?P<text>.*?)```", re.DOTALL
 )
+PICTURE = re.compile(r"<!-- figure: (?P<made>\S+) -->\n!\[[^\]]*\]\((?P<shown>[^)]+)\)")
 FILE = re.compile(r"# (\S+\.(?:toml|csv))\n")  # the first line of a block that is a file
 WITHOUT_FIGURES = {"study", "new", "check", "list", "measure", "--version"}
 WIDTH = 100  # columns of the console
+WIDEST = 1000  # pixels of a picture
 Command = Callable[..., Any]
 
 
@@ -30,7 +36,9 @@ def blocks(path: Path) -> list[re.Match[str]]:
     return list(BLOCK.finditer(path.read_text(encoding="utf-8")))
 
 
-def run(path: Path, names: dict[str, Any], command: Command) -> Iterator[tuple[re.Match[str], str]]:
+def run(
+    path: Path, names: dict[str, Any], command: Command, draw: bool = False
+) -> Iterator[tuple[re.Match[str], str]]:
     """Run the blocks of a page in the working directory; give each text block and what it shows.
 
     Parameters
@@ -38,6 +46,7 @@ def run(path: Path, names: dict[str, Any], command: Command) -> Iterator[tuple[r
     path : of the page.
     names : of the Python blocks, which share them.
     command : runs the words of a command line and returns its exit code, output and errors.
+    draw : commands draw their figures too.
     """
     printed = ""
     for block in blocks(path):
@@ -47,7 +56,7 @@ def run(path: Path, names: dict[str, Any], command: Command) -> Iterator[tuple[r
         elif language.startswith("{"):
             continue  # a directive of the site
         elif language == "bash":
-            printed = "".join(_printed(line, command) for line in _lines(text))
+            printed = "".join(_printed(line, command, draw) for line in _lines(text))
         elif language == "python":
             with contextlib.redirect_stdout(io.StringIO()) as caught:
                 exec(compile(text, path.name, "exec"), names)
@@ -62,15 +71,15 @@ def _lines(text: str) -> list[str]:
     return text.replace("\\\n", " ").splitlines()
 
 
-def _printed(line: str, command: Command) -> str:
-    """Return what a command line prints, without drawing its figures."""
+def _printed(line: str, command: Command, draw: bool) -> str:
+    """Return what a command line prints."""
     if not line.startswith("thermobearing "):
         if line.startswith("pip "):
             return ""
         raise ValueError(f"no command of this package: {line}")
     words = shlex.split(line, comments=True)[1:]
     draws = "-o" in words and words[0] not in WITHOUT_FIGURES
-    done = command(*words, *(["--no-figures"] if draws else []))
+    done = command(*words, *(["--no-figures"] if draws and not draw else []))
     if done.exit_code != 0:
         raise ValueError(f"{line}: {done.stderr}")
     return str(done.stdout)
@@ -92,19 +101,48 @@ def refreshed(path: Path, command: Command) -> str:
     return text
 
 
+def copy_figures(path: Path, command: Command) -> None:
+    """Run a page in the working directory and copy the pictures that it shows from there."""
+    pictures = list(PICTURE.finditer(path.read_text(encoding="utf-8")))
+    if not pictures:
+        return
+    for _ in run(path, {"__name__": "page"}, command, draw=True):
+        pass
+    for picture in pictures:
+        image = _image(Path(picture["made"]))
+        if image.width > WIDEST:
+            image = image.resize((WIDEST, round(image.height * WIDEST / image.width)))
+        image = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
+        image.save(path.parent / picture["shown"], optimize=True)
+
+
+def _image(path: Path) -> Image.Image:
+    """Return a picture, or the first page of a PDF."""
+    if path.suffix != ".pdf":
+        return Image.open(path)
+    import pypdfium2
+
+    return pypdfium2.PdfDocument(path)[0].render(scale=1.6).to_pil()
+
+
 def main() -> None:
-    """Rewrite the pages that the command line names."""
+    """Rewrite the pages that the command line names, or copy their figures (`--figures`)."""
     from typer.testing import CliRunner
 
     import tests.opensees  # noqa: F401  (finds its libraries)
     from thermobearing.cli import app
 
+    def command(*words: str) -> Any:
+        return CliRunner().invoke(app, list(words))
+
     os.environ["COLUMNS"] = str(WIDTH)
-    for name in sys.argv[1:]:
-        path = Path(name).resolve()
+    names = [name for name in sys.argv[1:] if name != "--figures"]
+    for path in [Path(name).resolve() for name in names]:
         with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-            text = refreshed(path, lambda *words: CliRunner().invoke(app, list(words)))
-        path.write_text(text, encoding="utf-8")
+            if "--figures" in sys.argv:
+                copy_figures(path, command)
+            else:
+                path.write_text(refreshed(path, command), encoding="utf-8")
 
 
 if __name__ == "__main__":

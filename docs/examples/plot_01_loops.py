@@ -2,8 +2,8 @@
 A cyclic test at three temperatures
 ===================================
 
-Table 3.4 of the source on its high damping rubber specimen: five amplitudes of five cycles, with
-rests between. The colder, the stiffer.
+The test programme of Shen (2023), Table 3.4, on a specimen of high-damping rubber: five amplitudes
+with five cycles each and rests between them. The bearing is stiffer at lower temperatures.
 """
 
 import thermobearing as tb

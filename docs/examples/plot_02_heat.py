@@ -2,8 +2,9 @@
 Where the heat goes
 ===================
 
-Five quick cycles of the lead bearing in the cold, and a quarter of an hour of rest. Rubber and
-lead warm up while they work; afterwards the heat flows through the steel to the end plates.
+Five fast cycles of the bearing with lead in the cold, followed by a rest of a quarter of an hour.
+Rubber and lead warm up during the cycles; afterwards the heat flows through the steel to the end
+plates.
 """
 
 import thermobearing as tb
@@ -13,11 +14,12 @@ result = tb.run("shen-lhdr-specimen", test, ambient=-20, keep=["rubber", "cells"
 result.plot.layer_temperatures()
 
 # %%
-# The lead is small and works hard: it is far hotter than the rubber, and cools first.
+# The lead dissipates much energy in a small volume: it is far hotter than the rubber, and cools
+# first.
 
 result.plot.lead_temperature()
 
 # %%
-# Temperature through the height at the ends of the loadings.
+# The temperature through the height at the end of each loading.
 
 result.plot.profiles()

@@ -1,9 +1,9 @@
 """
-Energy books
-============
+The energy balance of a run
+===========================
 
-Every run keeps books: what the actuator puts in is heat, or still stored. Heat is in the bearing,
-or has left through its ends and sides. The residual stands in the title; it is rounding.
+The work of the actuator becomes heat or is stored. Heat is still in the bearing, or has left it
+through the ends and sides. The title shows the residual of the balance, which is at rounding.
 """
 
 import thermobearing as tb
@@ -13,6 +13,6 @@ result = tb.run("shen-hdr-specimen", test, ambient=-20, heat_source="dissipation
 result.plot.energy()
 
 # %%
-# Who carries the force of a bearing with lead: rubber, lead cores, rate branch.
+# The shares of rubber, lead cores and rate-dependent branch in the force of a bearing with lead.
 
 tb.run("shen-lhdr-specimen", test, ambient=-20).plot.force_shares()

@@ -1,9 +1,8 @@
 """
-Earlier models beside this one
+Comparison with earlier models
 ==============================
 
-What a model gives that knows no temperature, one temperature, or no heat flow. Ten cycles in the
-cold.
+Ten cycles in the cold by models that neglect the temperature, its distribution, or the heat flow.
 """
 
 import thermobearing as tb
@@ -14,7 +13,7 @@ results = {name: tb.run("shen-hdr-specimen", test, ambient=-20, model=name) for 
 tb.overlay(results, title="ten cycles at -20 degC")
 
 # %%
-# The modulus of the tenth cycle over that of the first: how far each softens.
+# The modulus of the tenth cycle over that of the first shows how much each model softens.
 
 for name, result in results.items():
     modulus = result.to_dataset().G_eq_MPa.sel(ambient=-20, strain=1.75)

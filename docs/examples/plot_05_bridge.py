@@ -2,8 +2,8 @@
 A bridge pier in an earthquake
 ==============================
 
-The pier of the source's five-span bridge on two kinds of bearings, in a Level 2 motion of the
-inland type. Cold bearings move less and pull more at the pier.
+The pier of the five-span bridge of Shen (2023) on two kinds of bearings, in a Level 2 motion of
+Type II. Cold bearings shear less and transmit larger forces to the pier.
 """
 
 import thermobearing as tb
@@ -12,11 +12,11 @@ study = tb.bridge(["shen-hdr-bridge", "shen-lhdr-bridge"], "jra-ii-i-1", [23, 0,
 study.plot.loops()
 
 # %%
-# Shear strain in time, with its peaks.
+# The history of the shear strain, with its peaks.
 
 study.plot.strain()
 
 # %%
-# The base of the pier: moment over rotation, with the yield point of the hinge.
+# The moment at the base of the pier over the rotation, with the yield point of the hinge.
 
 study.plot.hinge()

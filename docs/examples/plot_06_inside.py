@@ -1,8 +1,8 @@
 """
-Inside a bearing during an earthquake
-=====================================
+Temperatures inside a bearing during an earthquake
+==================================================
 
-Temperatures of rubber and lead of the bridge bearings while the ground shakes, from two ambient
+Temperatures of rubber and lead in the bridge bearings during the shaking, from two ambient
 temperatures.
 """
 
@@ -12,6 +12,6 @@ study = tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", [23, -20], keep=["rubber", "
 study.plot.temperature()
 
 # %%
-# Through the height: middle of the shaking, and its end.
+# The temperature through the height in the middle and at the end of the shaking.
 
 study.plot.profiles()

@@ -2,9 +2,9 @@
 An earthquake after a cold night
 ================================
 
-Bearings are slow: after a night that falls to -20 degC the middle of a large one is still warmer
-than the air. Here the weather of a day and a night comes first, on the same heat model, then the
-earthquake at its end.
+Bearings follow the air slowly: after a night that ends at -20 °C the middle of a large bearing is
+still warmer than the air. The weather of a day and a night comes first, with the same heat model,
+and the earthquake at its end.
 """
 
 from pathlib import Path
@@ -24,6 +24,6 @@ with TemporaryDirectory() as folder:
 study.plot.profiles(times=[0.0, 10.0])
 
 # %%
-# The air has -20 degC when the earthquake begins; the rubber is warmer.
+# The air is at -20 °C when the earthquake begins; the rubber is warmer.
 
 study.show()

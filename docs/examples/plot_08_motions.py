@@ -2,8 +2,8 @@
 A ground motion and its spectrum
 ================================
 
-A built-in motion: a synthetic one that fits the Level 2 standard spectrum of Japanese road
-bridges, beside that spectrum. Use your own with `tb.load_motion("record.csv", unit="gal")`.
+A built-in synthetic motion, which matches the Level 2 standard spectrum of Japanese road bridges,
+compared with that spectrum. Read your own with `tb.load_motion("record.csv", unit="gal")`.
 """
 
 import numpy as np

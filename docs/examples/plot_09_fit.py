@@ -1,9 +1,9 @@
 """
-A fit to tests at two temperatures
-==================================
+Calibration with tests at two temperatures
+==========================================
 
-Parameters of a bearing from cyclic tests, with standard errors. The tests are made up here, from
-the model with noise, so that the true values are known; yours come from
+The parameters of a bearing are determined from cyclic tests, with standard errors. These tests are
+synthetic (the model with noise), so that the true values are known; read yours with
 `tb.load_test("test.csv")`.
 """
 
@@ -16,11 +16,11 @@ fit = tb.identify_bearing(records, "shen-hdr-specimen", free=free, starts=1)
 fit.show()
 
 # %%
-# Loops of test and model, with the residuals of the force.
+# Loops of the tests and of the model, with the residuals of the force.
 
 fit.plot.loops()
 
 # %%
-# What depends on what: correlation of the parameters.
+# The correlation of the parameters.
 
 fit.plot.correlation()

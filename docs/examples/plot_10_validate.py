@@ -1,9 +1,9 @@
 """
-A bearing judged by a test it has not seen
-==========================================
+Validation with a test that was not used
+========================================
 
-Nothing is fitted: the bearing, as it is, is moved as the test was. Here the lead bearing is judged
-by a test of the bearing without lead, and by one of its own.
+Nothing is calibrated: the bearing is moved as in the tests, and the forces are compared. Here the
+bearing with lead is compared with a test of its own, and with one of the bearing without lead.
 """
 
 import thermobearing as tb
@@ -15,6 +15,6 @@ found = tb.validate_bearing("shen-lhdr-specimen", records)
 found.plot.loops()
 
 # %%
-# Model over test, cycle by cycle.
+# The ratio of model to test in each cycle.
 
 found.plot.ratios()

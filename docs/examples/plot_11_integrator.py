@@ -2,8 +2,8 @@
 An integrator of your own
 =========================
 
-`tb.element` is the bearing with trial, commit and revert, heat and memory inside. Any solver can
-move it; here the simplest of all moves one mass on it, in the cold and in the warm.
+`tb.element` is the bearing with trial, commit and revert, and with heat and memory inside. Any
+solver can use it; here the simplest one moves a single mass, at -20 and at 23 °C.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ mass = 785 / 9810  # kN s2/mm
 
 
 def shaken(ambient: float) -> np.ndarray:
-    """Displacement [mm] and force [kN] of every step."""
+    """Return displacement [mm] and force [kN] of every step."""
     bearing = tb.element("shen-hdr-bridge", ambient=ambient)
     x, v, force, rows = 0.0, 0.0, 0.0, []
     for acceleration in motion.acceleration:  # mm/s2

@@ -2,8 +2,8 @@
 Temperature factors
 ===================
 
-What a bounding analysis multiplies stiffness and strength with: the first cycle in the cold, and
-the third, which has heated itself, over the same at 23 degC.
+A bounding analysis multiplies stiffness and strength by factors: those of the first cycle in the
+cold, and of the third cycle, which has heated the bearing, relative to 23 °C.
 """
 
 from matplotlib.figure import Figure

@@ -2,8 +2,8 @@
 Sizing bearings
 ===============
 
-Assume a displacement, size the bearing, analyse the bridge, compare, repeat (Fig. 6.4 of the
-source). Layered bearings of the stiffness that was found are then judged on the coldest day.
+Assume a displacement, size the bearing, analyse the bridge, compare, and repeat (Shen (2023),
+Fig. 6.4). Layered bearings of the same stiffness are then checked on the coldest day.
 """
 
 import thermobearing as tb
@@ -15,6 +15,6 @@ design = tb.run_design(case, templates=templates)
 design.plot.rounds()
 
 # %%
-# The layered bearing of that stiffness beside the bilinear one.
+# The layered bearing of that stiffness compared with the bilinear one.
 
 design.plot.equal()

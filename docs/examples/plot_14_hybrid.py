@@ -1,9 +1,9 @@
 """
-A hybrid test, in real time and slowly
-======================================
+A hybrid test in real time and at low speed
+===========================================
 
-A specimen in the loop with a calculated pier. In the pseudo-dynamic test the actuator is slow: the
-rubber has time to lose its heat, and its rate dependence is gone.
+A specimen is tested in a loop with a computed pier. In the pseudo-dynamic test it moves slowly,
+so that the rubber loses its heat and its rate dependence is lost.
 """
 
 import thermobearing as tb
@@ -13,6 +13,6 @@ study = tb.hybrid("shen-lhdr-specimen", ambient=[-20], duration=12, laboratory=l
 study.plot.modes()
 
 # %%
-# The speed of the actuator, each in the time of the laboratory.
+# The speed of the actuator in each test, over the time in the laboratory.
 
 study.plot.speed()

@@ -1,10 +1,10 @@
 """
-A study with labelled dimensions
-================================
+A parameter study with labelled dimensions
+==========================================
 
-Bearings, motions and temperatures, every combination, as one xarray dataset: pick, divide and draw
-by name. On soft ground (right) cold bearings of high damping rubber move so much less that their
-force falls too.
+Every combination of bearings, motions and temperatures as one xarray dataset: select, divide and
+plot by name. On soft ground (right) cold bearings of high-damping rubber move so much less that
+their force is smaller too.
 """
 
 from matplotlib.figure import Figure

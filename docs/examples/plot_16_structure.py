@@ -1,9 +1,9 @@
 """
-A structure before it is shaken
+A structure before the analysis
 ===============================
 
 Parts, periods, damping and mode shapes of the pier of the library, from its TOML file. Copy that
-file for your own.
+file as a start for your own.
 """
 
 import thermobearing as tb
@@ -12,6 +12,6 @@ looked = tb.examine_structure("pier-p1")
 looked.plot.model()
 
 # %%
-# Its modes on the bearings.
+# The modes of the structure on its bearings.
 
 looked.plot.modes()

@@ -36,7 +36,7 @@ def test_structure_against_opensees(name: str, kind: str, measured: Recorder) ->
         assert peak < tol.OPENSEES_PEAK, quantity
         assert whole < tol.OPENSEES_HISTORY, quantity
         measured(
-            f"{name}, {kind} bearings, {quantity} against OpenSees: peak, whole history",
+            f"{name}, {kind} bearings, {quantity} against OpenSees: peak, complete history",
             f"{peak:.1e}, {whole:.1e}",
             f"{tol.OPENSEES_PEAK:g}, {tol.OPENSEES_HISTORY:g}",
         )

@@ -40,7 +40,7 @@ def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
     assert fit.NRMSE <= tol.MEASURED_NRMSE
     assert len(fit.loops) == 27  # the 28th is cut off by the end of the file
     worst = max(abs(c.errors["energy_error"]) for c in fit.loops)
-    measured("largest energy error of a cycle of that test", worst, "told, not limited")
+    measured("largest energy error of a cycle of that test", worst, "reported, not limited")
     firsts = [round(c.amplitude / RUBBER, 1) for c in fit.loops if c.number == 1]
     assert firsts == [0.2, 0.5, 1.0, 1.5]
     said = "\n".join(found.warnings)

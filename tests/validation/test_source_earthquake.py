@@ -123,7 +123,7 @@ def test_trends_on_real_records(record: str, damping: Any, measured: Recorder) -
 
 @pytest.mark.parametrize("damping", ["modal", "source"])
 @pytest.mark.parametrize("mass", ["consistent", "published"])
-def test_energy_and_ductility_beside_the_source(
+def test_energy_and_ductility_compared_with_shen(
     mass: Any, damping: Any, measured: Recorder
 ) -> None:
     """LHDR, II-I-1: -9.3 % and -56.1 % printed; ductility about 1 at 23, up to 3 at -20 degC."""
@@ -301,7 +301,7 @@ def test_a_night_before_the_earthquake(tmp_path: Path, measured: Recorder) -> No
             "against the soaked bearing",
             f"{layers[0]:.1f} to {layers[-1]:.1f} degC; "
             f"{100 * (strain[0] / strain[1] - 1):+.1f} %, {100 * (force[0] / force[1] - 1):+.1f} %",
-            "told",
+            "reported",
         )
         assert -25.0 < layers[0] < layers[-1] < -15.0
         assert strain[0] > strain[1]

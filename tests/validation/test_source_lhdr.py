@@ -118,7 +118,7 @@ def test_lhdr_dissipates_about_twice_the_energy_of_hdr(
     measured(
         "energy of LHDR over HDR, Table 3.4, -20, 0, 23 degC",
         text,
-        "the print has it of hybrid tests",
+        "Shen (2023) states it of hybrid tests",
     )
 
 

@@ -34,7 +34,7 @@ def test_estimate_falls_with_the_square_of_the_cells(name: str, measured: Record
     for found in told:
         text = f"{100.0 * found.stiffness:+.2f} %, {100.0 * found.energy:+.2f} %, "
         text += f"{found.warming:+.2f} of {found.rise:.1f} K"
-        measured(f"{name}, {found.cells} cells a layer: G, energy, warming", text, "told")
+        measured(f"{name}, {found.cells} cells a layer: G, energy, warming", text, "reported")
     for coarse, fine in ((told[0], told[1]), (told[1], told[2])):  # second order: a quarter
         assert fine.stiffness == pytest.approx(coarse.stiffness / 4.0, rel=CELLS_ESTIMATE)
         assert fine.energy == pytest.approx(coarse.energy / 4.0, rel=CELLS_ESTIMATE)

@@ -125,7 +125,7 @@ def test_table_6_3_is_rounded_inconsistently(measured: Recorder) -> None:
     ours = equivalent_bilinear(2.6153, 0.1513, 178.0, 0.19)
     secant = (printed.strength + printed.post_yield_stiffness * 178.0) / 178.0
     measured(
-        "bilinear model of G8 at 178 mm: Q_d, K_2, K_1 beside Table 6.3",
+        "bilinear model of G8 at 178 mm: Q_d, K_2, K_1 compared with Table 6.3",
         f"{ours.strength:.1f} kN, {ours.post_yield:.2f}, {ours.initial:.2f} kN/mm",
         "125.4, 1.81, 9.51",
     )

@@ -251,7 +251,9 @@ def test_published_books_do_not_close(name: str, measured: Recorder) -> None:
     thermal = books["thermal_residual"].to_numpy()
     assert (np.abs(thermal) > 0.05).all()
     text = ", ".join(f"{-value:+.1%}" for value in thermal)
-    measured(f"published scheme, {name}, -20, 0, 23 degC: heat created, of the work", text, "told")
+    measured(
+        f"published scheme, {name}, -20, 0, 23 degC: heat created, of the work", text, "reported"
+    )
     if name == "shen-hdr-specimen":
         assert np.abs(books["mechanical_residual"]).max() <= tol.ENERGY_BOOKS
     else:
@@ -261,7 +263,7 @@ def test_published_books_do_not_close(name: str, measured: Recorder) -> None:
         measured(
             "published scheme with lead: work of the Maxwell branch that warms nothing",
             text,
-            "told",
+            "reported",
         )
 
 
@@ -293,4 +295,4 @@ def test_euler_is_coarser_than_exact(measured: Recorder) -> None:
     measured(
         "h_eq at 5 ms, exact increment: largest error", error["exact"], f"{tol.STEP_HALVING:g}"
     )
-    measured("h_eq at 5 ms, published Euler: largest error", error["euler"], "told")
+    measured("h_eq at 5 ms, published Euler: largest error", error["euler"], "reported")

@@ -72,7 +72,7 @@ def test_monotone_where_physics_says_so(name: str, measured: Recorder) -> None:
             for q in ("K_eq", "Q_d")
             for b in ("first", "heated")
         ),
-        "told",
+        "reported",
     )
 
 
@@ -163,12 +163,12 @@ def test_specimen_temperatures_do_not_carry_over(measured: Recorder) -> None:
                 f"{row['stress_cycle_5_over_1']:.2f}"
                 for row in (small, full)
             ),
-            "told (7.2)",
+            "reported (7.2)",
         )
 
 
 @pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge", "lrb-example"])
-def test_beside_published_factors(name: str, measured: Recorder) -> None:
+def test_compared_with_published_factors(name: str, measured: Recorder) -> None:
     """Colder is stiffer, heated less so; docs/verification.md says why codes differ."""
     air = [-30.0, -10.0, 0.0, 40.0]
     table = temperature_factors(
@@ -184,16 +184,20 @@ def test_beside_published_factors(name: str, measured: Recorder) -> None:
             found.append(by[air].to_numpy())
         assert (found[1][:1] <= found[0][:1] * tol.HEATED_FACTOR).all()
         told = "; ".join(", ".join(f"{v:.2f}" for v in values) for values in found)
-        measured(f"{name}, {quantity} at -30, -10, 0, 40 over 20 degC, first; third", told, "told")
+        measured(
+            f"{name}, {quantity} at -30, -10, 0, 40 over 20 degC, first; third", told, "reported"
+        )
 
 
-def test_published_factors_beside_ours(measured: Recorder) -> None:
+def test_published_factors_compared_with_ours(measured: Recorder) -> None:
     for item in published().tables:
         at = dict(zip(item.temperatures, item.factors, strict=True))
         assert at.get(20.0, 1.0) == 1.0
         assert list(item.factors) == sorted(item.factors, reverse=True)
         told = ", ".join(f"{at[t]:.2f}" if t in at else "-" for t in (-30.0, -10.0, 0.0, 40.0))
-        measured(f"published {item.label}: {item.quantity}, the same temperatures", told, "told")
+        measured(
+            f"published {item.label}: {item.quantity}, the same temperatures", told, "reported"
+        )
 
 
 def test_published_tables_say_what_is_unverified() -> None:

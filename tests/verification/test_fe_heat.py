@@ -93,7 +93,7 @@ def test_one_dimension_against_two(name: str, measured: Recorder) -> None:
             whole = history.means[place][row]
             worst = max((after[place] for after in rest), key=abs)
             label = f"{name}, {place}, {model} against finite elements, after loading"
-            measured(label, f"{error:+.1f} of {whole:.1f} K; cooling {worst:+.1f} K", "told")
+            measured(label, f"{error:+.1f} of {whole:.1f} K; cooling {worst:+.1f} K", "reported")
     best = found["conservative"]
     assert abs(best["middle of rubber 1"]) < tol.FE_LAYER
     assert abs(best["middle of rubber 3"]) < tol.FE_LAYER
@@ -157,7 +157,9 @@ def test_surface_ratio_is_the_closure_that_matters(measured: Recorder) -> None:
         assert all(abs(error[better]) <= abs(e) for e in error.values())
         text = ", ".join(f"{p:g}: {e:+.1f} K" for p, e in error.items())
         measured(
-            f"{name}: lead after loading by surface_ratio p, against finite elements", text, "told"
+            f"{name}: lead after loading by surface_ratio p, against finite elements",
+            text,
+            "reported",
         )
 
 
@@ -203,7 +205,7 @@ def test_exact_superposition_is_no_better_with_p_one_half(measured: Recorder) ->
     assert abs(error[0.42]) < abs(error[0.5])
     text = ", ".join(f"p = {p:g}: {e:+.1f} K" for p, e in error.items())
     measured(
-        "LHDR: lead after loading by exact superposition, against finite elements", text, "told"
+        "LHDR: lead after loading by exact superposition, against finite elements", text, "reported"
     )
 
 

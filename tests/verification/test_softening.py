@@ -146,7 +146,7 @@ def test_mismatch_is_told_as_it_is(
     peak = np.abs(force).max()
     text = f"{apart.max():.2f} kN of {peak:.0f} kN"
     given = f"{name}, {temperature:g} degC, {100.0 * strain:g} %, five cycles"
-    measured(f"softened layers, {given}: layer law at most this far from F", text, "told")
+    measured(f"softened layers, {given}: layer law at most this far from F", text, "reported")
     assert_allclose(run.books["layer_force_mismatch"], apart, rtol=0.0, atol=tol.EQUAL_FORCE * peak)
     assert_allclose(apart[~soft], 0.0, rtol=0.0, atol=tol.EQUAL_FORCE * peak)
 
@@ -303,6 +303,8 @@ def test_what_it_changes(measured: Recorder) -> None:
             )
             by = [float(monotone[n] / printed[n] - 1.0) for n in ("G_eq_MPa", "h_eq")]
             text = f"{100 * by[0]:+.1f} %, {100 * by[1]:+.1f} %"
-            measured(f"{name}, {ambient:g} degC, monotone over printed: G_e, h_eq", text, "told")
+            measured(
+                f"{name}, {ambient:g} degC, monotone over printed: G_e, h_eq", text, "reported"
+            )
             assert 0.0 <= by[0] < 0.01
             assert -0.02 < by[1] < 0.0

@@ -119,7 +119,7 @@ def test_energy_books(name: str, method: Method, measured: Recorder) -> None:
     measured(
         f"energy books of pier P1, {name}, {method}, of the input",
         f"{left:.1e}",
-        f"{tol.STRUCTURE_BOOKS:g}" if method == METHODS[0] else "told",
+        f"{tol.STRUCTURE_BOOKS:g}" if method == METHODS[0] else "reported",
     )
     work = 5.0 * history.bearing()[-1].work_in
     assert_allclose(history.rows.books[-1].bearings, work, rtol=tol.LOOP)
@@ -172,7 +172,7 @@ def test_halving_the_step(
         f"peaks of pier P1, {name}, {ambient:g} degC, {method}, damping {damping}: 10 to 5, 5 to "
         "2.5 ms",
         f"{100 * change[0]:.2f} %, {100 * change[1]:.2f} %",
-        "1 %" if twice else "told, 1 %",
+        "1 %" if twice else "reported, 1 %",
     )
     assert held.max() < tol.STEP_PEAKS
 

@@ -86,7 +86,9 @@ def test_the_exponential_law_is_too_soft_when_warm(measured: Recorder) -> None:
         for t in (40.0, 20.0)
     )
     off = float(warm / usual / MEASURED[40] - 1.0)
-    measured("G_eq at 40 over 20 degC, law against a measured table", f"{100 * off:+.0f} %", "told")
+    measured(
+        "G_eq at 40 over 20 degC, law against a measured table", f"{100 * off:+.0f} %", "reported"
+    )
     assert -0.25 < off < -0.10
 
 

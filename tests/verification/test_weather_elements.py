@@ -97,7 +97,9 @@ def test_faces_held_at_the_air_are_three_times_too_fast(measured: Recorder) -> N
         ]
         assert found[1] / found[0] > least
         text = f"{found[0]:.1f} h, {found[1]:.1f} h"
-        measured(f"Weather, {name}: rubber to 1/e, faces held at the air and films", text, "told")
+        measured(
+            f"Weather, {name}: rubber to 1/e, faces held at the air and films", text, "reported"
+        )
 
 
 def rest(constants: Any, hours: float, pieces: int = 1) -> Any:
