@@ -215,23 +215,15 @@ def test_built_in_compounds_are_checked_and_cited(name: str) -> None:
     ("changes", "words"),
     [
         ({"compound": "shen-hrd"}, ["compound", '"shen-hrd"', 'did you mean "shen-hdr"']),
-        ({"compound": 3}, ["compound = 3", "library name"]),
         ({"plan": "1000x1000"}, ['plan = "1000x1000" has no unit', '"1000x1000mm"']),
-        ({"plan": "1000mm"}, ["plan", "length and width", "diameter"]),
         ({"plan": "10kNx10kN"}, ["plan", '"kN"', "mm"]),
         ({"plan": None}, ["give plan", "diameter"]),
-        ({"diameter": "700mm"}, ["give plan", "diameter"]),
         ({"layers": "20x8"}, ['layers = "20x8" has no unit', '"20x8mm"']),
-        ({"layers": "8mm"}, ["layers", "number and thickness"]),
         ({"layers": "2.5x8mm"}, ["layers", "number and thickness"]),
-        ({"layers": "0x8mm"}, ["rubber_layers = 0", "at least 1"]),
-        ({"layers": "20x8m"}, ["rubber_thickness = '8m'", "at most 1000 mm"]),
         ({"shim": "3"}, ["shim", "no unit", "3 mm"]),
         ({"lead": None}, ["natural-rubber", "needs lead"]),
         ({"compound": "shen-hdr"}, ["shen-hdr", "has no lead parameters"]),
         ({"lead": "1.2m"}, ["lead cores take", "of a plan of 1e+06"]),
-        ({"cores": 0}, ["cores = 0", "at least 1"]),
-        ({"end_spreading": 2.0}, ["end_spreading = 2.0", "at most 1"]),
     ],
 )
 def test_bad_drawings(changes: dict[str, Any], words: list[str]) -> None:
@@ -252,9 +244,7 @@ def test_a_name_is_that_of_a_file(name: str) -> None:
     [
         ({"lead": {"yield_stress": "10 MPa"}}, ["either shear_modulus", "stiffness_ratio"]),
         ({"rubber": {"shear_modulus": 2.0}}, ["rubber.shear_modulus = 2.0", "has no unit", "MPa"]),
-        ({"rubber": {"yield_strian": 0.3}}, ['"rubber.yield_strian"', '"yield_strain"']),
         ({"geometry": {}}, ["is a bearing, not a compound"]),
-        ({"family": "LRB"}, ["family", "'HDR' or 'NR'"]),
     ],
 )
 def test_bad_compounds(changes: dict[str, Any], words: list[str]) -> None:

@@ -123,15 +123,6 @@ def test_false_for_a_file(tmp_path: Path) -> None:
     inputs.told(lambda: load_test(tmp_path / "t.toml"), "file = False", "blocks[0].file = False")
 
 
-@pytest.mark.parametrize("plate", ["5e-324 mm", "1e-20 m"])
-def test_plate_thinner_than_an_atom(plate: str, tmp_path: Path) -> None:
-    bearing = inputs.changed_table(
-        inputs.specimen_table(), {"geometry.sealing_plate_thickness": plate}
-    )
-    path = inputs.quick_case(tmp_path / "case.toml", bearing=bearing)
-    inputs.told(lambda: tb.load_case(path), "sealing_plate_thickness")
-
-
 @pytest.mark.parametrize(
     "call",
     [

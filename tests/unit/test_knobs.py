@@ -16,7 +16,6 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.schema import validated
 from thermobearing.cyclic.case import Analysis, Case
 from thermobearing.cyclic.protocol import Cycles, Ramp, Recorded, Rest
 from thermobearing.model.options import Side
@@ -41,20 +40,16 @@ def list_numbers(model: BaseModel, key: str = "") -> Iterator[tuple[str, float |
 
 def with_plan(**plan: Any) -> Bearing:
     """The specimen with another plan and more cells, so that every cell count matters."""
-    table = tb.load_bearing(SPECIMEN).model_dump()
-    table["geometry"]["plan"] = plan
-    return validated(Bearing, table, "table", from_file=False)
+    return tb.changed_bearing(SPECIMEN, geometry={"plan": plan})
 
 
 def perturbed(bearing: Bearing, key: str) -> Bearing:
     """The bearing with one number a little larger: one more, or 3 %."""
-    table = bearing.model_dump()
-    *parents, name = key.split(".")
-    holder = table
-    for parent in parents:
-        holder = holder[parent]
-    holder[name] = holder[name] + 1 if isinstance(holder[name], int) else holder[name] * 1.03
-    return validated(Bearing, table, "table", from_file=False)
+    value = dict(list_numbers(bearing))[key]
+    change: Any = value + 1 if isinstance(value, int) else value * 1.03
+    for name in reversed(key.split(".")):
+        change = {name: change}
+    return tb.changed_bearing(bearing, **change)
 
 
 def fingerprint(result: tb.Result) -> list[NDArray[Any]]:
@@ -74,25 +69,13 @@ def same(a: NDArray[Any], b: NDArray[Any]) -> bool:
     return np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
 
 
-def with_lead() -> Bearing:
-    """The LHDR specimen with every choice that makes a number of its lead count."""
-    table = tb.load_bearing("shen-lhdr-specimen").model_dump()
-    table["lead"] |= {"softening": 0.005, "confined": False, "clock": "lead"}
-    return validated(Bearing, table, "table", from_file=False)
-
-
-def virgin() -> Bearing:
-    table = tb.load_bearing(SPECIMEN).model_dump()
-    table["scragging"] = {"amplitude": 1.0, "mullins_amplitude": 0.3}
-    return validated(Bearing, table, "table", from_file=False)
-
-
+LEAD = {"softening": 0.005, "confined": False, "clock": "lead"}  # all numbers of lead count
 PLANS = {
-    "virgin": virgin(),
+    "virgin": tb.changed_bearing(SPECIMEN, scragging={"amplitude": 1.0, "mullins_amplitude": 0.3}),
     "square": with_plan(shape="square", side=240.0),
     "rectangular": with_plan(shape="rectangular", length=200.0, width=288.0),
     "circular": with_plan(shape="circular", diameter=270.0),
-    "lead": with_lead(),
+    "lead": tb.changed_bearing("shen-lhdr-specimen", lead=LEAD),
 }
 OF_ENDS = "lead.end_spreading"  # of confined cores on finite plates only
 OF_FORMULA = "lead.surface_ratio"  # of lead on a half-space only
@@ -189,29 +172,16 @@ def test_every_option_of_a_case_was_tried() -> None:
 
 
 def test_choices_of_lead(results: dict[str, tb.Result]) -> None:
-    table = with_lead().model_dump()
-    changed = validated(
-        Bearing, table | {"lead": table["lead"] | {"confined": True}}, "table", from_file=False
-    )
-    other = tb.run(changed, TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
-    assert differ(results["lead"], other)
-    other = tb.run(
-        with_lead(),
-        TEST,
-        ambient=-10,
-        upper_face=FACE,
-        lower_face=FACE,
-        initial=tb.InitialState(lead=30.0),
-    )
-    assert differ(results["lead"], other)
+    confined = tb.changed_bearing(PLANS["lead"], lead={"confined": True})
+    warm: dict[str, Any] = {"initial": tb.InitialState(lead=30.0)}
+    for bearing, more in ((confined, {}), (PLANS["lead"], warm)):
+        other = tb.run(bearing, TEST, ambient=-10, upper_face=FACE, lower_face=FACE, **more)
+        assert differ(results["lead"], other)
 
 
 def test_lead_on_finite_plates() -> None:
     bearing = tb.load_bearing("shen-lhdr-specimen")
-    table = bearing.model_dump()
-    clock = validated(
-        Bearing, table | {"lead": table["lead"] | {"clock": "lead"}}, "table", from_file=False
-    )
+    clock = tb.changed_bearing(bearing, lead={"clock": "lead"})
     run_of = {
         ends: tb.run(bearing, TEST, ambient=-10, lead_ends=ends)
         for ends in ("half-space", "finite-plate")

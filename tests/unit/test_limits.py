@@ -117,20 +117,14 @@ H, G, M = "hysteresis.", "geometry.", "materials."
 @pytest.mark.parametrize(
     ("changes", "pieces"),
     [
-        ({H + "elastic_temperature_coefficient": 1e6}, ["= 1000000.0", "-20 and at most 5"]),
-        ({H + "hysteretic_temperature_coefficient": 5.5}, ["= 5.5", "-20 and at most 5"]),
-        ({H + "layer_stiffness": "30 GN/mm"}, ["at least 0.0001 and at most 1e+06 kN/mm"]),
         ({H + "layer_stiffness": "200000 kN/mm"}, ["K_r t_r / A of 1.74e+04 MPa", "10000 MPa"]),
         ({H + "layer_stiffness": "0.001 kN/mm"}, ["K_r t_r / A of 8.68e-05 MPa", "0.001 to"]),
         ({H + "yield_displacement": "1 um"}, ["yield strain of 0.0002", "0.001 to 10"]),
         ({H + "yield_displacement": "60 mm"}, ["yield strain of 12", "0.001 to 10"]),
-        ({G + "plan.side": "240 m"}, ["geometry.plan.side", "at least 1 and at most 100000 mm"]),
         ({G + "sealing_plate_thickness": "5e-324 mm"}, ["sealing_plate_thickness", "must be 0 or"]),
         ({G + "sealing_plate_thickness": "0.001 mm"}, ["0.001 mm must be 0 or at least 0.05 mm"]),
-        ({M + "rubber.density": "1 kg/m^3"}, ["materials.rubber.density", "at least 50"]),
-        ({M + "side_film": "1e6 W/(m^2 K)"}, ["materials.side_film", "at most 100000"]),
     ],
-    ids=range(12),
+    ids=range(6),
 )
 def test_nonsense_in_a_bearing(changes: dict[str, Any], pieces: list[str]) -> None:
     table = changed_table(specimen_table(), changes)

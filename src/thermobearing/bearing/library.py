@@ -82,9 +82,6 @@ def as_bearing(given: Any, key: str = "bearing") -> Bearing:
         raise InputError(error.lines(key)) from None
 
 
-SHAPE = "shape"  # a plan with its shape replaces the old one
-
-
 def changed_bearing(bearing: Bearing | str | Path, **changes: Any) -> Bearing:
     """Return a bearing with changed parameters, validated like a file.
 
@@ -160,7 +157,10 @@ def _put_in(table: dict[str, Any], changes: Mapping[str, Any], above: str) -> di
         key = f"{above}{name}"
         new = value.model_dump() if isinstance(value, Strict) else value
         old = table.get(name)
-        if isinstance(new, Mapping) and isinstance(old, dict) and SHAPE not in new:
+        plan = isinstance(new, Mapping) and isinstance(
+            new.get("shape"), str
+        )  # replaces the old one
+        if isinstance(new, Mapping) and isinstance(old, dict) and not plan:
             sources |= _put_in(old, new, f"{key}.")
             continue
         table[name] = dict(new) if isinstance(new, Mapping) else new
