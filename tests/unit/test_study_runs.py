@@ -13,7 +13,6 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
-import thermobearing.studies.definition.designs as levels
 import thermobearing.studies.run.prepare as warmth
 import thermobearing.studies.run.shard as peaks
 import thermobearing.studies.store as stores
@@ -23,6 +22,7 @@ from thermobearing.border.errors import InputError, OutputError
 from thermobearing.climate.generator import generate_weather
 from thermobearing.core.lanes.memory import WIDTH
 from thermobearing.earthquake.measures import COLUMNS
+from thermobearing.studies.definition import record
 from thermobearing.studies.definition.case import load_study, make_study
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.definition.record import Study
@@ -445,9 +445,9 @@ def test_what_was_foreseen_is_what_a_run_finds_alone(kind: str, town: Path) -> N
 def test_weather_is_read_and_gone_through_once(
     kind: str, town: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    read, through = levels.read_weather, []
+    read, through = record.read_weather, []
     counted: list[str] = []
-    monkeypatch.setattr(levels, "read_weather", lambda path: counted.append(path) or read(path))
+    monkeypatch.setattr(record, "read_weather", lambda path: counted.append(path) or read(path))
     for name in ("soaked_hours", "history_weights"):
         call = getattr(warmth, name)
         monkeypatch.setattr(
@@ -469,14 +469,14 @@ def test_workers_need_no_weather(town: Path, tmp_path: Path) -> None:
     """Neither its file nor its hours are sent; the bits are those of one process."""
     studies = [weathered(town) for _ in range(2)]
     (tmp_path / "study.toml").write_text(studies[0].to_toml())
-    assert load_study(tmp_path / "study.toml").factors.ambient.series is not None
+    assert load_study(tmp_path / "study.toml").factors.ambient._series is not None
     town.unlink()
     run_study(studies[0], tmp_path / "one", jobs=1, size=2)
     run_study(studies[1], tmp_path / "two", jobs=2, size=2)
     assert kept(tmp_path / "one") == kept(tmp_path / "two")
     assert set(Store(tmp_path / "two").table()["outcome"]) == {"completed"}
-    assert pickle.loads(packed(studies[0])).factors.ambient.series is None
-    assert studies[0].factors.ambient.series is not None
+    assert pickle.loads(packed(studies[0])).factors.ambient._series is None
+    assert studies[0].factors.ambient._series is not None
 
 
 def test_a_shard_is_sent_its_own_hours(town: Path) -> None:

@@ -32,7 +32,6 @@ from thermobearing.studies.definition.designs import (
     moves_warmth,
     reach_faults,
     spelled,
-    study_weather,
 )
 from thermobearing.studies.definition.motions import STAND_IN, motions_to_be, with_kept
 from thermobearing.studies.definition.record import (
@@ -264,7 +263,7 @@ def _study_faults(study: Study) -> list[str]:
         if len(names) > 1
     ]
     try:
-        weather = study_weather(factors.ambient)
+        weather = factors.ambient.read_weather()
         if weather is not None:
             weather.hours_at(np.zeros(1), factors.ambient.history or 0.0)
     except InputError as error:

@@ -22,9 +22,6 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import Strict, find_unit, validated
-from thermobearing.climate.generator import generate_weather
-from thermobearing.climate.hourly import Hourly
-from thermobearing.climate.readers import read_weather
 from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.case import Motion
 from thermobearing.identify.fit.parameters import ALIASES
@@ -39,11 +36,13 @@ from thermobearing.studies.definition.record import (
     Design,
     Distribution,
     MotionFactor,
+    NumberFactor,
     Picked,
     Posterior,
+    ScaleFactor,
     Study,
     intensity,
-    list_numbers,
+    parse_number,
 )
 
 NumberPath = tuple[str | int, ...]
@@ -256,11 +255,28 @@ def _chances(factor: Picked, count: int) -> list[float] | None:
     return [weight / sum(weights) for weight in weights] if factor.random else None
 
 
-def _number(factor: Any, name: str, unit: str | None, key: str) -> Column:
-    found = list_numbers(factor, unit, key)
-    if isinstance(found, Distribution):
-        return Column(name, distribution=found)
-    return Column(name, found, chances=_chances(factor, len(found)))
+def _number(
+    factor: ScaleFactor | AmbientFactor | NumberFactor, name: str, unit: str | None, key: str
+) -> Column:
+    """Return the column of a numeric factor in a unit (None: dimensionless)."""
+    if (factor.levels is None) == (factor.distribution is None):
+        raise InputError(f"{key}: give either levels or a distribution")
+    if factor.levels is None:
+        if factor.random:
+            raise InputError(f"{key}.random: only with levels")
+        return Column(name, distribution=factor._read(unit, key))
+    numbers, faults = [], []
+    for place, level in enumerate(factor.levels):
+        try:
+            ready = isinstance(factor, AmbientFactor)  # its levels have been converted
+            numbers.append(float(level) if ready else parse_number(level, unit))
+        except InputError as error:
+            faults += error.lines(f"{key}.levels[{place}]")
+    if not faults and len(set(numbers)) < len(numbers) and not isinstance(factor, AmbientFactor):
+        faults = [f"{key}.levels: a level is given twice"]
+    if faults:
+        raise InputError(faults)
+    return Column(name, numbers, chances=_chances(factor, len(numbers)))
 
 
 def list_targets(study: Study) -> list[Target]:
@@ -354,7 +370,6 @@ def _target_faults(
 
 
 AnyBearing: TypeAlias = Bearing | BilinearBearing
-YEARS = 50  # of generated weather, by default
 
 
 class Levels:
@@ -400,21 +415,6 @@ class Levels:
         """The motions as records of a case, with the factors of their levels."""
         return motion_levels(self.study.factors.motion)
 
-    @cached_property
-    def weather(self) -> Hourly | None:
-        """Hourly weather; None with levels or a distribution."""
-        return study_weather(self.study.factors.ambient)
-
-
-def study_weather(ambient: AmbientFactor) -> Hourly | None:
-    """Return the weather of a study, read or generated once."""
-    if ambient.series is None and ambient.weather is not None:
-        ambient.keep_series(read_weather(ambient.weather))
-    if ambient.series is None and ambient.climate is not None:
-        years, seed = ambient.years or YEARS, ambient.seed or 0
-        ambient.keep_series(generate_weather(ambient.climate, years, seed))
-    return ambient.series
-
 
 RUN_BYTES = 8  # of the id of a run: ten million runs have a collision once in 400 000 studies
 
@@ -440,14 +440,14 @@ def _motion_digest(motion: GroundMotion, factor: float) -> bytes:
     return _digest(motion.dt, motion.acceleration, factor)
 
 
-def _shared_digest(study: Study, levels: Levels) -> bytes:
+def _shared_digest(study: Study) -> bytes:
     """Return a digest of the case without factors and texts, and of the weather."""
     table = study.case.model_dump(
         exclude={"structure", "bearings", "motions", "ambient", "weather", "sources", "rig"}
     )
     for key in ("keep", "keep_every"):
         table["analysis"].pop(key)
-    weather = levels.weather
+    weather = study.factors.ambient.read_weather()
     air = [] if weather is None else [weather.temperature, weather.recurs]
     return _digest(_digest(table), *air, study.factors.ambient.history)
 
@@ -460,7 +460,7 @@ def _run_ids(
     `places`: of structure, bearing (in `Levels.bearings`) and motion of each row; `numbers`: NaN if
     a run has no such number.
     """
-    shared = _shared_digest(study, levels)
+    shared = _shared_digest(study)
     pairs = zip(levels.motions, [one.factor for one in levels.listed], strict=True)
     parts = {
         "structure": [_digest(one) for one in study.factors.structure.levels],
@@ -618,10 +618,11 @@ def _settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, 
     if SAMPLE in found:
         counts = levels._counts[found["bearing"]]
         found[SAMPLE] = np.where(counts > 0, (found[SAMPLE] * counts).astype(np.int64), -1)
-    if levels.weather is not None:
+    weather = study.factors.ambient.read_weather()
+    if weather is not None:
         history = study.factors.ambient.history or 0.0
-        found[HOUR] = levels.weather.hours_at(found[HOUR], history)
-        found[AMBIENT] = levels.weather.temperature[found[HOUR]]
+        found[HOUR] = weather.hours_at(found[HOUR], history)
+        found[AMBIENT] = weather.temperature[found[HOUR]]
     for target in list_targets(study):
         if target.part in found:
             known = np.array([path is not None for path in target.paths])

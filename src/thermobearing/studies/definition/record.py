@@ -18,7 +18,9 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Name, OneLine, Strict, in_unit
 from thermobearing.border.toml import to_table
 from thermobearing.border.units import parse_quantity
+from thermobearing.climate.generator import generate_weather
 from thermobearing.climate.hourly import Hourly
+from thermobearing.climate.readers import read_weather
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Temperature
 from thermobearing.earthquake.case import EarthquakeCase, Motion
@@ -86,7 +88,7 @@ class Distribution:
         return float(smallest), float(largest)
 
 
-def _number(value: float | str, unit: str | None) -> float:
+def parse_number(value: float | str, unit: str | None) -> float:
     """Return a number of a study file: text with a unit, or a plain number if `unit` is None.
 
     An acceleration may have any unit of records: m/s2, g, gal, ...
@@ -138,7 +140,7 @@ class Drawn(Strict):
         for name, value in given.items():
             own = None if name in PURE else "K" if (name, unit) == ("sd", "degC") else unit
             try:
-                numbers[name] = _number(value, own)
+                numbers[name] = parse_number(value, own)
             except InputError as error:
                 faults += error.lines(f"{key}.{name}")
         if faults:
@@ -303,6 +305,7 @@ class MotionFactor(Picked):
         self._made = Made(tuple(motions))
 
 
+YEARS = 50  # of generated weather, by default
 Levels = Annotated[list[float | str], Field(min_length=1, max_length=MOST_LEVELS)]
 
 
@@ -349,14 +352,13 @@ class AmbientFactor(Drawn, Picked):
     history: Annotated[float, in_unit("h"), Field(ge=1, le=1e5)] | None = None
     _series: Hourly | None = PrivateAttr(default=None)
 
-    @property
-    def series(self) -> Hourly | None:
-        """The weather, once it was read or generated."""
+    def read_weather(self) -> Hourly | None:
+        """Return hourly weather, read or generated once; None with levels or a distribution."""
+        if self._series is None and self.weather is not None:
+            self._series = read_weather(self.weather)
+        if self._series is None and self.climate is not None:
+            self._series = generate_weather(self.climate, self.years or YEARS, self.seed or 0)
         return self._series
-
-    def keep_series(self, series: Hourly | None) -> None:
-        """Store the weather; None removes it."""
-        self._series = series
 
     @classmethod
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
@@ -386,31 +388,6 @@ class NumberFactor(Drawn, Picked):
 
     levels: Levels | None = None
     of: Literal["factor", "value"] = "factor"
-
-
-def list_numbers(
-    factor: ScaleFactor | AmbientFactor | NumberFactor, unit: str | None, key: str
-) -> list[float] | Distribution:
-    """Return levels or distribution of a numeric factor in a unit (None: dimensionless)."""
-    if (factor.levels is None) == (factor.distribution is None):
-        raise InputError(f"{key}: give either levels or a distribution")
-    if factor.levels is None:
-        if factor.random:
-            raise InputError(f"{key}.random: only with levels")
-        return factor._read(unit, key)
-    if isinstance(factor, AmbientFactor):
-        return list(factor.levels)
-    numbers, faults = [], []
-    for number, level in enumerate(factor.levels):
-        try:
-            numbers.append(_number(level, unit))
-        except InputError as error:
-            faults += error.lines(f"{key}.levels[{number}]")
-    if not faults and len(set(numbers)) < len(numbers):
-        faults = [f"{key}.levels: a level is given twice"]
-    if faults:
-        raise InputError(faults)
-    return numbers
 
 
 COLUMNS = {"PGA": "PGA_m_s2", "PGV": "PGV_m_s", "Sa": "Sa_m_s2"}

@@ -6,7 +6,8 @@ key of a bearing (`foresee`). The temperatures of a shard are sent with its rows
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -14,7 +15,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.climate.hourly import Hourly
@@ -84,68 +84,6 @@ def _thermal_key(device: Device, case: EarthquakeCase) -> Key:
     return (*heat, analysis.upper_face, analysis.lower_face, analysis.side)
 
 
-class Warmth:
-    """Temperatures of the bearings of a study at the hours of its weather, computed once.
-
-    With `own` every run has its own thermal key, and no temperatures are stored.
-    """
-
-    def __init__(self, levels: Levels, *, own: bool) -> None:
-        self.levels, self.own = levels, own
-        self.history = levels.study.factors.ambient.history
-        self.known = Warm()
-        self._weights: dict[Key, Floats] = {}
-
-    @property
-    def _weather(self) -> Hourly:
-        """Weather of the study, received or read here."""
-        found = self.known.weather or self.levels.weather
-        assert found is not None
-        return found
-
-    def _before(self, hour: int) -> Ambient:
-        """Return the ambient temperature of the history of an hour."""
-        assert self.history is not None
-        return self._weather.before(hour, self.history)
-
-    def _foresee(self, wanted: Iterable[tuple[Key, Device, Ints]]) -> None:
-        """Compute the temperatures of devices, by thermal key and hours."""
-        devices: dict[Key, Device] = {}
-        hours: dict[Key, list[Ints]] = {}
-        for key, device, some in wanted:
-            devices[key] = device
-            hours.setdefault(key, []).append(some)
-        found = {}
-        for key, device in devices.items():
-            every = np.unique(np.concatenate(hours[key]))
-            found[key] = every, self._soaked(key, device, every)
-        self.known = Warm(found, self._weather if self.own else None)
-
-    def _at(self, device: Device, case: EarthquakeCase, hour: int) -> tuple[Floats, float | None]:
-        """Return temperatures of cells and lead of a bearing at an hour."""
-        key = _thermal_key(device, case)
-        hours, soaked = self.known.soaked.get(key, (np.zeros(0, dtype=np.int64), None))
-        place = int(np.searchsorted(hours, hour))
-        if soaked is not None and place < len(hours) and hours[place] == hour:
-            return soaked.at(place)
-        return self._soaked(key, device, np.array([hour])).at(0)
-
-    def _soaked(self, key: Key, device: Device, hours: Ints) -> Soaked:
-        """Return temperatures at some hours, after the history or all weather before."""
-        if self.history is None:
-            return soaked_hours(device, self._weather, hours)
-        if key not in self._weights:
-            _make_room(self._weights)
-            full = self._weather.full_hours(self.history)
-            self._weights[key] = history_weights(device.constants, full)
-        each = [
-            soaked_history(device.constants, self._weights[key], self._before(int(h)).temperature)
-            for h in hours
-        ]
-        lead = None if each[0][1] is None else np.array([one for _, one in each])
-        return Soaked(np.array([cells for cells, _ in each]), lead)
-
-
 def _make_room(kept: dict[Any, Any]) -> None:
     if len(kept) >= MOST_KEPT:
         kept.pop(next(iter(kept)))
@@ -168,7 +106,10 @@ class Preparer:
             if column.name in THINGS
         }
         self._targets = list_targets(study)
-        self.warmth = Warmth(self.levels, own=any(map(moves_warmth, self._targets)))
+        self._own_heat = any(map(moves_warmth, self._targets))  # each run has its thermal key
+        self._history = study.factors.ambient.history
+        self._known = Warm()
+        self._weights: dict[Key, Floats] = {}
         self._prepared: dict[int, Prepared] = {}
         self._devices: dict[int, Device] = {}
         self._shakings: dict[int, Shaking] = {}
@@ -270,59 +211,84 @@ class Preparer:
         ground: Floats = scale * shared.ground
         return Shaking(shared.motion, shared.dt, ground)
 
+    @property
+    def _weather(self) -> Hourly:
+        """Weather of the study, received or read here."""
+        found = self._known.weather or self.study.factors.ambient.read_weather()
+        assert found is not None
+        return found
+
     def _soaked_line(self, hour: int, air: float, case: EarthquakeCase, device: Device) -> OneLine:
         """Return the bearings of a line with their temperatures at an hour of the weather."""
         if not isinstance(device.bearing, Bearing):
             return one_line(case, device, air, None)
-        if self.warmth.own:
-            return one_line(case, device, air, self.warmth._before(hour))
-        return OneLine(device, *self.warmth._at(device, case, hour), air)
+        if self._own_heat:
+            assert self._history is not None
+            return one_line(case, device, air, self._weather.before(hour, self._history))
+        key = _thermal_key(device, case)
+        hours, soaked = self._known.soaked.get(key, (np.zeros(0, dtype=np.int64), None))
+        place = int(np.searchsorted(hours, hour))
+        if soaked is not None and place < len(hours) and hours[place] == hour:
+            return OneLine(device, *soaked.at(place), air)
+        return OneLine(device, *self._soaked(key, device, np.array([hour])).at(0), air)
+
+    def _soaked(self, key: Key, device: Device, hours: Ints) -> Soaked:
+        """Return temperatures at some hours, after the history or all weather before."""
+        weather = self._weather
+        if self._history is None:
+            return soaked_hours(device, weather, hours)
+        if key not in self._weights:
+            _make_room(self._weights)
+            full = weather.full_hours(self._history)
+            self._weights[key] = history_weights(device.constants, full)
+        before = (weather.before(int(hour), self._history).temperature for hour in hours)
+        each = [soaked_history(device.constants, self._weights[key], one) for one in before]
+        lead = None if each[0][1] is None else np.array([one for _, one in each])
+        return Soaked(np.array([cells for cells, _ in each]), lead)
 
     def foresee(self, rows: pd.DataFrame) -> None:
         """Compute the temperatures of the bearings of all rows."""
         if HOUR in rows:
-            case = self.study.case
-            self.warmth._foresee(
-                (_thermal_key(device, case), device, hours) for device, hours in self._warmed(rows)
-            )
+            found = {
+                key: (hours, self._soaked(key, device, hours))
+                for key, (device, hours) in self._warmed(rows).items()
+            }
+            self._known = Warm(found, self._weather if self._own_heat else None)
 
     def foreseen_temperatures(self, rows: pd.DataFrame) -> Warm | None:
         """Return the temperatures of some rows, for another process; None without weather."""
         if HOUR not in rows:
             return None
-        wanted: dict[Key, list[Ints]] = {}
-        for device, hours in self._warmed(rows):
-            wanted.setdefault(_thermal_key(device, self.study.case), []).append(hours)
         found = {}
-        for key, each in wanted.items():
-            every, soaked = self.warmth.known.soaked[key]
-            hours = np.unique(np.concatenate(each))
+        for key, (_, hours) in self._warmed(rows).items():
+            every, soaked = self._known.soaked[key]
             places = np.searchsorted(every, hours)
             lead = None if soaked.lead is None else soaked.lead[places]
             found[key] = hours, Soaked(soaked.temperature[places], lead)
-        return Warm(found, self.warmth.known.weather)
+        return Warm(found, self._known.weather)
 
     def take(self, warm: Warm | None) -> None:
         """Use temperatures from another process."""
         if warm is not None:
-            self.warmth.known = warm
+            self._known = warm
 
-    def _warmed(self, rows: pd.DataFrame) -> Iterator[tuple[Device, Ints]]:
-        """Yield layered bearings and the hours of their rows; none if all thermal keys differ."""
-        if self.warmth.own:
-            return
+    def _warmed(self, rows: pd.DataFrame) -> dict[Key, tuple[Device, Ints]]:
+        """Return layered bearings and the hours of their rows; none if all thermal keys differ."""
+        if self._own_heat:
+            return {}
         case, hours = self.study.case, rows[HOUR].to_numpy(np.int64)
         names = self._places["bearing"]
         level = np.array([names[str(name)] for name in rows["bearing"]], dtype=np.int64)
         sample = rows[SAMPLE].to_numpy(np.int64) if SAMPLE in rows else np.full(len(rows), -1)
         place = self.levels.place(level, sample)
+        each = [(device, hours) for device in self._own(case, True) if device is not None]
         for one in np.unique(place):
-            try:
-                device = self._device(int(one), {}, case, True)
-            except InputError:
-                continue  # reported by its runs
+            with suppress(InputError):  # reported by its runs
+                each.append((self._device(int(one), {}, case, True), hours[place == one]))
+        found: dict[Key, tuple[Device, Ints]] = {}
+        for device, some in each:
             if isinstance(device.bearing, Bearing):
-                yield device, np.unique(hours[place == one])
-        for mine in self._own(case, True):
-            if mine is not None and isinstance(mine.bearing, Bearing):
-                yield mine, np.unique(hours)
+                key = _thermal_key(device, case)
+                before = found[key][1] if key in found else some
+                found[key] = device, np.union1d(before, some)
+        return found

@@ -371,7 +371,7 @@ _OWN = threading.local()  # threads of a Dask worker share no state
 def packed(study: Study) -> bytes:
     """Return a study as bytes for other processes, without its weather."""
     ambient = study.factors.ambient.model_copy()
-    ambient.keep_series(None)
+    ambient._series = None
     factors = study.factors.model_copy(update={"ambient": ambient})
     return pickle.dumps(study.model_copy(update={"factors": factors}))
 
