@@ -134,7 +134,7 @@ def test_wrong_options(folder: Path, tmp_path: Path, words: list[str], said: str
 
 def test_saved_from_python(found: Identification, tmp_path: Path) -> None:
     ahead = posterior.forecast(found, [-20.0, 10.0])
-    out = found.save(tmp_path / "out", forecast=ahead)
+    out = found.with_forecast(ahead).save(tmp_path / "out")
     told = json.loads((out / "summary.json").read_text())
     assert told["posterior"]["source"] == "laplace"
     assert [band["ambient_degC"] for band in told["posterior"]["peak_force"]] == [-20.0, 10.0]

@@ -157,7 +157,6 @@ class Printed:
         self,
         result: Any,
         target: Path,
-        show: Callable[[], Any] | None = None,
         outcome: str = "",
         sentence: str = "",
         **options: Any,
@@ -166,7 +165,7 @@ class Printed:
         result.save(target, overwrite=self.overwrite, figures=not self.no_figures, **options)
         if not self.quiet:
             with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
-                (show or result.show)()
+                result.show()
         made = self.documents(target)
         outcome = outcome or getattr(result, "outcome", "completed")  # a structure has none
         status = STATUSES.get(outcome, ENDED_EARLY)

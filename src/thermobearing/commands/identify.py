@@ -1,6 +1,5 @@
 """Calibrate bearings to tests, and validate them."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -148,10 +147,10 @@ def _identify(
     if len(records) > len(tests) or "folds" in given or limit:
         given |= {"hold_out": records[len(tests) :], "limits": _limits(limit)}
     found = _fit(records[: len(tests)], bearing, given, end)
-    drawn = None
     if sampled or predicted:
-        drawn = _forecast(found, sampled, predicted, given.get("seed", 0), end.quiet)
-    return end.save(found, target, lambda: _show(found, drawn), forecast=drawn)
+        seed = given.get("seed", 0)
+        found = found.with_forecast(_forecast(found, sampled, predicted, seed, end.quiet))
+    return end.save(found, target)
 
 
 def _fit(
@@ -188,15 +187,6 @@ def _forecast(
         effort = f"up to {runs} runs of the model through {tests}, about {duration(seconds)}"
         typer.echo(f"posterior: {effort}", err=True)
     return forecast(final, predict, posterior=posterior, seed=seed)
-
-
-def _show(found: "Identification | CrossValidation", drawn: Any) -> None:
-    from thermobearing.identify.result import Identification
-
-    if isinstance(found, Identification):
-        replace(found, forecast=drawn).show()
-    else:
-        found.predict(drawn).show()
 
 
 def _limits(words: list[str] | None) -> dict[str, float]:

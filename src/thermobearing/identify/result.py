@@ -14,7 +14,6 @@ from thermobearing.bearing.library import bearing_from_table
 from thermobearing.bearing.model import Bearing, TemperatureLaw
 from thermobearing.bearing.plausible import implausible
 from thermobearing.bearing.scaling import compound_of
-from thermobearing.border.deprecated import renamed
 from thermobearing.border.toml import sourced_toml, to_table, with_sources
 from thermobearing.core.records import Floats
 from thermobearing.identify.comparison import Comparison, cycles_frame, unused_columns
@@ -285,34 +284,9 @@ class Identification(Result):
         }
         return summary | ({"posterior": self.forecast.summary()} if self.forecast else {})
 
-    @renamed(force="overwrite")
-    def save(
-        self,
-        directory: str | Path,
-        *,
-        overwrite: bool = False,
-        figures: bool = True,
-        forecast: "Forecast | None" = None,
-    ) -> Path:
-        """Write a result directory; see docs/files.md.
-
-        Parameters
-        ----------
-        directory : made if needed, with its parents.
-        overwrite : replace an earlier result directory.
-        figures : draw the figures too.
-        forecast : samples of the posterior and bands at other temperatures.
-
-        Returns
-        -------
-        Path : the directory.
-
-        Raises
-        ------
-        OutputError : the directory exists and `overwrite` is False, or it cannot be written.
-        """
-        found = self if forecast is None else replace(self, forecast=forecast)
-        return Result.save(found, directory, overwrite=overwrite, figures=figures)
+    def with_forecast(self, forecast: "Forecast") -> "Identification":
+        """Return the result with samples of the posterior and predicted bands."""
+        return replace(self, forecast=forecast)
 
     def _write(self, folder: Path) -> None:
         if self.forecast is not None:

@@ -15,7 +15,7 @@ import tomli_w
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, OutputError, printable
-from thermobearing.border.text_file import file_names
+from thermobearing.border.text_file import file_names, write_file
 from thermobearing.core.records import Floats
 from thermobearing.identify.records.checks import CheckReport, check_test
 from thermobearing.identify.records.record import TestRecord, build_record
@@ -229,7 +229,7 @@ class Intakes(Result):
             raise OutputError(f"{first}: exists; correct it, or omit --write-sidecars")
         written = super().save(directory, overwrite=overwrite, figures=figures)
         for item, path in zip(self.files, targets, strict=False):
-            _put(path, item._sidecar_text(path.parent))
+            write_file(path, item._sidecar_text(path.parent), overwrite=False)
         return written
 
     def _write(self, folder: Path) -> None:
@@ -237,18 +237,6 @@ class Intakes(Result):
         for item, name in zip(self.files, self._names, strict=True):
             text = item._sidecar_text(folder / SIDECARS)
             (folder / SIDECARS / f"{name}.toml").write_text(text, encoding="utf-8")
-
-
-def _put(path: Path, text: str) -> None:
-    """Write a new file atomically."""
-    partial_file = path.with_name(f".{path.name}.partial")
-    try:
-        partial_file.write_text(text, encoding="utf-8")
-        os.link(partial_file, path)  # unlike a replacement, never overwrites
-    except OSError as error:
-        raise OutputError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        partial_file.unlink(missing_ok=True)
 
 
 def take_in(

@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 
 import thermobearing
-from thermobearing.border.deprecated import renamed
 from thermobearing.identify.comparison import NAN, Comparison, cycles_frame, unused_columns
 from thermobearing.identify.records.record import TestRecord, record_conditions
 from thermobearing.identify.result import Identification
@@ -375,21 +374,9 @@ class CrossValidation(Result):
         own = {"outcome": self.outcome, "warnings": self.warnings, "held_out": held_out}
         return self.final.summary() | own
 
-    @renamed(force="overwrite")
-    def save(
-        self,
-        directory: str | Path,
-        *,
-        overwrite: bool = False,
-        figures: bool = True,
-        forecast: "Forecast | None" = None,
-    ) -> Path:
-        """Write a result directory as every result does, with a forecast of the final fit."""
-        return Result.save(self.predict(forecast), directory, overwrite=overwrite, figures=figures)
-
-    def predict(self, forecast: "Forecast | None") -> "CrossValidation":
+    def with_forecast(self, forecast: "Forecast") -> "CrossValidation":
         """Return the result with a forecast of the final fit."""
-        return replace(self, final=replace(self.final, forecast=forecast)) if forecast else self
+        return replace(self, final=replace(self.final, forecast=forecast))
 
     def _write(self, folder: Path) -> None:
         self.final._write(folder)
