@@ -408,6 +408,9 @@ def test_turns_in_noise() -> None:
     t = np.linspace(0.0, 3.0, 3001)
     x = np.sin(2.0 * np.pi * t) + np.random.default_rng(0).normal(size=len(t)) * 1e-3
     assert len(turning_points(x, 0.05)) == 2 + 6
+    x[1:4] = x[0] - 0.01, x[0] + 0.01, x[0] - 0.02  # noise before the first way
+    for offset in (-7.0, 0.0, 7.0):
+        assert len(turning_points(x + offset, 0.05)) == 2 + 6
 
 
 @pytest.mark.parametrize(("bearing", "at"), [(HDR, -20.0), (LHDR, -20.0), (HDR, 23.0)])

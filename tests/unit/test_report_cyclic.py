@@ -8,6 +8,7 @@ import thermobearing as tb
 from tests.unit.report_words import as_data, assert_well_formed, numbers_in
 from thermobearing.bearing.library import BEARINGS
 from thermobearing.cyclic.report import build_pieces
+from thermobearing.cyclic.reported import model_assumptions
 from thermobearing.cyclic.result import Result
 from thermobearing.report.content import value_and_unit
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
@@ -133,6 +134,13 @@ def test_what_was_asked_for_is_no_default() -> None:
     assert model["Heat scheme"][1:] == ("published", "", "as asked for")
     assert any("as published" in text for text in slow.assumptions)
     assert slow.tables["quality"].rows[1][-1] == "not judged"
+
+
+def test_a_bearing_with_lead_among_others_is_told_of() -> None:
+    tables = [tb.load_bearing(name).model_dump() for name in ("shen-hdr-bridge", "lrb-example")]
+    alone, both = (model_assumptions({}, some) for some in (tables[:1], tables))
+    (more,) = set(both) - set(alone)
+    assert more.startswith("Lead")
 
 
 def test_live_and_loaded_are_the_same(result: Result, pieces: Pieces, tmp_path) -> None:

@@ -96,3 +96,9 @@ def test_bilinear_has_no_temperature() -> None:
     assert found.at(1)[1] is None
     with pytest.raises(tb.InputError, match="has no temperature"):
         tb.bearing_weather("shen-bilinear-bridge", WEATHER)
+
+
+@pytest.mark.parametrize("hours", [[0, len(WEATHER)], [-1, 5]])
+def test_hours_that_the_weather_does_not_have(hours: list[int]) -> None:
+    with pytest.raises(tb.InputError, match=f"0 to {len(WEATHER) - 1}"):
+        run.soaked_hours(device_of("shen-hdr-bridge"), WEATHER, np.array(hours))
