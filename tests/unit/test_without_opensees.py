@@ -49,9 +49,10 @@ def python(environment: dict[str, str], *arguments: str) -> subprocess.Completed
     "collected",
     [
         pytest.param((*NEED_IT, "tests/reference"), id="what needs it"),
-        pytest.param(("tests", "benchmarks"), id="all", marks=pytest.mark.thorough),
+        pytest.param(("tests", "benchmarks"), id="all"),
     ],
 )
+@pytest.mark.thorough
 def test_it_is_collected_and_what_needs_it_says_what_to_install(
     broken: dict[str, str], collected: tuple[str, ...]
 ) -> None:

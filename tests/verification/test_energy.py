@@ -233,7 +233,7 @@ AMBIENTS = [-20.0, 0.0, 23.0]
 
 
 @pytest.mark.parametrize("heat_source", ["work", "dissipation"])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [*NAMES[:3], pytest.param(NAMES[3], marks=pytest.mark.thorough)])
 def test_books_close(name: str, heat_source: str, measured: Recorder) -> None:
     books = tb.run(name, ambient=AMBIENTS, heat_source=heat_source).energy
     mechanical = float(books["mechanical_residual"].abs().max())

@@ -312,7 +312,7 @@ def test_a_gap_lets_no_heat_through() -> None:
     assert_allclose(history.means["around"], 0.0, rtol=0.0, atol=tol.FE_BOOKS * rise)
 
 
-ALWAYS = 2  # bearings of each kind; the others where everything is run
+ALWAYS = 1  # bearings of each kind; the others where everything is run
 COMPARED = [
     pytest.param(how, name, case, limit, marks=[pytest.mark.thorough] if i >= ALWAYS else [])
     for how, cases, limit in (

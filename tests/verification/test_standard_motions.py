@@ -88,7 +88,7 @@ def test_built_in_motion_fits_and_ends_at_rest(name: str, measured: Recorder) ->
     [
         pytest.param("I", "I", 1, marks=pytest.mark.thorough),
         ("II", "I", 3),
-        ("II", "II", 1),
+        pytest.param("II", "II", 1, marks=pytest.mark.thorough),
         pytest.param("II", "III", 1, marks=pytest.mark.thorough),
     ],
 )
