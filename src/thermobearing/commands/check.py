@@ -77,7 +77,7 @@ def check_file(path: Path) -> Checked:
     test, and those of the package's own data.
     """
     table, _ = split_sources(read_toml(path))
-    kind = find_kind(table, path)
+    kind = _find_kind(table, path)
     if kind not in KINDS:  # data of the package
         if kind in DATA:
             validated(DATA[kind][1], table, str(path))
@@ -97,7 +97,7 @@ def check_file(path: Path) -> Checked:
     return Checked(kind, facts(thing), warnings)
 
 
-def find_kind(table: dict[str, Any], path: Path) -> str:
+def _find_kind(table: dict[str, Any], path: Path) -> str:
     """Return what a file is, by its keys."""
     keys = set(table)
     if table.get("kind") == "bilinear":

@@ -32,7 +32,7 @@ from thermobearing.climate.readers import read_air
 from thermobearing.core.records import Floats, labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
-from thermobearing.model.earlier import needs_full_stack
+from thermobearing.model.earlier import ONE_CELL
 from thermobearing.model.effort import too_much
 from thermobearing.model.handover import (
     MEMORY,
@@ -377,7 +377,7 @@ class Case(Strict):
         if self.initial_lead is not None and self.bearing.lead is None:
             found.append("initial_lead: needs a bearing with lead")
         cells = len(self.analysis.build_stack(self.bearing).part)
-        cells = 1 if needs_full_stack(self.analysis.model) else cells
+        cells = 1 if self.analysis.model in ONE_CELL else cells
         if self.initial_profile is not None and len(self.initial_profile) != cells:
             found.append(
                 f"initial_profile: has {len(self.initial_profile)} temperatures, "

@@ -6,7 +6,14 @@ from typing import Literal
 import numpy as np
 
 from thermobearing.bearing.exposure import exposed
-from thermobearing.bearing.model import Bearing, Clock, LeadCores, SmallLoops, TemperatureLaw
+from thermobearing.bearing.model import (
+    Bearing,
+    Clock,
+    LeadCores,
+    Scragging,
+    SmallLoops,
+    TemperatureLaw,
+)
 from thermobearing.core.records import Floats, Rows, filled, rows
 from thermobearing.core.types import (
     EULER,
@@ -103,6 +110,7 @@ Hardening = Literal["printed", "monotone"]
 HeatSource = Literal["work", "dissipation"]
 LeadEnds = Literal["half-space", "finite-plate"]
 KELVIN_COEFFICIENT_SCALE = 100.0  # Eq. 4.34 divides T - 23 by 100
+SCRAGGED = Scragging(strain=1.0, mullins_decay=1.0, mullins_renewal=1.0)  # without effect
 SIDE_FLUX = 0.785  # of the flux from a core into the plates around it, Eq. 5.4
 SHARING_START, SHARING_FULL = 0.2, -0.2  # see docs/theory.md, "When a layer softens"
 
@@ -247,7 +255,7 @@ def _rubber(
     bearing: Bearing, integrator: Integrator, *, monotone: bool, closed_loops: bool
 ) -> Rubber:
     """Return the constants of one rubber layer (Eq. 4.34-4.37)."""
-    h, virgin = bearing.hysteresis, bearing.scragging
+    h, virgin = bearing.hysteresis, bearing.scragging or SCRAGGED
     return Rubber(
         layer_count=float(bearing.geometry.rubber_layers),
         elastic_stiffness=h.post_yield_ratio * h.layer_stiffness,
@@ -261,13 +269,12 @@ def _rubber(
         unloading_curvature=(1.0 - h.shape) / ((1.0 + h.shape) * h.yield_displacement**2),
         integrator=EULER if integrator == "euler" else EXACT,
         closed_loops=closed_loops,
-        virgin=virgin is not None,
-        scragging_amplitude=virgin.amplitude if virgin else 0.0,
-        scragging_displacement=(virgin.strain if virgin else 1.0)
-        * bearing.geometry.rubber_thickness,
-        mullins_amplitude=virgin.mullins_amplitude if virgin else 0.0,
-        mullins_decay=virgin.mullins_decay if virgin else 1.0,
-        mullins_renewal=virgin.mullins_renewal if virgin else 1.0,
+        virgin=bearing.scragging is not None,
+        scragging_amplitude=virgin.amplitude,
+        scragging_displacement=virgin.strain * bearing.geometry.rubber_thickness,
+        mullins_amplitude=virgin.mullins_amplitude,
+        mullins_decay=virgin.mullins_decay,
+        mullins_renewal=virgin.mullins_renewal,
         sharing_start=SHARING_START,
         sharing_full=SHARING_FULL,
     )

@@ -40,6 +40,7 @@ Model = Literal[
 ]
 REFERENCE: Model = "multi-layer"  # that the others are compared with
 BLIND = ("temperature-blind", "bilinear")  # rubber stiffness independent of temperature
+ONE_CELL = ("per-cycle", "single-temperature")  # for all layers: they need a full stack
 UNCHANGING = 1e12  # factor on heat capacities that keeps a temperature constant
 TIGHT = 1e6  # lead exchanges heat this fast with the single temperature [kN mm/(s K)]
 
@@ -229,11 +230,6 @@ def isothermal(constants: Constants) -> Constants:
 def models_that_fit(bearing: Bearing) -> list[Model]:
     """The multi-layer model and the earlier ones; `lead-alone` needs lead."""
     return [m for m in get_args(Model) if m != "lead-alone" or bearing.lead is not None]
-
-
-def needs_full_stack(model: Model) -> bool:
-    """Return whether a model has one cell for all layers."""
-    return model in ("per-cycle", "single-temperature")
 
 
 def apply_model(

@@ -26,9 +26,9 @@ from thermobearing.model.constants import (
     lead_clock,
 )
 from thermobearing.model.earlier import (
+    ONE_CELL,
     BilinearParameters,
     apply_model,
-    needs_full_stack,
 )
 from thermobearing.model.earlier import Model as ModelName
 from thermobearing.model.stack import EndFace, Scheme, Stack, build_stack, through_side
@@ -105,10 +105,10 @@ class ModelOptions(Strict):
         alike = self.upper_face == self.lower_face
         if self.stack == "half" and not alike:
             raise ValueError('stack "half" needs both faces alike; use "auto" or "full"')
-        if needs_full_stack(self.model) and self.stack == "half":
+        if self.model in ONE_CELL and self.stack == "half":
             raise ValueError(f'model "{self.model}" has one cell for all layers; use stack "auto"')
         behind = self.upper_face.heat_capacity or self.lower_face.heat_capacity
-        if behind and (self.scheme == "published" or needs_full_stack(self.model)):
+        if behind and (self.scheme == "published" or self.model in ONE_CELL):
             raise ValueError(
                 "heat_capacity behind a face needs the conservative scheme of the multi-layer model"
             )
@@ -119,7 +119,7 @@ class ModelOptions(Strict):
     @property
     def half(self) -> bool:
         """Return whether only the upper half is modelled."""
-        if needs_full_stack(self.model):
+        if self.model in ONE_CELL:
             return False
         return self.stack == "half" or (self.stack == "auto" and self.upper_face == self.lower_face)
 

@@ -26,6 +26,7 @@ CITATION = (
     "Standard spectrum: Japan Road Association, Specifications for Highway Bridges, Part V (2012)"
 )
 STANDARD = re.compile(r"jra-(i|ii)-(i|ii|iii)")
+STANDARD_NAMES = [f"jra-{kind}-{ground}".lower() for kind in KINDS for ground in GROUNDS]
 SECONDS = ("", "s", "sec")
 PERIOD, ACCELERATION = ("period", "t"), ("acceleration", "sa", "s")  # titles in lower case
 
@@ -158,23 +159,18 @@ def standard_target(kind: str, ground: str, zone_factor: float = 1.0) -> DesignS
     return DesignSpectrum(name, words, curve, zone_factor, CITATION, caveat)
 
 
-def list_spectra() -> list[str]:
-    """Return the names of the standard spectra, `jra-<type>-<ground>`."""
-    return [f"jra-{kind}-{ground}".lower() for kind in KINDS for ground in GROUNDS]
-
-
 def find_kind(name: str) -> tuple[str, str]:
     """Return type and ground of a standard spectrum by its name; InputError for another name."""
     named = STANDARD.fullmatch(name)
     if named is None:
-        raise unknown_name("standard spectrum", name, list_spectra())
+        raise unknown_name("standard spectrum", name, STANDARD_NAMES)
     return named[1].upper(), named[2].upper()
 
 
 def load_spectrum(name_or_path: str | Path, factor: float = 1.0) -> DesignSpectrum:
     r"""Return a spectrum that motions can be made to fit, times a factor (c_z of a standard one).
 
-    `name_or_path` is one of `list_spectra()`, or a file with columns `period` [s] and
+    `name_or_path` is one of `STANDARD_NAMES`, or a file with columns `period` [s] and
     `acceleration` (with its unit: gal, g, m/s2 ...), of 5 % damping, from 0.1 s or less to 3 s or
     more.
     """
@@ -183,7 +179,7 @@ def load_spectrum(name_or_path: str | Path, factor: float = 1.0) -> DesignSpectr
         return standard_target(*find_kind(text), factor)
     path = Path(name_or_path)
     if not (is_file(path) or isinstance(name_or_path, Path) or path.suffix or "/" in text):
-        raise unknown_name("standard spectrum", text, list_spectra())
+        raise unknown_name("standard spectrum", text, STANDARD_NAMES)
     words = f'the spectrum "{path.stem}"'
     if factor != 1.0:
         words += f" times {factor:g}"

@@ -37,9 +37,9 @@ from thermobearing.motions.process import resampled
 from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.synthesis import check_record, make_motion, match_spectrum
 from thermobearing.motions.targets import (
+    STANDARD_NAMES,
     DesignSpectrum,
     find_kind,
-    list_spectra,
     load_spectrum,
 )
 from thermobearing.studies.definition.record import MotionFactor, Study
@@ -95,7 +95,7 @@ def _recipes(factor: MotionFactor) -> list[Recipe]:
     assert factor.matched is not None
     spectrum = load_spectrum(factor.matched, factor.zone_factor or 1.0)
     if factor.levels is None:
-        named = spectrum.name if spectrum.name in list_spectra() else PHASES
+        named = spectrum.name if spectrum.name in STANDARD_NAMES else PHASES
         phases = find_kind(factor.phases or named)
         first = SEED if factor.seed is None else factor.seed
         return [
