@@ -256,7 +256,7 @@ def _exchange(partial: Path, final: Path, names: list[str]) -> None:
         if (final / name).exists():
             shutil.copy2(final / name, earlier / name)
 
-    def move(source: Path, name: str) -> None:
+    def _move(source: Path, name: str) -> None:
         if (source / name).exists():
             os.replace(source / name, final / name)
         else:
@@ -266,8 +266,8 @@ def _exchange(partial: Path, final: Path, names: list[str]) -> None:
     try:
         for name in names:
             begun.append(name)
-            move(partial, name)
+            _move(partial, name)
     except BaseException:  # Ctrl-C too
         for name in begun:
-            move(earlier, name)
+            _move(earlier, name)
         raise

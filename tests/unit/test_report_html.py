@@ -286,9 +286,8 @@ def test_points_are_shared_so_that_the_page_stays_small():
     assert figures.points_each(lengths(10, 100_000)) == figures.MOST_POINTS
     assert figures.points_each(lengths(*[10_000] * 100)) == figures.ALL_POINTS // 100
     # Short lines leave room for the others.
-    assert (
-        figures.points_each(lengths(*[100] * 50, *[10_000] * 50)) == figures.ALL_POINTS // 50 - 100
-    )
+    shared = (figures.ALL_POINTS - 50 * 100) // 100
+    assert figures.points_each(lengths(*[100] * 50, *[10_000] * 100)) == shared
     assert figures.points_each(lengths(*[500] * 5000)) == figures.FEWEST_POINTS
 
 

@@ -34,7 +34,6 @@ from thermobearing.report.content import (
     input_table,
     limit_checks,
 )
-from thermobearing.report.figures import rounded
 from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import (
     change,
@@ -318,7 +317,7 @@ def _loops_plot(result: Result) -> Plot:
     traces = []
     for run, name, colour in _runs(result):
         x, y = result.plot.path(run)
-        traces.append(Trace(name, rounded(x), rounded(y), colour))
+        traces.append(Trace(name, x, y, colour))
     end = 100.0 * min(result.tested_to(run, "strain") for run in range(len(traces)))
     reach = max((float(np.nanmax(np.abs(trace.x))) for trace in traces if len(trace.x)), default=0)
     sides = ((end, 1.05 * reach), (-1.05 * reach, -end)) if end < reach else ()
@@ -345,8 +344,7 @@ def _temperature_plot(result: Result) -> Plot:
         choices[ambient] = []
         for name, values, colour, look in lines:
             x, y = time.trace(run, values[run])
-            trace = Trace(name, rounded(x / time.unit), rounded(y), colour, look)
-            choices[ambient].append(trace)
+            choices[ambient].append(Trace(name, x / time.unit, y, colour, look))
     cut = ", long rests cut out" if time.shortened else ""
     return Plot(f"time{cut} [{time.unit_name}]", "temperature [°C]", choices)
 
@@ -360,7 +358,7 @@ def _profile_plot(result: Result) -> Plot:
     for run, name, colour in _runs(result):
         values = result["temperature"].values[run, : time.rows[run]]
         at = np.searchsorted(time.times[run], moments).clip(0, len(values) - 1)
-        frames = rounded(values[at])
+        frames = values[at]
         y = np.tile(-depth, (len(moments), 1))
         traces.append(Trace(name, frames[0], -depth, colour, "line with points", y, frames))
     y_label, slider = "level relative to the upper face [mm]", [duration(float(t)) for t in moments]

@@ -333,17 +333,17 @@ def equal_bearing(
         )
     strain = displacement / (layers * thickness)
 
-    def sheared(side: float) -> float:
+    def _sheared(side: float) -> float:
         return isothermal_cycle(_with_side(template, side, layers), strain).stiffness_kN_mm
 
     low, high = math.sqrt(1.02 * template.lead_area) + ROUNDING, 5000.0
-    if not sheared(low) <= stiffness <= sheared(high):
+    if not _sheared(low) <= stiffness <= _sheared(high):
         raise InputError(
             f"{template.name}: no plan of {low:.0f} to {high:.0f} mm gives {stiffness:g} kN/mm"
         )
     for _ in range(TRIES):
         middle = 0.5 * (low + high)
-        if sheared(middle) < stiffness:
+        if _sheared(middle) < stiffness:
             low = middle
         else:
             high = middle

@@ -27,7 +27,6 @@ from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
 from thermobearing.report.content import IN_EARTHQUAKES, RIG, TESTED_RANGE, input_table
-from thermobearing.report.figures import POINTS, history, path, rounded
 from thermobearing.report.pieces import NOT_JUDGED, Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import (
     change,
@@ -437,7 +436,6 @@ def _largest_drawn(result: EarthquakeResult, name: str) -> str:
     return f" {text[:1].upper()}{text[1:]} ({run})." if run else ""
 
 
-ALL_POINTS = 40_000  # of the traces of one plot together
 MOST_CHOICES = 40  # entries of a menu
 MOMENTS = 24  # places of a slider
 UNTESTED = "#aa3333"
@@ -475,7 +473,6 @@ class _Plots(EarthquakeFigures):
             name = f"{row['bearing']}, {row['motion']}" if several else str(row["motion"])
             if name in self.groups or len(self.groups) < MOST_CHOICES:
                 self.groups.setdefault(name, []).append(run)
-        self.points = int(np.clip(ALL_POINTS // max(result.runs, 1), 120, POINTS))
 
     def _label(self, run: int) -> str:
         air = degrees([float(self._table["ambient_degC"][run])])
@@ -523,9 +520,8 @@ class _Plots(EarthquakeFigures):
             a, b = (a, factor * b) if x == "time" else (factor * a, b)
             if not len(a) or not np.isfinite([a, b]).all():
                 return []
-            xy = (history if x == "time" else path)(a, b, self.points)
             look = "dashed" if self._line(run) == "--" else "line"
-            return [Trace(self._label(run), *xy, self._colour(run), look)]
+            return [Trace(self._label(run), a, b, self._colour(run), look)]
 
         return self._plot(titles, _make, tested)
 
@@ -537,9 +533,8 @@ class _Plots(EarthquakeFigures):
             found = []
             for what, place, look in PLACES:
                 if len(places[place]) and np.isfinite(places[place]).all():
-                    xy = history(time, places[place], self.points // 2)
                     label = f"{what}, {self._label(run)}"
-                    found.append(Trace(label, *xy, self._colour(run), look))
+                    found.append(Trace(label, time, places[place], self._colour(run), look))
             return found
 
         return self._plot(("time [s]", "temperature [°C]"), _make)
@@ -557,8 +552,8 @@ class _Plots(EarthquakeFigures):
                 return []
             time = self._values("time", run)
             at = np.searchsorted(time, moments).clip(0, len(time) - 1)
-            frames = rounded(self._data["temperature"].values[run][at][:, own])
-            level = -rounded(depth[own])
+            frames = self._data["temperature"].values[run][at][:, own]
+            level = -depth[own]
             y = np.tile(level, (len(moments), 1))
             look = (self._colour(run), "line with points")
             return [Trace(self._label(run), frames[0], level, *look, y, frames)]

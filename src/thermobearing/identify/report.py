@@ -16,7 +16,6 @@ from thermobearing.identify.result import POOR_R2, UNUSABLE
 from thermobearing.identify.uncertainty.covariance import POOR
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
-from thermobearing.report.figures import path
 from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_JUDGED,
@@ -43,7 +42,6 @@ BRIEF = ["symbol", "unit", "estimate", "standard_error", "interval_lower", "inte
 BRIEF += ["determined"]
 CYCLE_MEASURES = ("G_eq_error", "h_eq_error", "energy_error", "force_max_error")
 MARKED = " Marked: outside the calibration range of the bearing."
-LOOP_POINTS = 2000  # of a test
 CAPTIONS = {
     "loops": "Measured loops (band) and loops of the calibrated model (line) of every test.",
     "cycles": "Measures of each cycle in test and model, with the error of each test.",
@@ -325,7 +323,7 @@ def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
 def loop_trace(name: str, rows: pd.DataFrame, column: str, colour: str) -> Trace:
     """Return the loops of a column of fit.csv as a line of a plot."""
     x, force = (rows[one].to_numpy(dtype=float) for one in ("displacement_mm", column))
-    return Trace(name, *path(x, force, LOOP_POINTS), colour)
+    return Trace(name, x, force, colour)
 
 
 def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:

@@ -11,7 +11,6 @@ from thermobearing.motions.run import SPECTRA, measures_table, spectrum_table, s
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.report.content import saved_figures, with_plot
-from thermobearing.report.figures import history, rounded
 from thermobearing.report.pieces import EXCEEDED, PASSED, Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import identity_rows, tidy
 from thermobearing.results.directory import MOTION
@@ -99,15 +98,15 @@ def _figures(saved: SavedResult) -> dict[str, ReportFigure]:
     found = saved_figures(saved, CAPTIONS)
     if "motion" in saved.tables:
         table = saved["motion"].astype(float)
-        drawn = history(table["t_s"].to_numpy(), table["acc_gal"].to_numpy(), 3000)
+        drawn = table["t_s"].to_numpy(), table["acc_gal"].to_numpy()
         trace = Trace(str(saved.summary["motion"]), *drawn, "#0077BB")
         plot = Plot("time [s]", "acceleration [gal]", {"all": [trace]})
         found = with_plot(found, "motion", plot, CAPTIONS)
     if "spectrum" in saved.tables:
         table = saved["spectrum"].astype(float)
-        x = rounded(table["period_s"].to_numpy())
+        x = table["period_s"].to_numpy()
         traces = [
-            Trace(words, x, rounded(table[name].to_numpy()), colour, look)
+            Trace(words, x, table[name].to_numpy(), colour, look)
             for name, words, colour, look in (
                 ("acceleration_gal", "motion", "#0077BB", "line"),
                 ("standard_gal", "standard", "#CC3311", "dashed"),

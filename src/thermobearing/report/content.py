@@ -351,18 +351,18 @@ def saved_figures(saved: SavedResult, captions: Mapping[str, str]) -> dict[str, 
     names = {path.stem: path for path in saved.figures}
     order = list(captions)
 
-    def beginning(name: str) -> str:
+    def _beginning(name: str) -> str:
         return max((start for start in captions if name.startswith(start)), key=len, default="")
 
-    def place(name: str) -> int:
-        return order.index(beginning(name)) if beginning(name) else len(order)
+    def _place(name: str) -> int:
+        return order.index(_beginning(name)) if _beginning(name) else len(order)
 
     found = {}
-    for name in sorted(names, key=place):
+    for name in sorted(names, key=_place):
         vector = names[name].with_suffix(".svg")
         image = (vector if vector.is_file() else names[name]).read_bytes()
         own = name.replace("_", " ").replace("-", " ")
-        caption = captions.get(beginning(name), f"{own[:1].upper()}{own[1:]}.")
+        caption = captions.get(_beginning(name), f"{own[:1].upper()}{own[1:]}.")
         found[name] = ReportFigure(caption, image=image, alt=caption)
     return found
 

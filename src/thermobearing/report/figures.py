@@ -154,9 +154,9 @@ def picture_size(image: bytes) -> tuple[float, float]:
 
 
 # Plots.
-MOST_POINTS = 6_000  # of a line: more than a wide screen has places, with room to zoom
+MOST_POINTS = 2_400  # of a line: more than a wide screen has places, with room to zoom
 FEWEST_POINTS = 400  # of a line, however many there are
-ALL_POINTS = 300_000  # of all lines of a page: 3.2 MB of it
+ALL_POINTS = 150_000  # of all lines of a page: 1.6 MB of it
 CLOSER = 4.0  # a loop is thinned as if it were drawn so many times larger
 MOST_PANELS, MOST_FRAMES = 6, 8  # of a plot on paper
 LOOKS: Mapping[str, dict[str, Any]] = {
@@ -247,24 +247,24 @@ def plot_json(plot: Plot, most: int) -> str:
     """
     places: dict[str, int] = {}
 
-    def place(values: Floats | None) -> int | None:
+    def _place(values: Floats | None) -> int | None:
         if values is None:
             return None
         numbers = np.ascontiguousarray(values, dtype="<f4").tobytes()
         return places.setdefault(base64.b64encode(numbers).decode("ascii"), len(places))
 
-    def trace_data(trace: Trace) -> dict[str, Any]:
+    def _trace_data(trace: Trace) -> dict[str, Any]:
         moving = trace.frames is not None or trace.frames_x is not None
         x, y = (trace.x, trace.y) if moving else _thinned(trace.x, trace.y, most)
         data: dict[str, Any] = {"name": trace.name, "colour": trace.colour, "look": trace.look}
-        data |= {"x": place(x), "y": place(y)}
-        return data | {"frames_x": place(trace.frames_x), "frames_y": place(trace.frames)}
+        data |= {"x": _place(x), "y": _place(y)}
+        return data | {"frames_x": _place(trace.frames_x), "frames_y": _place(trace.frames)}
 
     data = {
         **{"x_title": plot.x_title, "y_title": plot.y_title, "equal": plot.equal},
         **{"slider": list(plot.slider), "slider_title": plot.slider_title},
         "bands": [[float(e) if np.isfinite(e) else None for e in b[:2]] for b in plot.bands],
-        "choices": [[trace_data(trace) for trace in traces] for traces in plot.choices.values()],
+        "choices": [[_trace_data(trace) for trace in traces] for traces in plot.choices.values()],
     }
     data["arrays"] = list(places)
     return json.dumps(data, allow_nan=False, separators=(",", ":"))
@@ -294,31 +294,3 @@ def _thinned(x: Floats, y: Floats, most: int) -> tuple[Floats, Floats]:
         kept += [first + found, [end] if end < len(x) else []]  # the gap after it
     places = np.unique(np.concatenate(kept).astype(np.int64))
     return x[places], y[places]
-
-
-POINTS = 600  # of a history
-
-
-def rounded(values: Floats, digits: int = 5) -> Floats:
-    """Return numbers with so many digits; NaN stays."""
-    values = np.asarray(values, dtype=float)
-    size = np.where(np.isfinite(values) & (values != 0.0), np.abs(values), 1.0)
-    scale = 10.0 ** (digits - 1 - np.floor(np.log10(size)))
-    return np.round(values * scale) / scale
-
-
-def history(x: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
-    """Return a history with about so many points; the extremes of each stretch stay."""
-    kept = drawing.thin(y, max(points // 2, 1))
-    return rounded(x[kept]), rounded(y[kept])
-
-
-def path(x: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
-    """Return a path in the plane, a loop, with about so many points; its turning points stay."""
-    there = np.isfinite(x) & np.isfinite(y)
-    x, y = x[there], y[there]
-    if len(x) < 3:
-        return rounded(x), rounded(y)
-    width, height = (max(float(np.ptp(v)), 1e-12) for v in (x, y))
-    kept = drawing.thin_loops(x, y, width, height, points // 2)
-    return rounded(x[kept]), rounded(y[kept])

@@ -242,12 +242,12 @@ def _governing_rows(table: Table) -> tuple[list[int], list[int], str]:
     names = [column.name or column.head for column in table.columns]
     place = names.index(table.governing) if table.governing in names else None
 
-    def rank(row: int) -> tuple[bool, float]:
+    def _rank(row: int) -> tuple[bool, float]:
         value = 0.0 if place is None else table.rows[row][place]
         known = is_number(value) and np.isfinite(value)
         return row not in marked, -abs(float(value)) if known else np.inf
 
-    order = sorted(range(total), key=rank)
+    order = sorted(range(total), key=_rank)
     why = f"The first {MOST_ROWS} of {total} rows are open"
     if marked:
         why += ", those with marked cells first"

@@ -338,12 +338,12 @@ def fitted(letters: Sequence[tuple[int, int]], keys: int) -> list[Part]:
     """
     every = list(range(len(letters)))
 
-    def total(places: Sequence[int], size: float) -> float:
+    def _total(places: Sequence[int], size: float) -> float:
         return sum(letters[k][0] * LETTER * POINT * size + GAP for k in places)
 
-    def part(places: list[int], room: float, size: float) -> Part:
+    def _part(places: list[int], room: float, size: float) -> Part:
         """Give each column what it needs, and of what is left a share of what it would like."""
-        letter, left = LETTER * POINT * size, room - total(places, size)
+        letter, left = LETTER * POINT * size, room - _total(places, size)
         wanted = sum(letters[k][1] - letters[k][0] for k in places) * letter
         share = min(1.0, left / wanted) if wanted > 0.0 else 0.0
         ends = [letters[k] for k in places]
@@ -353,13 +353,13 @@ def fitted(letters: Sequence[tuple[int, int]], keys: int) -> list[Part]:
 
     for room, sizes in ((UPRIGHT[0], SIZES), (TURNED[0], TURNED_SIZES)):
         for size in sizes:
-            if total(every, size) <= room:
-                return [part(every, room, size)]
+            if _total(every, size) <= room:
+                return [_part(every, room, size)]
     first = every[: min(keys, len(letters) - 1)]
     groups = [[*first]]
     for column in every[len(first) :]:
-        full = total([*groups[-1], column], SIZE_OF_PARTS) > TURNED[0]
+        full = _total([*groups[-1], column], SIZE_OF_PARTS) > TURNED[0]
         if full and len(groups[-1]) > len(first):
             groups.append([*first])
         groups[-1].append(column)
-    return [part(places, TURNED[0], SIZE_OF_PARTS) for places in groups]
+    return [_part(places, TURNED[0], SIZE_OF_PARTS) for places in groups]

@@ -24,12 +24,11 @@ from thermobearing.earthquake.measures import BEARING
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
-from thermobearing.report.figures import history, path
 from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import change, counted, identity_rows, number, quantity, tidy
 from thermobearing.results.drawing import INK
 from thermobearing.sequences.case import SequenceAnalysis
-from thermobearing.sequences.figures import MOST_POINTS, place_looks
+from thermobearing.sequences.figures import place_looks
 from thermobearing.sequences.result import SequenceResult
 from thermobearing.structure.report import structure_table
 
@@ -204,14 +203,12 @@ def _figures(result: SequenceResult) -> dict[str, ReportFigure]:
     for number_ in range(len(result.parts)):
         frame, label = result.history(number_), result.case.label(number_)
         values = {str(name): frame[name].to_numpy(dtype=np.float64) for name in frame}
-        loop = path(values["displacement_mm"], values["force_kN"], MOST_POINTS)
-        loops[label] = [Trace(label, *loop, INK)]
+        loops[label] = [Trace(label, values["displacement_mm"], values["force_kN"], INK)]
         warm[label] = []
         looks = place_looks([name for name in values if name.endswith("_degC")])
         for place, (name, colour) in looks.items():
-            points = history(values["time_s"], values[place])
             line = "dashed" if name == "lead" else "line"
-            warm[label].append(Trace(name, *points, colour, line))
+            warm[label].append(Trace(name, values["time_s"], values[place], colour, line))
     found = {
         "sequence": ReportFigure(
             "Force over displacement, and temperatures over time, a column for each part.",
