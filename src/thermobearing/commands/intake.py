@@ -31,7 +31,7 @@ def _intake(
             metavar="NAME/FILE",
         ),
     ],
-    beside: Annotated[
+    write_sidecars: Annotated[
         bool,
         option(
             "--write-sidecars",
@@ -51,7 +51,9 @@ def _intake(
     stem = re.sub(r"[^\w.+-]+", "-", files[0].stem)[:80] or "file"
     target = end.target(f"intake-{stem}")
     found = take_in(files, bearing)
-    return end.save(found, target, sentence="\n".join(found.problems), beside=beside)
+    return end.save(
+        found, target, sentence="\n".join(found.problems), write_sidecars=write_sidecars
+    )
 
 
 @command(app, "measure", examples="measure test.csv --bearing shen-hdr-specimen", panel=LABORATORY)

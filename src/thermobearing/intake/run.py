@@ -207,22 +207,23 @@ class Intakes(Result):
             "files": [item.summary() for item in self.files],
         }
 
-    @renamed(force="overwrite")
+    @renamed(force="overwrite", beside="write_sidecars")
     def save(
         self,
         directory: str | Path,
         *,
         overwrite: bool = False,
         figures: bool = True,
-        beside: bool = False,
+        write_sidecars: bool = False,
     ) -> Path:
         """Write summary.json, a sidecar and a picture for each file.
 
-        With `beside`, each sidecar is also written next to its file, where `load_test` finds it;
+        With `write_sidecars`, each sidecar is also written next to its file for `load_test`;
         an existing one is never replaced. See `Result.save` for the other arguments.
         """
         check_target(Path(directory), overwrite=overwrite)
-        targets = [item.file.with_suffix(".toml") for item in self.files] if beside else []
+        files = self.files if write_sidecars else []
+        targets = [item.file.with_suffix(".toml") for item in files]
         there = [str(path) for path in targets if path.exists()]
         if there or len(set(targets)) < len(targets):
             first = there[0] if there else str(targets[0])

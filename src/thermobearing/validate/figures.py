@@ -99,7 +99,7 @@ class ValidationFigures(ComparisonFigures):
 
 
 class CrossValidationFigures(drawing.Figures):
-    """Figures of a fit with tests held out: `found.plot.folds()`, a matplotlib Figure."""
+    """Figures of a cross-validation: `found.plot.folds()`, a matplotlib Figure."""
 
     vector = True
     _result: CrossValidation

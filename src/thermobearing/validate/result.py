@@ -220,12 +220,12 @@ class Validation(Result):
 
 @dataclass(frozen=True, repr=False)
 class CrossValidation(Result):
-    """The result of a cross-validation: fits, and tests used and not used by each of them.
+    """The result of a cross-validation: calibrations, with the tests used and held out.
 
-    `final` is the fit to every test that is not held out, with folds to all of them; `folds` has
-    one fit without each group of tests, and is empty if the user named the tests held out. `groups`
-    are the tests held out, by fold. `fitted` compares the final fit with its own tests, `held_out`
-    every test held out with the fit that did not use it.
+    `final` is the calibration to every test that is not held out, with folds to all of them;
+    `folds` contains one without each group of tests, and is empty if the user named the tests held
+    out. `groups` are the tests held out, by fold. `fitted` compares the final calibration with its
+    own tests, `held_out` every test held out with the calibration that did not use it.
     """
 
     _figures = "CrossValidationFigures"

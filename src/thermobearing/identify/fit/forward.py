@@ -28,7 +28,7 @@ from thermobearing.model.outcomes import INTERRUPTED
 FIRST_STEP = 0.002  # of the largest displacement, after a turn
 GROWTH = 0.15  # of the way since the turn: step along a leg
 LONGEST_STEP = 0.05  # of the largest displacement
-PAUSE = 1.0  # a gap between samples longer than this is cut into growing steps [s]
+PAUSE = 1.0  # a longer gap between samples is divided into growing steps [s]
 PAUSE_FIRST, PAUSE_GROWTH, PAUSE_STEPS = 0.05, 1.2, 40
 
 

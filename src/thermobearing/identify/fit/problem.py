@@ -1,6 +1,6 @@
 """The least-squares problem of a calibration and its linearisation.
 
-Residuals of neighbouring samples are alike (filters, and above all model error), so the
+Residuals of neighbouring samples are correlated (filters, and above all model error), so the
 textbook covariance sigma^2 (J^T J)^-1 is far too small. Gradients are summed over half
 cycles, which are taken to be independent (cluster-robust "sandwich"; Huber 1967, White
 1980): (J^T J)^-1 (sum g_b g_b^T) (J^T J)^-1 with B/(B - p) for few blocks. The textbook
@@ -23,8 +23,8 @@ from thermobearing.identify.records.cycles import full_cycles, turning_points
 from thermobearing.identify.records.record import TestRecord
 
 LOST = 2.0  # residual if the model does not complete the test: twice the largest force
-KELVIN = 5.0  # a temperature that is off by this counts as ...
-KELVIN_AS = 0.05  # ... a force that is off by this part of the largest
+KELVIN = 5.0  # an error of a temperature of this size counts as ...
+KELVIN_AS = 0.05  # ... an error of the force of this part of the largest
 ROBUST_SCALE = 0.02  # of the largest force: beyond it a robust loss bends
 STEP = 1e-3  # of the unit cube, for finite differences: the law is not smooth below ~1e-5
 AT_BOUND = 2e-3  # of the range: nearer to a bound than this is at it
@@ -165,10 +165,10 @@ def _sample_weights(record: TestRecord) -> Floats:
 
 
 def half_cycles(record: TestRecord) -> Ints:
-    """Return the number of the half cycle of each sample, cut half-way between turns.
+    """Return the number of the half cycle of each sample, cut half-way between reversals.
 
-    Not at the turns: there the gradients of stiffness, d_y and s change sign at once, and noise
-    that is alike on both sides cancels, which sums cut there would not see.
+    Not at the reversals: there the gradients of stiffness, d_y and s change sign at once, and noise
+    that is correlated across them cancels, which sums cut there would miss.
     """
     turns = turning_points(record.displacement, BLOCK_TURN * record.peak_displacement)
     middles = (turns[:-1] + turns[1:]) // 2
@@ -177,7 +177,7 @@ def half_cycles(record: TestRecord) -> Ints:
 
 @dataclass(frozen=True)
 class Linear:
-    """Residuals and their derivatives at the optimum, under the weights of the loss."""
+    """Residuals and their derivatives at the optimum, with the weights of the loss."""
 
     inside: NDArray[np.bool_]  # of the free parameters, those that are not at a bound
     parts: list[Floats]  # weighted residuals of each record
@@ -228,7 +228,7 @@ class Linear:
 
 
 def linearise(problem: Problem, cube: Floats, *, fine: bool = True) -> Linear:
-    """Linearise a fit at a point of the unit cube."""
+    """Linearise a problem at a point of the unit cube."""
     plain = problem.parts(cube, fine=fine)
     roots = [np.sqrt(_robust_weights(part, problem.loss)) for part in plain]
     jacobian = problem.jacobian(cube, fine=fine, central=fine)

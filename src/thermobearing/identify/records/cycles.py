@@ -1,4 +1,4 @@
-"""Noise, turns and cycles of a record, and its loops in the test and in the model."""
+"""Noise, reversals and cycles of a record, and its loops in the test and in the model."""
 
 import math
 from dataclasses import dataclass
@@ -17,19 +17,19 @@ from thermobearing.results.metrics import (
     measure_history,
 )
 
-# Sixth differences take away what is smooth: of a sine of 40 samples a cycle they leave 1e-5,
-# where second differences leave 2 %, more than the noise that is sought.
+# Sixth differences remove smooth signals: of a sine with 40 samples per cycle they leave 1e-5,
+# second differences 2 %, more than the noise to be measured.
 ORDER = 6
 GAIN = math.sqrt(math.comb(2 * ORDER, ORDER))  # of their standard deviation, over white noise
 NORMAL = 1.4826  # standard deviation over median absolute deviation of normal noise
-NONE = 1e-6  # of the peak: rounding, and no noise
-TURN = 0.005  # of the largest displacement: a smaller wiggle is noise, not a turn
-DEAD = 10.0  # of the noise of the displacement: from five below to five above, 1 sample in 2e6
-LARGEST_DEAD = 0.02  # of the largest displacement: what is more is no noise
+NONE = 1e-6  # of the peak: rounding, not noise
+TURN = 0.005  # of the largest displacement: smaller fluctuations are noise, not reversals
+DEAD = 10.0  # of the noise of the displacement: five below to five above, 1 sample in 2e6
+LARGEST_DEAD = 0.02  # of the largest displacement: larger fluctuations are not noise
 SAME = 0.05  # amplitudes closer than this, relative, are one level
 AWAY = 0.02  # of the largest displacement: moved at all
-CLOSING = 0.25  # of the amplitude before: a smaller cycle stops the motion, and is no level
-ALIKE = 0.01  # of the largest displacement: noise, and samples that miss a turn by so much
+CLOSING = 0.25  # of the amplitude before: a smaller cycle stops the motion and is no level
+ALIKE = 0.01  # of the largest displacement: noise, and reversals between two samples
 SMOOTHED = 20  # running means of a loop over a twentieth of it, for its peaks
 
 
@@ -53,7 +53,7 @@ def split_runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
 def turning_points(x: Floats, threshold: float) -> Ints:
     """Return the first and last sample, and those between where the motion turns.
 
-    Wiggles smaller than `threshold`, in the unit of `x`, are noise.
+    Fluctuations smaller than `threshold`, in the unit of `x`, are noise.
     """
     turns, extreme, rising = [0], 0, 0
     values = x.tolist()
@@ -72,7 +72,7 @@ def turning_points(x: Floats, threshold: float) -> Ints:
 
 
 def dead_band(x: Floats) -> float:
-    """Return the way below which a displacement is jitter [mm]; 0 without noise."""
+    """Return the motion below which a displacement is jitter [mm]; 0 without noise."""
     return min(DEAD * estimate_noise(x), LARGEST_DEAD * float(np.abs(x).max()))
 
 
@@ -131,7 +131,7 @@ def loop_middles(values: Floats, cycles: list[Cycle]) -> Floats:
 
 @dataclass(frozen=True)
 class Loop:
-    """One loop of a test and of the model, which the displacement of the test moves.
+    """One loop of a test and of the model, which follows the measured displacement.
 
     `test` and `model` hold F+ and F- [kN], K_eq [kN/mm], h_eq and energy [kN mm].
     """
@@ -148,12 +148,12 @@ class Loop:
 
     @property
     def ratios(self) -> dict[str, float]:
-        """Model over test."""
+        """Model / test."""
         return {name: self.model[name] / value for name, value in self.test.items()}
 
     @property
     def errors(self) -> dict[str, float]:
-        """Model over test, less one: of G_e, h_eq, energy and the largest force to either side."""
+        """Model / test - 1 of G_e, h_eq, energy and the largest force on either side."""
         ratios = self.ratios
         model, test = (max(abs(side["F+"]), abs(side["F-"])) for side in (self.model, self.test))
         return {

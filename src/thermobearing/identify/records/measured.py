@@ -23,7 +23,7 @@ from thermobearing.results.writing import without_formulas, write_summary
 from thermobearing.tables.laboratory import read_laboratory
 
 STILL = 0.02  # of the largest displacement: moved less over a gap in time, the bearing rested
-NEAR = 5  # cycles share a panel whose strain is the same to so many percent
+NEAR = 5  # cycles whose strains agree within so many percent share a panel
 FEW = 5  # cycles that a title names one by one
 MOST_ACROSS = 2  # panels
 
@@ -41,7 +41,7 @@ class MeasuredCycles:
 
     @property
     def table(self) -> pd.DataFrame:
-        """A row per full cycle: number, strain, measures named with units, and how it ends."""
+        """A row per full cycle: number, strain, measures with units, and the type of its end."""
         rows = [
             {"cycle": number, "strain": cycle.amplitude_mm / self.total_rubber_thickness}
             | asdict(cycle)
@@ -65,7 +65,7 @@ class MeasuredCycles:
 
 
 def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
-    """Measure the full cycles in a laboratory's file.
+    """Measure the full cycles in a laboratory file.
 
     `path` is a table with displacement and force, or its sidecar; `bearing` gives the plan area and
     the rubber thickness. A file without a full cycle raises InputError.
@@ -86,9 +86,9 @@ def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
     full = [cycle for cycle in cycles if cycle.ends != "incomplete"]
     ends = [cycle.ends for cycle in full]
     if len(ends) < len(cycles):
-        notes.append("a cycle that is not complete was left out")
+        notes.append("an incomplete cycle is not measured")
     if "rest" in ends:
-        notes.append("a cycle before a rest ends where the motion stops: Q_d takes the force there")
+        notes.append("a cycle before a rest ends where the motion stops: Q_d uses the force there")
     if full_cycles(record):
         notes += [f.sentence for f in check_plausibility(record, bearing) if f.level != "note"]
     if readings.unused:

@@ -24,13 +24,13 @@ from thermobearing.core.records import Floats, Ints
 from thermobearing.results.ranges import Ends, cycles_in_a_row, largest_speed, reached_by
 from thermobearing.tables.laboratory import Readings, read_laboratory
 
-PARTS = 20  # of the test, in time: noise and a door that was opened are no drift
+PARTS = 20  # of the test, in time: noise and a door that was opened are not drift
 READ_TO = 1  # decimals of a temperature in K
 ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
-TOGETHER = 0.05  # of the largest displacement: how far a strain may be from it
+TOGETHER = 0.05  # of the largest displacement: largest deviation of a proportional strain
 WEIGHTS = ["weight", "first_cycle_weight", "cycle_balance"]
 SETTINGS = [*WEIGHTS, "despike", "detrend", "ambient_uncertainty"]  # of a sidecar
-STEADY = 3.0  # range of an ambient temperature that one number stands for [K]
+STEADY = 3.0  # largest range of an ambient temperature that a mean represents [K]
 
 
 class ChamberNumbers(Strict):
