@@ -71,15 +71,6 @@ def test_status_and_table(done: Path) -> None:
         assert told in found.stderr
 
 
-def test_one_run_repeated_has_the_numbers_of_the_study(done: Path) -> None:
-    words = ["study", "repeat", str(done / "out"), "2", "-o", str(done / "again")]
-    found = CliRunner().invoke(app, [*words, "--no-figures", "-q"])
-    assert found.exit_code == 0, found.output
-    again = tb.load_result(done / "again")
-    whole = tb.study(done / "small.toml").table
-    assert again.table["pier_displacement_max_mm"][0] == whole["pier_displacement_max_mm"][2]
-
-
 def test_what_is_no_study_is_told(done: Path) -> None:
     found = CliRunner().invoke(app, ["study", str(done / "none.toml")])
     assert (found.exit_code, "no such file" in found.stderr) == (2, True)

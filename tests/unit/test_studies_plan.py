@@ -17,7 +17,6 @@ from thermobearing.border.errors import InputError
 from thermobearing.climate.generator import generate_weather
 from thermobearing.commands.check import check_file
 from thermobearing.earthquake import run
-from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.studies.definition import designs, record
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.run.prepare import Preparer
@@ -44,22 +43,6 @@ def test_levels_meet_in_every_combination() -> None:
     ]
     assert runs["run"].tolist() == list(range(8))
     assert runs["id"].nunique() == 8
-
-
-def test_a_run_of_a_study_is_that_of_bridge() -> None:
-    made = study(bearing=BEARINGS, ambient=["23 degC", "-20 degC"])
-    case = make_earthquake_case(
-        {"command": "bridge"},
-        "bridge",
-        bearings=BEARINGS,
-        motions=MOTIONS[:1],
-        ambient=[23, -20],
-        duration=2,
-    )
-    preparer = Preparer(made)
-    for row, task in zip(designs.plan(made).to_dict("records"), run.build_tasks(case), strict=True):
-        mine, theirs = run.run_task(preparer.make_task(row)), run.run_task(task)
-        np.testing.assert_array_equal(mine.rows.q, theirs.rows.q)
 
 
 def test_an_id_is_of_the_input_and_of_nothing_else() -> None:

@@ -99,19 +99,14 @@ def test_summary_and_worst_runs() -> None:
 
 def test_a_few_runs_are_shown_and_saved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     whole = made_up()
-    few = StudyResult(whole.table.iloc[:6], whole.study, {})
+    few = StudyResult(whole.table.iloc[:6], whole.study, whole.manifest)
+    assert few.outcome == "incomplete"
+    assert few.warnings[0].startswith("6 of 216 runs")
     few.show()
     assert "6 runs" in capsys.readouterr().out
     few.save(tmp_path / "out", figures=False)
     saved = load_result(tmp_path / "out")
     assert len(saved.tables["table"]) == 6  # type: ignore[union-attr]
-
-
-def test_fewer_runs_than_planned_are_told() -> None:
-    whole = made_up()
-    some = StudyResult(whole.table.head(30), whole.study, whole.manifest)
-    assert some.outcome == "incomplete"
-    assert some.warnings[0] == "30 of 216 runs are done"
 
 
 def test_very_many_motions_and_numbers_are_told_in_short() -> None:
@@ -276,14 +271,6 @@ def test_tables_say_their_units() -> None:
     question = Question(demand="bearing_displacement_max_mm")
     demand = result_tables(StudyResult(strain, made_up().study, {}, question=question))["demand"]
     assert "Mean [mm]" in [column.title for column in demand.columns]
-
-
-def test_all_figures_into_a_folder(tmp_path: Path) -> None:
-    part = made_up().select(bearing="shen-hdr-bridge", ambient_degC=[-20.0, 23.0])
-    files = ask(part, capacity=1.0).plot.save_all(tmp_path / "figures")
-    names = [file.stem for file in files]
-    assert names == ["demand", "variance", "ida", "fragility"]
-    assert all(file.exists() for file in files)
 
 
 def test_a_question_without_an_answer() -> None:

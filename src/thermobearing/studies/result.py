@@ -231,6 +231,8 @@ class StudyResult(Result):
     ) -> None:
         self.table, self.study, self.manifest = table, study, dict(manifest)
         self.directory, self.question = Path(directory), question or Question()
+        self._parts: tuple[Question, dict[str, StudyResult]] | None = None
+        self._found: tuple[Question, dict[Any, Fragility], Fragility | None] | None = None
 
     @property
     def runs(self) -> int:
@@ -378,11 +380,13 @@ class StudyResult(Result):
         """Return a result for each structure and bearing, by name; "" if there is one of each."""
         if not self.things:
             return {"": self}
-        chosen = self.table[self.things].drop_duplicates().to_dict("records")
-        return {
-            "-".join(map(str, one.values())): self.select(**{str(k): v for k, v in one.items()})
-            for one in chosen
-        }
+        if not self._parts or self._parts[0] is not self.question:
+            found = {}
+            for one in self.table[self.things].drop_duplicates().to_dict("records"):
+                chosen = {str(key): value for key, value in one.items()}
+                found["-".join(map(str, one.values()))] = self.select(**chosen)
+            self._parts = self.question, found
+        return self._parts[1]
 
     def _refuse_mixed(self, by: str = "") -> None:
         mixed = [name for name in self.things if name != by]
@@ -493,14 +497,16 @@ class StudyResult(Result):
     def find_curves(self) -> tuple[dict[Any, Fragility], Fragility | None]:
         """Return curves of each temperature of one bearing, and that over the climate, if any."""
         question = self.question
-        how: dict[str, Any] = {"method": question.method, "failed": question.failed}
-        curves = self.fragilities(self.capacity, **how)
-        if not all(isinstance(name, int | float) for name in curves):
-            # The study has drawn its temperatures from a climate.
-            return curves, self.fragility(self.capacity, name=CLIMATE, **how)
-        if question.temperatures is not None:
-            return curves, self.over_climate(curves, self._rubber())
-        return curves, None
+        if self._found is None or self._found[0] is not question:  # a bootstrap takes long
+            how: dict[str, Any] = {"method": question.method, "failed": question.failed}
+            curves, climate = self.fragilities(self.capacity, **how), None
+            if not all(isinstance(name, int | float) for name in curves):
+                # The study has drawn its temperatures from a climate.
+                climate = self.fragility(self.capacity, name=CLIMATE, **how)
+            elif question.temperatures is not None:
+                climate = self.over_climate(curves, self._rubber())
+            self._found = question, curves, climate
+        return self._found[1:]
 
     def find_rates(self) -> tuple[dict[Any, Fragility], dict[Any, Rate]]:
         """Return the curves, and the annual rate of each; that over the climate is the last."""
