@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
 from thermobearing.identify.result import POOR_R2, UNUSABLE
@@ -42,20 +43,12 @@ BRIEF = ["symbol", "unit", "estimate", "standard_error", "interval_lower", "inte
 BRIEF += ["determined"]
 CYCLE_MEASURES = ("G_eq_error", "h_eq_error", "energy_error", "force_max_error")
 MARKED = " Marked: outside the calibration range of the bearing."
-CAPTIONS = {
-    "loops": "Measured loops (band) and loops of the calibrated model (line) of every test.",
-    "cycles": "Measures of each cycle in test and model, with the error of each test.",
-    "residuals": "Difference of model and test force at each sample, and its distribution.",
-    "temperatures": "Measured temperatures, and those of the model at the thermocouples.",
-    "correlation": "Correlation of the estimates.",
-    "band": "Predicted loops and force at each reversal: best estimate and 95 % band.",
-    "held_out_loops": "Loops of the validation tests and of the model.",
-    "held_out_cycles": "Model error in each cycle of the validation tests.",
-    "held_out_ratios": "Model error in the largest loop of each validation test.",
-    "held_out_residuals": "Difference of model and test force in the validation tests.",
-    "folds": "Parameters without each group of tests, compared with those from all tests.",
-    "convergence": "Smallest residual of the search against the number of evaluations.",
-}
+
+
+def figure_captions(command: str) -> dict[str, str]:
+    """Return the captions of the figures of `identify` or `validate`, by name of the file."""
+    found: dict[str, str] = read_toml(data_path("reports", "comparison_figures.toml"))[command]
+    return found
 
 
 def tests_table(records: Sequence[Row]) -> Table:
@@ -306,7 +299,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
 
 
 def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
-    found = content.saved_figures(saved, CAPTIONS)
+    found = content.saved_figures(saved, figure_captions("identify"))
     if "fit" not in saved.tables:
         return found
     columns = ("test", "force_kN", "#9aa4b1"), ("model", "model_force_kN", "#CC3311")
@@ -317,7 +310,7 @@ def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
         for k, rows in saved["fit"].groupby("record", sort=False)
     }
     plot = Plot("displacement [mm]", "force [kN]", choices)
-    return content.with_plot(found, "loops", plot, CAPTIONS)
+    return content.with_plot(found, "loops", plot, figure_captions("identify"))
 
 
 def loop_trace(name: str, rows: pd.DataFrame, column: str, colour: str) -> Trace:
@@ -457,9 +450,7 @@ def _checked(saved: SavedResult) -> Pieces:
         ],
         inputs={"treatment": _treatment_table(records)},
         tables={"findings": _findings_table(records)},
-        figures=content.saved_figures(
-            saved, {"check": "The test as it was recorded, its loops and the findings."}
-        ),
+        figures=content.saved_figures(saved, figure_captions("identify")),
         validity_unknown="Nothing was calibrated, so no statement on validity is made.",
         identity=content.saved_identity(saved, "thermobearing.check_test(...) in Python"),
     )

@@ -8,6 +8,7 @@ from thermobearing.identify.report import (
     cycles_table,
     error_check,
     errors_table,
+    figure_captions,
     loop_trace,
     tests_table,
     thermocouples_table,
@@ -20,13 +21,6 @@ from thermobearing.results.saved import SavedResult
 from thermobearing.validate.result import ERRORS
 
 Summary = Mapping[str, Any]
-CAPTIONS = {
-    "loops": "Measured loops (band) and the model (line) of every test.",
-    "ratios": "Model over test of the largest loop of each test.",
-    "cycles": "Measures of each cycle in test and model.",
-    "residuals": "Force of the model less that of the test, sample by sample.",
-    "temperatures": "Thermocouples of the tests and the model at their places.",
-}
 
 
 def build_pieces(saved: SavedResult) -> Pieces:
@@ -112,7 +106,7 @@ def _report_tables(saved: SavedResult) -> dict[str, Table]:
 
 
 def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
-    found = content.saved_figures(saved, CAPTIONS)
+    found = content.saved_figures(saved, figure_captions("validate"))
     if "fit" in saved.tables:
         choices: dict[str, list[Trace]] = {}
         parts = saved["fit"].groupby(["test", "bearing", "model"], sort=False)
@@ -125,7 +119,7 @@ def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
                 name = f"{bearing}, {model}"
                 traces.append(loop_trace(name, rows, "model_force_kN", colour))
         plot = Plot("displacement [mm]", "force [kN]", choices)
-        found = content.with_plot(found, "loops", plot, CAPTIONS)
+        found = content.with_plot(found, "loops", plot, figure_captions("validate"))
     return found
 
 
