@@ -165,8 +165,8 @@ def as_compound(given: Any) -> "Compound | Bearing":
     if isinstance(given, Compound | Bearing):
         return given
     if not isinstance(given, str | Path):
-        said = shortened(repr(given))
-        raise InputError(f"compound = {said}: must be a Compound, a library name, or a TOML file")
+        shown = shortened(repr(given))
+        raise InputError(f"compound = {shown}: must be a Compound, a library name, or a TOML file")
     try:
         path = COMPOUNDS.path(given)
         table = read_toml(path)

@@ -74,8 +74,8 @@ def as_bearing(given: Any, key: str = "bearing") -> Bearing:
     if isinstance(given, dict):
         return bearing_from_table(given, key)
     if not isinstance(given, str | Path):
-        said = shortened(repr(given))
-        raise InputError(f"{key} = {said}: must be a Bearing, a library name, or a TOML file")
+        shown = shortened(repr(given))
+        raise InputError(f"{key} = {shown}: must be a Bearing, a library name, or a TOML file")
     try:
         return load_bearing(given)
     except InputError as error:

@@ -80,7 +80,7 @@ def read_bytes(path: Path, most: int) -> bytes:
 
 
 def is_file(path: Path) -> bool:
-    """Whether there is such a file; a name that no file can have (too long, ...) names none."""
+    """Return whether a file exists; False for impossible names, such as too long ones."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -88,7 +88,7 @@ def is_file(path: Path) -> bool:
 
 
 def is_folder(path: Path) -> bool:
-    """Whether there is such a folder; likewise."""
+    """Return whether a folder exists; False for impossible names."""
     try:
         return path.is_dir()
     except (OSError, ValueError):

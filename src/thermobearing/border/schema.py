@@ -323,14 +323,14 @@ def _allowed(model: type[BaseModel], name: str) -> str:
     return " ".join(word for word in (what, " and ".join(limits), find_unit(model, name)) if word)
 
 
-def said_with_unit(value: Any, unit: str | None) -> Any:
+def text_with_unit(value: Any, unit: str | None) -> Any:
     """Return plain numbers, alone or in a sequence, as text with their unit, as a file has them."""
     if unit is None:
         return value
     if hasattr(value, "tolist"):  # numpy arrays and scalars
         value = value.tolist()
     if isinstance(value, list | tuple):
-        return [said_with_unit(item, unit) for item in value]
+        return [text_with_unit(item, unit) for item in value]
     if isinstance(value, int | float) and not isinstance(value, bool):
         return with_unit(value, unit)
     return value
@@ -361,11 +361,11 @@ def overridden(
         home = next((item for item in homes if key in item[1].model_fields), None)
         owner = home[1] if home else model
         unit = find_unit(owner, key) if key in owner.model_fields else None
-        said = said_with_unit(value, unit)
+        text = text_with_unit(value, unit)
         if home:
-            table[home[0]] = updated(table.get(home[0], {}), {key: said})
+            table[home[0]] = updated(table.get(home[0], {}), {key: text})
         else:
-            table[key] = said
+            table[key] = text
     return table
 
 

@@ -13,7 +13,7 @@ from thermobearing.border.schema import SOURCED, Strict, find_unit
 from thermobearing.border.units import with_unit
 
 BITS = 63  # of an integer in TOML, without its sign
-DEEPEST = 50  # tables in tables; a case comes to six
+DEEPEST = 50  # nested tables; a case has six levels
 LARGEST_FILE = 10_000_000  # bytes of TOML
 MOST_KEYS = 100_000  # keys and headers of tables in a file
 _MARKS = re.compile(r"([,=\[\]{}])")

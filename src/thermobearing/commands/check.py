@@ -204,15 +204,15 @@ def _earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
 def _study_facts(study: Study) -> dict[str, str]:
     facts = {"design": study.design.kind, "runs": str(len(plan(with_stand_ins(study))))}
     for column in list_columns(study):
-        said = f"{len(column.levels)} levels"
+        text = f"{len(column.levels)} levels"
         if len(column.levels) == 1:
-            said = str(column.levels[0])
+            text = str(column.levels[0])
         elif column.distribution is not None:
             low, high = column.distribution.reach
-            said = f"{column.distribution.kind}, {low:.4g} to {high:.4g} (one in a million outside)"
+            text = f"{column.distribution.kind}, {low:.4g} to {high:.4g} (one in a million outside)"
         elif column.share:
-            said = "one value for each sample"
-        facts[column.name] = said + (", chosen at random" if column.chances is not None else "")
+            text = "one value for each sample"
+        facts[column.name] = text + (", chosen at random" if column.chances is not None else "")
     return facts
 
 
@@ -312,8 +312,8 @@ def _range(law: TemperatureLaw | None) -> str:
 
 def _rig_facts(rig: Rig) -> dict[str, str]:
     limits = {name: getattr(rig, name) for name in LIMITS}
-    said = {name: f"{v:g} {LIMITS[name][0]}" for name, v in limits.items() if v is not None}
-    return {"name": rig.name, "description": rig.description, **said}
+    text = {name: f"{v:g} {LIMITS[name][0]}" for name, v in limits.items() if v is not None}
+    return {"name": rig.name, "description": rig.description, **text}
 
 
 def _levels(study: Study) -> list[Any]:

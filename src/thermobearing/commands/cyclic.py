@@ -88,16 +88,16 @@ def _cyclic(
         raise InputError(f"--{next(iter(words))} requires --strain")
     given["test"] = cyclic_test(**words) if words else None
     given |= {"exposure": exposure_given(exposure), "histories": "complete" if complete else None}
-    whole = load_case(case, **given) if case else make_case({}, "command line", **given)
-    target = end.target(f"cyclic-{whole.bearing.name}")
-    size = expected_size(whole)
+    loaded = load_case(case, **given) if case else make_case({}, "command line", **given)
+    target = end.target(f"cyclic-{loaded.bearing.name}")
+    size = expected_size(loaded)
     if size > WORTH_TELLING and not end.quiet:
         typer.echo(f"histories: up to {megabytes(size)} before compression", err=True)
-    result = with_progress(lambda show: run_case(whole, progress=show), "stepping", end.quiet)
+    result = with_progress(lambda show: run_case(loaded, progress=show), "stepping", end.quiet)
     if compare and result.outcome == "completed":
         if len(result.cycles) == 0:
             raise InputError("--compare needs a test with cycles")
-        result.compared = compare_models(whole)
+        result.compared = compare_models(loaded)
     return end.save(result, target)
 
 

@@ -74,21 +74,21 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
         given["laboratory"] = overridden({}, laboratory, Laboratory) or None
         given |= {"fixed_base": fixed_base or None, "exposure": exposure_given(exposure)}
         if case is None:
-            whole = make_earthquake_case({"command": name}, "command line", **given)
+            loaded = make_earthquake_case({"command": name}, "command line", **given)
         else:
-            whole = load_earthquake_case(case, command=name, **given)
-        target = end.target(f"{whole.command}-{whole.structure.name}")
+            loaded = load_earthquake_case(case, command=name, **given)
+        target = end.target(f"{loaded.command}-{loaded.structure.name}")
         if compare:
-            refuse_incomparable(whole)
-        predicted = whole.analysis.method == "predictor-corrector"
+            refuse_incomparable(loaded)
+        predicted = loaded.analysis.method == "predictor-corrector"
         result = with_progress(
-            lambda show: run_earthquake(whole, progress=show),
+            lambda show: run_earthquake(loaded, progress=show),
             "runs",
             end.quiet,
             "predictor.predictor_march" if predicted else STRUCTURES,
         )
         if compare and result.outcome == "completed":
-            result.compared = compare_models(whole)
+            result.compared = compare_models(loaded)
         return end.save(result, target)
 
     _analyse.__doc__ = purpose

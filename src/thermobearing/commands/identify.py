@@ -199,7 +199,9 @@ def _look_over(records: "list[TestRecord]", bearing: "Bearing | None", end: Endi
 
     target = end.output
     if target is None and end.with_report:
-        raise InputError("a look at tests is written where -o says: give -o DIR with --report")
+        raise InputError(
+            "the report of a check is written into a result directory: give it with -o"
+        )
     reports = [check_test(record, bearing) for record in records]
     documents: list[Path] = []
     if target is not None:
@@ -224,7 +226,7 @@ def _look_over(records: "list[TestRecord]", bearing: "Bearing | None", end: Endi
 def _validate(
     bearing: Annotated[str, typer.Argument(help="Bearing: library name or TOML file.")],
     tests: TESTS,
-    beside: Annotated[
+    compare_with: Annotated[
         list[str] | None,
         option(
             "--compare-with",
@@ -248,5 +250,5 @@ def _validate(
     target = end.target(f"validate-{first.name}")
     announce_compiling(end.quiet)
     models: Any = model or "multi-layer"
-    found = validate_bearing([first, *(beside or [])], tests, models=models, limits=limits)
+    found = validate_bearing([first, *(compare_with or [])], tests, models=models, limits=limits)
     return end.save(found, target)

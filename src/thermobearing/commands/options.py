@@ -63,7 +63,7 @@ Template = Annotated[
     ),
 ]
 Workbook = Annotated[bool, option("--xlsx", help="Write report.xlsx.", panel=REPORT)]
-# Fields of `Printed`, and of `Ending` besides.
+# Fields of `Printed`, and additional ones of `Ending`.
 RESULT_OPTIONS = {
     "output": Annotated[
         Path | None, option("-o", "--output", help="Directory for the results.", panel=RESULT)
@@ -162,7 +162,7 @@ class _Lazy(Command):
         return typer.main.get_command(app)
 
     def make_context(self, info_name: Any, args: Any, parent: Any = None, **extra: Any) -> Any:
-        """Parse the words of the whole command."""
+        """Parse the words of the complete command."""
         return self.full.make_context(info_name, args, parent, **extra)
 
 
@@ -177,9 +177,9 @@ def _whole(function: Callable[..., Answer], made: Sequence[Fields]) -> Callable[
         if name == "given":
             kinds |= options
         elif isinstance(kind, type) and issubclass(kind, Printed):
-            asked = RESULT_OPTIONS | (REPORT_OPTIONS if kind is Ending else {})
-            ends[name] = (kind, list(asked))
-            kinds |= asked
+            taken = RESULT_OPTIONS | (REPORT_OPTIONS if kind is Ending else {})
+            ends[name] = (kind, list(taken))
+            kinds |= taken
         else:
             kinds[name] = kind
     kinds["as_json"] = AsJson
@@ -195,10 +195,10 @@ def _whole(function: Callable[..., Answer], made: Sequence[Fields]) -> Callable[
                 if value is not None and value != [] and (value is not False or _two(options[name]))
             }
         for name, (kind, keys) in ends.items():
-            asked = {key: words.pop(key) for key in keys}
+            taken = {key: words.pop(key) for key in keys}
             if kind is Ending:
-                asked["case"] = words.get("case")
-            words[name] = kind(**asked)
+                taken["case"] = words.get("case")
+            words[name] = kind(**taken)
         return function(**words)
 
     def _default_value(name: str) -> Any:
@@ -239,7 +239,7 @@ def _options_from(each: Fields) -> Iterator[tuple[str, Any]]:
     for key in each.names.split():
         kind, several, choices, named = _type_of(hints[key])
         flag = "--" + key.replace("_", "-")
-        words, said, called, *_ = (*each.flags.get(key, "").split("|"), "", "")
+        words, text, shown, *_ = (*each.flags.get(key, "").split("|"), "", "")
         flags = words.split() or [flag]
         default = _default(item, key)
         value: Any = kind if default is inspect.Parameter.empty else kind | None
@@ -247,11 +247,11 @@ def _options_from(each: Fields) -> Iterator[tuple[str, Any]]:
             flags = [f"{flag}/--no-{flag[2:]}"]
         elif kind is bool:
             value = bool
-        text = said or _help_of(item, key, choices, default)
+        text = text or _help_of(item, key, choices, default)
         if several:
             value = list[kind] | None  # type: ignore[valid-type]
             text = f"{text} May be repeated."
-        metavar = called or ("NAME/FILE" if named and not choices else None)
+        metavar = shown or ("NAME/FILE" if named and not choices else None)
         yield key, Annotated[value, option(*flags, help=text, panel=each.panel, metavar=metavar)]
 
 
@@ -294,7 +294,7 @@ TYPE = re.compile(r" (str|int|float|bool|mapping|sequence|list|dict|Path|array|[
 
 
 def _help_of(item: Any, name: str, choices: Sequence[str] = (), default: Any = None) -> str:
-    """Return what the docstring of a record or a function says of a field or an argument.
+    """Return the description of a field or an argument in the docstring of its record or function.
 
     Choices, unit and default are added where the sentence does not have them.
 
@@ -306,8 +306,8 @@ def _help_of(item: Any, name: str, choices: Sequence[str] = (), default: Any = N
     matches = (re.search(ENTRY.format(name), text, re.MULTILINE) for text in texts)
     found = next(filter(None, matches), None)
     first, _, rest = found[1].partition("\n") if found else (name.replace("_", " "), "", "")
-    said = rest if rest and TYPE.match(first) else f"{first} {rest}"
-    text = " ".join(said.split()).rstrip(".")
+    sentence = rest if rest and TYPE.match(first) else f"{first} {rest}"
+    text = " ".join(sentence.split()).rstrip(".")
     if hasattr(item, "model_fields") and "[" not in text:
         from thermobearing.border.schema import find_unit
 

@@ -24,7 +24,7 @@ from thermobearing.border.schema import (
     Strict,
     in_unit,
     overridden,
-    said_with_unit,
+    text_with_unit,
     updated,
 )
 from thermobearing.border.toml import split_sources, to_table, to_toml
@@ -473,6 +473,6 @@ def _fill_defaults(table: dict[str, Any]) -> None:
     kind = bearing.get("kind") if isinstance(bearing, dict) else getattr(bearing, "kind", "HDR")
     test = table.get("test", cyclic_test(wave="sine" if kind in ("LHDR", "LRB") else "triangular"))
     table["test"] = to_table(test) if isinstance(test, CyclicTest) else test
-    table.setdefault("ambient", said_with_unit(DEFAULT_AMBIENT, "degC"))
+    table.setdefault("ambient", text_with_unit(DEFAULT_AMBIENT, "degC"))
     if not isinstance(table["ambient"], list):
         table["ambient"] = [table["ambient"]]

@@ -216,7 +216,7 @@ class Intakes(Result):
         figures: bool = True,
         write_sidecars: bool = False,
     ) -> Path:
-        """Write summary.json, a sidecar and a picture for each file.
+        """Write summary.json, and a sidecar and a figure for each file.
 
         With `write_sidecars`, each sidecar is also written next to its file for `load_test`;
         an existing one is never replaced. See `Result.save` for the other arguments.
@@ -330,8 +330,10 @@ def _file_keys(readings: Readings, parts: int) -> dict[str, Any]:
     if {"file", "blocks"} & given.keys():
         return {}
     name = found.file.name
-    if len(found.alike) > 1:
-        blocks: list[dict[str, Any]] = [{"file": name, "sheet": sheet} for sheet in found.alike]
+    if len(found.same_titles) > 1:
+        blocks: list[dict[str, Any]] = [
+            {"file": name, "sheet": sheet} for sheet in found.same_titles
+        ]
     elif readings.clock_restarts:
         blocks = [{"file": name, "part": part} for part in range(1, parts + 1)]
     else:

@@ -202,11 +202,11 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
     )
 
 
-def lead_clock(lead: LeadCores, *, published: bool, asked: Clock | None = None) -> Clock:
+def lead_clock(lead: LeadCores, *, published: bool, chosen: Clock | None = None) -> Clock:
     """Return whose diffusivity makes t+ dimensionless: as in the options, else the bearing, else
     lead (Eq. 5.6 as published) with the published scheme and steel with the conservative one.
     """
-    return asked or lead.clock or ("lead" if published else "steel")
+    return chosen or lead.clock or ("lead" if published else "steel")
 
 
 def _lead(
@@ -220,7 +220,7 @@ def _lead(
         return none, nothing, nothing
     steel = bearing.materials.steel
     conductivity = steel.conductivity / MM_PER_M
-    medium = steel if lead_clock(given, published=published, asked=clock) == "steel" else material
+    medium = steel if lead_clock(given, published=published, chosen=clock) == "steel" else material
     diffusivity = medium.conductivity / MM_PER_M / medium.volumetric_heat
     height = float(stack.beside_lead.sum())
     one_end = given.core_area * given.surface_ratio * conductivity / given.radius

@@ -310,8 +310,10 @@ def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:
     try:
         given = np.asarray(temperature, dtype=np.float64)
     except (TypeError, ValueError):
-        said = f"{key} = {shortened(repr(temperature))}: must be in degC, numbers"
-        raise InputError(f"{said}, or a state (tb.end_state)") from None
+        raise InputError(
+            f"{key} = {shortened(repr(temperature))}: must be numbers in degC, or a state "
+            "(tb.end_state)"
+        ) from None
     if given.ndim and given.shape != (cells,):
         raise InputError(f"{key}: has {given.size} numbers, but the stack has {cells} cells")
     for value in (given.min(), given.max()):

@@ -112,7 +112,7 @@ def _layers(steel: Material, rubber: Material, layer: float, shim: float, wave: 
     return total
 
 
-def _core_modes(lead: Material, half_height: float, radius: float, beside: Any = 0.0) -> Floats:
+def _core_modes(lead: Material, half_height: float, radius: float, extra: Any = 0.0) -> Floats:
     """[AXIAL, s] modes cos(n pi z/h) of a core, heated by one at z = 0.
 
     `extra` is the additional admittance per height [kN/(s K)].
@@ -120,7 +120,7 @@ def _core_modes(lead: Material, half_height: float, radius: float, beside: Any =
     k, heat = _numbers(lead)
     area = np.pi * radius**2
     wave = np.arange(1, AXIAL + 1)[:, None] * np.pi / half_height
-    return np.asarray(2.0 / half_height / (area * (heat * FREQUENCIES + k * wave**2) + beside))
+    return np.asarray(2.0 / half_height / (area * (heat * FREQUENCIES + k * wave**2) + extra))
 
 
 def _core_to_wall(lead: Material, height: float, radius: float) -> Floats:
@@ -130,8 +130,8 @@ def _core_to_wall(lead: Material, height: float, radius: float) -> Floats:
     k, heat = _numbers(lead)
     x = radius * np.sqrt(FREQUENCIES * heat / k)
     large = np.maximum(x, SMALL)
-    whole = (large * ive(0, large) / ive(1, large) - 2.0) / large**2
-    return np.asarray(np.where(x > SMALL, whole, 0.25) / (2.0 * np.pi * k * height))
+    total = (large * ive(0, large) / ive(1, large) - 2.0) / large**2
+    return np.asarray(np.where(x > SMALL, total, 0.25) / (2.0 * np.pi * k * height))
 
 
 def _to_edges(lead: Material, height: float, shim: float, layer: float, radius: float) -> Floats:
@@ -168,8 +168,8 @@ def _fin(steel: Material, thickness: float, per_area: Floats, radius: float, pla
     damped = np.exp(-2.0 * (outer - inner))
     above = kve(0, inner) * ive(1, outer) + ive(0, inner) * kve(1, outer) * damped
     below = kve(1, inner) * ive(1, outer) - ive(1, inner) * kve(1, outer) * damped
-    whole = above / below / (2.0 * np.pi * radius * across * m)
-    return np.asarray(whole - 1.0 / (np.pi * (plan**2 - radius**2) * per_area))
+    total = above / below / (2.0 * np.pi * radius * across * m)
+    return np.asarray(total - 1.0 / (np.pi * (plan**2 - radius**2) * per_area))
 
 
 def _rubber_at_wall(rubber: Material, layer: float, radius: float) -> Floats:
@@ -219,7 +219,7 @@ class Side(NamedTuple):
     shares: Floats  # of the flow
     impedance: Floats  # mean of the core less the shims
     felt: Floats  # [AXIAL] of each mode of the core, at the shims
-    beside: Floats  # [AXIAL, s] what the shims take from it beyond that, per height
+    extra: Floats  # [AXIAL, s] what the shims take from it beyond that, per height
 
 
 def _core_sizes(bearing: Bearing, stack: Stack) -> Core:
@@ -351,8 +351,8 @@ def lead_network(bearing: Bearing, stack: Stack, upper: EndFace, lower: EndFace 
         cells += [(cell, 0, share) for cell, share in zip(side.cells, side.shares, strict=True)]
         terms += [(a, tau, 0, 1.0, 0, 0.0) for a, tau in _fitted(side.impedance).T]
     first = 0 if side is None else 1
-    beside = 0.0 if side is None else side.beside
-    modes = _core_modes(material, core.half, core.radius, beside)
+    extra = 0.0 if side is None else side.extra
+    modes = _core_modes(material, core.half, core.radius, extra)
     faces = [upper] if lower is None else [upper, lower]
     for end, (touched, face) in enumerate(zip(_end_cells(stack, core), faces, strict=True)):
         own, at_end = _end_impedance(bearing, core, film_at_face(face, stack, -end))

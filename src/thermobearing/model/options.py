@@ -139,14 +139,14 @@ class ModelOptions(Strict):
         if self._small_loops(bearing) == "closed" and self.integrator == "euler":
             found.append('small_loops = "closed": needs integrator = "exact", not "euler"')
         if bearing.lead is None:
-            asked = [
+            needs_lead = [
                 ("model", self.model, self.model == "lead-alone"),
                 ("lead_ends", self.lead_ends, self.lead_ends == "finite-plate"),
                 ("clock", self.clock, self.clock is not None),
             ]
             found += [
                 f'{key} = "{value}": needs a bearing with lead; "{bearing.name}" has none'
-                for key, value, needs in asked
+                for key, value, needs in needs_lead
                 if needs
             ]
         elif self.clock is not None and not self._has_clock(bearing):
@@ -178,7 +178,7 @@ class ModelOptions(Strict):
         if lead is None:
             clock = None
         elif self._has_clock(bearing):
-            clock = lead_clock(lead, published=self.scheme == "published", asked=clock)
+            clock = lead_clock(lead, published=self.scheme == "published", chosen=clock)
         filled = {
             "small_loops": self._small_loops(bearing),
             "heat_source": self.heat_source or _default_heat_source(bearing),

@@ -29,7 +29,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
     summary = saved.summary
     name = str(summary["motion"])
     standard = summary.get("standard_spectrum")
-    beside = (
+    compared = (
         f", compared with the standard spectrum of {standard_words(standard)}" if standard else ""
     )
     about = tidy(str(summary.get("description") or name))
@@ -39,7 +39,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
         command="motions",
         title=f"Ground motion {name}",
         question=f"How strong is the ground motion {name}, how long does it last, and what does "
-        f"its response spectrum look like{beside}? {about}",
+        f"its response spectrum look like{compared}? {about}",
         answer=_answer(summary),
         inputs={"origin": Table("The motion", [Quantity("What"), Quantity("Value")], origin)},
         tables={"measures": measures_table(summary), **_spectrum(saved)},

@@ -117,12 +117,12 @@ class Sidecar(Strict):
 class Recognised(NamedTuple):
     """The table that a file holds, and what its columns are taken for.
 
-    `alike` are the names of the sheets with the same titles, which are read one after the other.
+    `same_titles` are the sheets with the same titles, which are read in sequence.
     """
 
     file: Path
     sheet: Sheet
-    alike: list[str]
+    same_titles: list[str]
     columns: list[ColumnGuess]
 
 
@@ -172,14 +172,14 @@ def read_laboratory(
     """
     path = Path(path)
     given: dict[str, Any] = {}
-    name, beside = str(path.absolute()), path.parent / f"{path.stem}.toml"
+    name, sidecar_file = str(path.absolute()), path.parent / f"{path.stem}.toml"
     if path.suffix.lower() == ".toml":
         given, name = split_sources(read_toml(path))[0], path.with_suffix(".csv").name
-    elif is_file(beside):
-        found = read_toml(beside)
+    elif is_file(sidecar_file):
+        found = read_toml(sidecar_file)
         geometry = found.get("geometry")  # of a file that describes the bearing, not the test
         if not (isinstance(geometry, dict) and "plan" in geometry):
-            given, path, name = split_sources(found)[0], beside, path.name
+            given, path, name = split_sources(found)[0], sidecar_file, path.name
     sidecar = validated(Sidecar, given, str(path))
     readings = replace(_Reader(sidecar, path, optional).read(name), given=given)
     way, force = readings.values["displacement"], readings.values.get("force")
@@ -239,7 +239,7 @@ class _Reader:
         )
 
     def _block(self, block: BlockFile, file: Path) -> tuple[list[Part], Recognised]:
-        """The parts of one file: sheets, tables below each other, or a clock that starts anew."""
+        """The parts of one file: sheets, tables below each other, or a clock that restarts."""
         s = self.sidecar
         marks = {name: mark for mark, name in SEPARATORS.items()}
         separator = None if s.separator is None else marks.get(s.separator, s.separator)
@@ -254,12 +254,12 @@ class _Reader:
             found = list_columns(table, wanted, self.optional, layout)
             self.unused += found.unused
             parts += self._parts(found)
-        left = [one.name for one in sheets if one.rows and one.name not in recognised.alike]
+        left = [one.name for one in sheets if one.rows and one.name not in recognised.same_titles]
         if left and form.sheet is None:
             self.assumptions.append(f"sheets that were not read: {_quoted(left)}")
         if len(tables) > 1:
             self.assumptions.append(
-                f"the sheets {_quoted(recognised.alike)} are read in sequence, without a "
+                f"the sheets {_quoted(recognised.same_titles)} are read in sequence, without a "
                 "pause between them; give sheet, or blocks with sheet and rest_before"
             )
         if block.part is not None:
