@@ -155,7 +155,10 @@ def test_plots(result: Result, pieces: Pieces) -> None:
     for trace in loops.choices["all"]:
         assert np.nanmax(np.abs(trace.x)) == pytest.approx(strain, rel=1e-3)
         assert len(trace.x) < 60_000
-    assert loops.bands[0][0] == 250.0
+    (low, high), (lowest, end) = (band[:2] for band in loops.bands)
+    assert (low, end) == (250.0, -250.0)
+    # The bands reach beyond the loops.
+    assert high == -lowest == pytest.approx(1.05 * strain, rel=1e-3)
     profile = pieces.figures["profiles"].plot
     assert profile is not None
     warmest = max(float(np.nanmax(trace.frames_x)) for trace in profile.choices["all"])

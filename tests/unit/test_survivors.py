@@ -53,7 +53,9 @@ def test_a_grid_of_two_labels_drops_other_coordinates_of_runs() -> None:
 def test_list_prints_text_without_json() -> None:
     done = command("list")
     assert done.exit_code == 0
-    assert not done.stdout.strip().splitlines()[-1].startswith("{")
+    lines = done.stdout.strip().splitlines()
+    assert not lines[-1].startswith("{")
+    assert lines.count("") == 3  # between bearings, compounds, structures and motions
     assert json.loads(command("list", "--json").stdout.strip().splitlines()[-1])
 
 

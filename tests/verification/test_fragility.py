@@ -407,6 +407,22 @@ def test_the_estimators_of_scipy() -> None:
     assert total == pytest.approx(theirs.total_order.ravel(), abs=tolerances.SAME_ESTIMATOR)
 
 
+class FirstHalf:
+    """A draw of the first half of the rows."""
+
+    def sums(self, values: np.ndarray) -> np.ndarray:
+        return np.asarray(values[: len(values) // 2].sum(axis=0)[None, :])
+
+
+def test_a_draw_of_some_rows_has_their_own_mean() -> None:
+    a, b, *swapped = arranged(64, np.random.default_rng(4), sobol=True)
+    a, b, swapped_all = a + 5.0 * (np.arange(64) < 32), b, np.array(swapped)
+    drawn: Any = FirstHalf()
+    _, total = _sobol_indices(a, b, swapped_all, drawn)
+    _, alone = _sobol_indices(a[:32], b[:32], swapped_all[:, :32])
+    assert total[0] == pytest.approx(alone, rel=tolerances.SAME_ESTIMATOR)
+
+
 def test_bands_of_indices_hold_the_truth_as_often_as_they_say() -> None:
     rng = np.random.default_rng(6)
     held, times = np.zeros(6), 60
