@@ -416,10 +416,9 @@ class FirstHalf:
 
 def test_a_draw_of_some_rows_has_their_own_mean() -> None:
     a, b, *swapped = arranged(64, np.random.default_rng(4), sobol=True)
-    a, b, swapped_all = a + 5.0 * (np.arange(64) < 32), b, np.array(swapped)
-    drawn: Any = FirstHalf()
-    _, total = _sobol_indices(a, b, swapped_all, drawn)
-    _, alone = _sobol_indices(a[:32], b[:32], swapped_all[:, :32])
+    a, others = a + 5.0 * (np.arange(64) < 32), np.array(swapped)
+    _, total = _sobol_indices(a, b, others, FirstHalf())  # type: ignore[arg-type]
+    _, alone = _sobol_indices(a[:32], b[:32], others[:, :32])
     assert total[0] == pytest.approx(alone, rel=tolerances.SAME_ESTIMATOR)
 
 
