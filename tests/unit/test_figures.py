@@ -78,7 +78,7 @@ def test_displacement_cuts_the_rest_out(result: tb.Result) -> None:
     assert ax.child_axes[0].get_ylim() == pytest.approx((low / 0.3, high / 0.3))
 
 
-@pytest.mark.parametrize("count", [1, 3, 5])
+@pytest.mark.parametrize("count", [1, 5])
 def test_loops_have_a_panel_per_temperature(count: int) -> None:
     ambient = [-30.0, -20.0, 0.0, 10.0, 23.0][:count]
     figure = tb.run(BEARING, tb.cyclic_test(strain=[1.0], cycles=1, dt=0.02), ambient).plot.loops()
@@ -113,9 +113,7 @@ def test_measures_draw_cycles_by_temperature(result: tb.Result) -> None:
     np.testing.assert_array_equal(left.get_lines()[0].get_xdata(), [50.0, 100.0])
 
 
-@pytest.mark.parametrize(
-    ("cycles", "expected"), [(1, [1]), (2, [1, 2]), (4, [1, 2, 4]), (5, [1, 2, 5]), (7, [1, 2, 5])]
-)
+@pytest.mark.parametrize(("cycles", "expected"), [(1, [1]), (4, [1, 2, 4]), (7, [1, 2, 5])])
 def test_measures_take_the_cycles_there_are(cycles: int, expected: list[int]) -> None:
     test = tb.cyclic_test(strain=[0.5], cycles=cycles, dt=0.02)
     figure = tb.run(BEARING, test).plot.measures()
@@ -280,15 +278,6 @@ def test_shortened_rest_starts_to_scale_and_fills_its_room(result: tb.Result) ->
     slope = (rest.place(np.array(1e-7)) - rest.left) / 1e-7
     assert float(slope) == pytest.approx(1.0)
     assert float(rest.place(np.array(rest.longest))) == pytest.approx(rest.right)
-
-
-def test_trace_is_continuous_and_monotone(result: tb.Result) -> None:
-    axis = TimeAxis(result)
-    x, _ = axis.trace(0, result["force"].values[0])
-    x = x[~np.isnan(x)]
-    assert (np.diff(x) >= 0.0).all()
-    assert x[0] == 0.0
-    assert x[-1] == pytest.approx(axis.end)
 
 
 def test_thinning_keeps_ends_and_extremes() -> None:

@@ -400,12 +400,6 @@ def test_a_study_says_what_is_not_usual_in_its_bearing_and_structure() -> None:
     assert any(text.startswith("mass of the deck = 0.4 t") for text in said), said
 
 
-def test_a_misspelled_file_is_told_its_neighbour(tmp_path: Path) -> None:
-    (tmp_path / "hdr-720-10x17.toml").write_text("")
-    with pytest.raises(tb.InputError, match=r'no such file; did you mean "hdr-720-10x17\.toml"\?'):
-        tb.load_bearing(tmp_path / "hdr-720-10x71.toml")
-
-
 def test_histories_of_every_pier_and_line(study: tb.EarthquakeResult) -> None:
     data, run = study.dataset, 0
     kept = np.isfinite(data["time"].values[run])

@@ -120,19 +120,6 @@ def test_noise_within_the_threshold_makes_no_cycles() -> None:
     assert len(metrics.find_cycles(np.concatenate([wave, still, wave]))) == 2
 
 
-def test_spring_dissipates_nothing() -> None:
-    d, _ = bilinear(30.0, 5.0, 20.0, 0.5)
-    m = measured(d, 3.0 * d)
-    assert_allclose([m.energy_kN_mm, m.h_eq], 0.0, atol=tol.LOOP)
-    assert_allclose(m.post_yield_stiffness_kN_mm, 3.0, rtol=tol.LOOP)
-
-
-def test_loop_energy_is_the_work_on_the_specimen() -> None:
-    assert (
-        metrics.loop_energy(np.array([0.0, 2.0, 2.0, 0.0]), np.array([0.0, 6.0, 4.0, 0.0])) == 2.0
-    )
-
-
 @pytest.mark.parametrize("noise", [0.0, 0.001, 0.01])
 def test_cycles_of_a_noisy_sine(noise: float) -> None:
     """Noise crosses zero many times at each turn; it makes neither more cycles nor fewer."""
@@ -199,12 +186,6 @@ def test_cycles_share_no_energy(points: int) -> None:
     assert_allclose(energy, polygon, rtol=(np.pi / points) ** 3)  # of the two cut chords
 
 
-def test_known_work_needs_peaks_and_zeros_only() -> None:
-    d, f = np.array([0.0, 30.0, 0.0, -30.0, 0.0]), np.array([9.0, 60.0, -9.0, -60.0, 9.0])
-    m = metrics.measure_cycle(d, f, area=AREA, total_rubber_thickness=RUBBER, work=700.0)
-    assert_allclose(m.h_eq, 700.0 / (2.0 * np.pi * 2.0 * 900.0), rtol=tol.LOOP)
-
-
 @pytest.mark.parametrize(
     ("d", "f", "area"),
     [
@@ -230,28 +211,22 @@ def rested(gap: int, jitter: float, level: float) -> tuple[Floats, Floats, list[
     return np.concatenate([p[0] for p in parts]), np.concatenate([p[1] for p in parts]), rests
 
 
-@pytest.mark.parametrize("told", [True, False])
-@pytest.mark.parametrize(("gap", "jitter", "level"), [(2, 0, 0), (4000, 0, 0), (4000, 0.02, 0)])
+@pytest.mark.parametrize("given", [True, False])
+@pytest.mark.parametrize(
+    ("gap", "jitter", "level"),
+    [(2, 0, 0), (4000, 0, 0), (4000, 0.02, 0), (500, 0.02, -0.4), (500, 0.02, 0.4)],
+)
 def test_strength_of_cycles_before_a_rest(
-    gap: int, jitter: float, level: float, told: bool
+    gap: int, jitter: float, level: float, given: bool
 ) -> None:
     """The force that is lost in a rest belongs to no cycle, whether the rest is known or not."""
     d, f, rests = rested(gap, jitter, level)
-    known = rests if told else []
+    known = rests if given or level else []
     cycles = tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER, rests=known)
     strengths = [cycle.characteristic_strength_kN for cycle in cycles]
     assert_allclose(strengths, 30.0, rtol=tol.FORCE_AT_A_REST)
-    assert [cycle.ends for cycle in metrics.found_cycles(d, rests=known)] == (
-        ["rest"] * 3 if told or gap > 2 else ["closed"] * 3
-    )
-
-
-@pytest.mark.parametrize("level", [-0.4, 0.4])
-def test_rests_beside_zero(level: float) -> None:
-    d, f, rests = rested(500, 0.02, level)
-    cycles = tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER, rests=rests)
-    strengths = [cycle.characteristic_strength_kN for cycle in cycles]
-    assert_allclose(strengths, 30.0, rtol=tol.FORCE_AT_A_REST)
+    ends = [cycle.ends for cycle in metrics.found_cycles(d, rests=known)]
+    assert level or ends == (["rest"] * 3 if given or gap > 2 else ["closed"] * 3)
 
 
 def test_a_cycle_that_does_not_close_is_told_apart() -> None:
@@ -397,7 +372,7 @@ def test_relative_to_the_largest_energy_or_the_least() -> None:
 
 
 @pytest.mark.parametrize("model", ["multi-layer", "lead-alone", "bilinear"])
-@pytest.mark.parametrize("amplitude", [1e-5, 1e-4, 1e-3, 1e-2, 1.0])
+@pytest.mark.parametrize("amplitude", [1e-5, 1e-4, 1e-2])
 def test_hardly_any_motion(amplitude: float, model: str) -> None:
     """Rounding of temperatures alone came to a residual of 0.99 at 1e-4 mm."""
     steps = [{"step": "cycles", "amplitude": amplitude, "period": 2.0, "count": 2}]

@@ -180,7 +180,7 @@ def cells_facts(path: Path) -> dict[str, str]:
         f"{100.0 * found.energy:+.1f} %, hottest layer {found.warming:+.1f} of {found.rise:.1f} K",
         "estimated in": f"the last of {REFERENCE}, compared with twice as many cells",
     }
-    if not found.enough:
+    if found.worst > TOLERABLE:
         facts["advice"] = (
             f"{found.cells} cells per layer are few; cells.rubber = {found.advised}, shim = 2 "
             f"would reduce the error to about {100.0 * TOLERABLE:g} %"

@@ -111,13 +111,8 @@ class CellsError:
         return max(abs(self.stiffness), abs(self.energy))
 
     @property
-    def enough(self) -> bool:
-        """Whether both are tolerable."""
-        return self.worst <= TOLERABLE
-
-    @property
     def advised(self) -> int:
-        """Cells in a rubber layer that would be enough, even."""
+        """Even number of cells in a rubber layer that would be enough."""
         wanted = self.cells * math.sqrt(self.worst / TOLERABLE)
         return min(MOST_CELLS, max(self.cells, 2 * math.ceil(0.5 * wanted)))
 

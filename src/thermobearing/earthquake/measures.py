@@ -134,7 +134,7 @@ def structure_traces(task: "Task", history: StructureHistory) -> dict[str, Float
 def history_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
     """Return each of `HISTORIES` by name, and temperatures of layers and of cells that are kept."""
     device, bearing = task.reported.device, history.bearing(task.reported_line)
-    heat, count = device.heats, len(history.rows.q)
+    heat, count = device.stack is not None, len(history.rows.q)
     missing = np.full(count, np.nan)
     return structure_traces(task, history) | {
         "time": history.rows.books["clock"],
@@ -167,7 +167,7 @@ def line_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
     for b, (line, one) in enumerate(zip(task.case.structure.bearings, task.lines, strict=True)):
         books, device = history.bearing(b), one.device
         lead = books["lead_temperature"] if device.has_lead else np.empty(0)
-        rubber = history.layers(b) if device.heats else np.empty((0, 0))
+        rubber = history.layers(b) if device.stack is not None else np.empty((0, 0))
         moved, force = largest(books["displacement"]), largest(books["force"])
         rows.append(
             {

@@ -60,6 +60,7 @@ from thermobearing.structure.run import (
 
 Progress = Callable[[int, int], None]
 WORKERS = 2  # at least
+BILINEAR_STRAIN = 100.0  # largest of a bilinear bearing: a design may begin far off
 AT_REST = 1e9  # clock of a core whose half-space has settled [s]
 SPIN_UP = 60 * DAY  # hours before the first of a typical year
 BLIND = np.zeros(1)  # temperature of a bilinear bearing, which has none: no rounding there [degC]
@@ -74,19 +75,9 @@ class Device:
     stack: Stack | None
 
     @property
-    def heats(self) -> bool:
-        """Whether it has temperatures."""
-        return self.stack is not None
-
-    @property
     def has_lead(self) -> bool:
         """Whether it has lead cores with a temperature."""
-        return self.heats and self.constants.lead.cores > 0.0
-
-    @property
-    def tears(self) -> float:
-        """Strain beyond which the model does not hold; a design may begin far off."""
-        return LARGEST_STRAIN if self.heats else 100.0
+        return self.stack is not None and self.constants.lead.cores > 0.0
 
 
 class Shaking(NamedTuple):
@@ -230,11 +221,10 @@ def judged(
     to its base [mm].
     """
     structure = task.case.structure
-    lines = zip(task.lines, moved, strict=True)
-    if any(
-        far / one.device.bearing.total_rubber_thickness > one.device.tears for one, far in lines
-    ):
-        return NOT_PHYSICAL
+    for one, far in zip(task.lines, moved, strict=True):
+        largest_strain = BILINEAR_STRAIN if one.device.stack is None else LARGEST_STRAIN
+        if far / one.device.bearing.total_rubber_thickness > largest_strain:
+            return NOT_PHYSICAL
     hinges = zip(structure.hinges, turned, strict=True)
     ductile = any(far / hinge.yield_rotation > structure.limits.ductility for hinge, far in hinges)
     if ductile or drift(task, tops) > structure.limits.drift:

@@ -158,11 +158,6 @@ class Reported(Strict):
     pier_base: Name = GROUND
     pier_top: Height = 0.0
 
-    @property
-    def has_pier(self) -> bool:
-        """Whether there is a pier."""
-        return self.pier != GROUND
-
     line: Name | None = None
 
 
@@ -227,7 +222,7 @@ class Structure(Sourced):
         line = self.report.line
         if line is not None and line not in lines:
             faults.append(f'report.line: no bearing line is called "{line}"{nearest(line, lines)}')
-        if not self.report.has_pier and any(line.base != GROUND for line in self.bearings):
+        if self.report.pier == GROUND and any(line.base != GROUND for line in self.bearings):
             faults.append(
                 "report.pier: which body is the pier, and report.pier_top, how high its top is? "
                 "Only a deck whose bearings all stand on the ground needs none"
@@ -324,7 +319,7 @@ def list_piers(structure: Structure) -> list[Pier]:
     its hinge or under itself.
     """
     report = structure.report
-    foot = structure.body(report.pier).base_height if report.has_pier else report.pier_top
+    foot = structure.body(report.pier).base_height if report.pier != GROUND else report.pier_top
     hinge = first_hinge(structure, report.pier)
     height = report.pier_top - foot
     found = [Pier(report.pier, report.pier_base, report.pier_top, hinge, height)]

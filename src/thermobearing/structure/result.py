@@ -14,7 +14,6 @@ from thermobearing.bearing.plausible import sentence, usual_values
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import sourced_toml
 from thermobearing.border.units import parse_quantity
-from thermobearing.core.records import Floats
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import COMPLETED, Result
@@ -92,12 +91,6 @@ class StructureResult(Result):
         self.mass = sum(item.mass for item in self.structure.masses)  # [kN s2/mm]
 
     @property
-    def effective_masses(self) -> Floats:
-        """Share of all mass that the ground moves in each mode."""
-        pushed = self.prepared.modes.shapes.T @ self.prepared.matrices.load
-        return np.asarray(pushed**2 / self.mass)
-
-    @property
     def table(self) -> pd.DataFrame:
         """One row per mode: period [s], damping ratio, effective mass, shape (largest 1)."""
         modes = self.prepared.modes
@@ -108,7 +101,7 @@ class StructureResult(Result):
             "period_s": modes.periods,
             "frequency_Hz": 1.0 / modes.periods,
             "damping_ratio": self.prepared.ratios,
-            "effective_mass": self.effective_masses,
+            "effective_mass": (modes.shapes.T @ self.prepared.matrices.load) ** 2 / self.mass,
         }
         names = self.prepared.matrices.coordinates
         return pd.DataFrame(columns | dict(zip(names, shapes, strict=True)))

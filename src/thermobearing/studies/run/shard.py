@@ -157,7 +157,7 @@ def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
         left=peaks.bearings["displacement"],
         tops=tops,
         deck=peaks.watches["residual"][DECK],
-        rubber=(peak["rubber_temperature"] for peak, one in each if one.heats),
+        rubber=(peak["rubber_temperature"] for peak, one in each if one.stack is not None),
         lead=(peak["lead_temperature"] for peak, one in each if one.has_lead),
     )
 
