@@ -138,8 +138,8 @@ def test_workers_are_sent_what_was_made(tmp_path: Path) -> None:
     run_study(matched(), tmp_path / "two", jobs=2, size=1)
     two = kept(tmp_path / "two")
     study = motions.with_matched(matched())
-    sent = pickle.loads(packed(study)).factors.motion.made
-    for here, there in zip(motions.factor_motions(study.factors.motion), sent.motions, strict=True):
+    sent = pickle.loads(packed(study)).factors.motion.matched_motions()
+    for here, there in zip(motions.factor_motions(study.factors.motion), sent, strict=True):
         assert_array_equal(here.acceleration, there.acceleration)
     for file in (tmp_path / "cache").rglob("*.npz"):
         file.unlink()
@@ -163,7 +163,7 @@ def test_another_part_that_was_quicker_has_the_motions(
             for m in motions.factor_motions(found.factors.motion)
         ]
         changed = found.model_copy(deep=True)
-        changed.factors.motion.keep_made(other)
+        changed.factors.motion.matched_motions(other)
         run_study(changed, out, jobs=1, shard="1/2")
         return found
 

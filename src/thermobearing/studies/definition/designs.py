@@ -435,11 +435,6 @@ def _digest(*parts: Any) -> bytes:
     return found.digest()
 
 
-def _motion_digest(motion: GroundMotion, factor: float) -> bytes:
-    """Return a digest of the samples of a motion and the factor of its level."""
-    return _digest(motion.dt, motion.acceleration, factor)
-
-
 def _shared_digest(study: Study) -> bytes:
     """Return a digest of the case without factors and texts, and of the weather."""
     table = study.case.model_dump(
@@ -461,11 +456,11 @@ def _run_ids(
     a run has no such number.
     """
     shared = _shared_digest(study)
-    pairs = zip(levels.motions, [one.factor for one in levels.listed], strict=True)
+    pairs = zip(levels.motions, levels.listed, strict=True)
     parts = {
         "structure": [_digest(one) for one in study.factors.structure.levels],
         "bearing": [_digest(one) for one in levels.bearings],
-        "motion": [_motion_digest(*one) for one in pairs],
+        "motion": [_digest(one.dt, one.acceleration, level.factor) for one, level in pairs],
     }
     counts = [len(parts[name]) for name in THINGS]
     combined = np.ravel_multi_index(tuple(places[name] for name in THINGS), counts)

@@ -175,10 +175,7 @@ def factor_motions(factor: MotionFactor) -> list[GroundMotion]:
     """Return the motions of the levels, not scaled; matched here if that was not done before."""
     if factor.matched is None:
         return [motion.load() for motion in factor.levels or ()]
-    if factor.made is None:  # a match is not done twice
-        factor.keep_made(_made(factor, {}, 1, None))
-    assert factor.made is not None
-    return list(factor.made.motions)
+    return list(factor.matched_motions() or factor.matched_motions(_made(factor, {}, 1, None)))
 
 
 def motion_levels(factor: MotionFactor) -> list[Motion]:
@@ -220,7 +217,7 @@ def with_kept(study: Study, directory: Path) -> Study:
 def with_stand_ins(study: Study, one: GroundMotion | None = None) -> Study:
     """Return a study that has one motion in place of all missing ones, to count and time runs."""
     factor = study.factors.motion
-    if factor.matched is None or factor.made is not None:
+    if factor.matched is None or factor.matched_motions():
         return study
     one = one or load_motion(STAND_IN)
     return _with(study, [replace(one, name=name) for name in factor.names])
@@ -229,7 +226,7 @@ def with_stand_ins(study: Study, one: GroundMotion | None = None) -> Study:
 def missing_motions(study: Study, directory: Path | None = None) -> list[Recipe]:
     """Return the motions that a start in a directory would match."""
     factor = study.factors.motion
-    if factor.matched is None or factor.made is not None:
+    if factor.matched is None or factor.matched_motions():
         return []
     kept = {} if directory is None else _read_made(directory / MADE)
     return [one for one in _recipes(factor) if one.key not in kept and _cached(one) is None]
@@ -251,7 +248,7 @@ def with_first_motion(study: Study) -> tuple[Study, int, float]:
 
 def _with(study: Study, motions: Sequence[GroundMotion]) -> Study:
     factor = study.factors.motion.model_copy()
-    factor.keep_made(motions)
+    factor.matched_motions(motions)
     factors = study.factors.model_copy(update={"motion": factor})
     return study.model_copy(update={"factors": factors})
 
@@ -302,10 +299,12 @@ def _make(_: None, recipe: Recipe) -> GroundMotion:
 
 
 def _known(factor: MotionFactor) -> dict[str, GroundMotion]:
-    if factor.made is None:
-        return {}
-    keys = [recipe.key for recipe in _recipes(factor)]
-    return dict(zip(keys, factor.made.motions, strict=True))
+    made = factor.matched_motions()
+    return (
+        {one.key: motion for one, motion in zip(_recipes(factor), made, strict=True)}
+        if made
+        else {}
+    )
 
 
 def matched_motions_bytes(study: Study) -> bytes:

@@ -295,14 +295,11 @@ class MotionFactor(Picked):
         first = 1 if self.seed is None else self.seed
         return [f"{spectrum}-{first + place}" for place in range(self.count or 0)]
 
-    @property
-    def made(self) -> Made | None:
-        """The matched motions; None before they are computed."""
-        return self._made
-
-    def keep_made(self, motions: Sequence[GroundMotion]) -> None:
-        """Store the matched motions."""
-        self._made = Made(tuple(motions))
+    def matched_motions(self, new: Sequence[GroundMotion] = ()) -> tuple[GroundMotion, ...]:
+        """Return the matched motions, none before they are computed; `new` ones are stored."""
+        if new:
+            self._made = Made(tuple(new))
+        return self._made.motions if self._made else ()
 
 
 YEARS = 50  # of generated weather, by default

@@ -96,22 +96,27 @@ class Measured(NamedTuple):
 
 
 def measure_all(
-    tasks: Sequence[Task], *, traces: bool = False, lockstep: bool = False
+    tasks: Sequence[Task], *, every: int = 0, lockstep: bool = False
 ) -> Iterator[Measured]:
-    """Run tasks; with `traces` keep their histories.
+    """Run tasks; keep every n-th step of their histories (0: none).
 
     A failed analysis does not raise: its outcome is the failure mode, and its numbers are those
     before the failure. With `lockstep` runs of one shape are computed together; each result
     depends on its own input only, and differs from a single run by rounding.
     """
-    if lockstep and not traces:
+    if lockstep and not every:
         for task, peaks in zip(tasks, run_lanes([_to_shake(task) for task in tasks]), strict=True):
             yield Measured(_numbers_of_peaks(task, peaks))
         return
     for task in tasks:
         history = run_task(task)
-        found = history_traces(task, history) if traces else structure_traces(task, history)
-        yield Measured(_numbers(task, history, found), found if traces else None)
+        traces = history_traces(task, history) if every else structure_traces(task, history)
+        numbers = _numbers(task, history, traces)
+        kept = {
+            name: np.ascontiguousarray(values[::every], dtype=np.float32)
+            for name, values in (traces if every else {}).items()
+        }
+        yield Measured(numbers, kept or None)
 
 
 def _to_shake(task: Task) -> Run:
@@ -249,17 +254,13 @@ def _hottest(values: Iterable[float]) -> float:
     return max((float(value) for value in values if value == value), default=np.nan)
 
 
-def _not_run(outcome: str, sentence: str) -> dict[str, Any]:
-    """Return a value for each of `RESULT_COLUMNS` of a run that could not start."""
-    found = {name: 0 if name in COUNTS else np.nan for name in RESULT_COLUMNS}
-    return found | {"outcome": outcome, "sentence": sentence}
-
-
-def _error_outcome(error: Exception) -> tuple[str, str]:
-    """Return outcome and sentence of a run that raised an error."""
+def _not_run(error: Exception) -> Measured:
+    """Return the outcome of a run that raised an error; its numbers are missing."""
+    outcome, sentence = BROKEN, f"error of the program: {type(error).__name__}: {error}"
     if isinstance(error, InputError):
-        return BAD_INPUT, " ".join(str(error).split())
-    return BROKEN, f"error of the program: {type(error).__name__}: {error}"
+        outcome, sentence = BAD_INPUT, " ".join(str(error).split())
+    found = {name: 0 if name in COUNTS else np.nan for name in RESULT_COLUMNS}
+    return Measured(found | {"outcome": outcome, "sentence": sentence})
 
 
 BATCH = 256  # runs that are prepared at a time, to fill the lanes in lockstep
@@ -305,14 +306,21 @@ def carried_out(
     preparer: Preparer, plan_rows: pd.DataFrame, *, histories: bool = False
 ) -> Done | None:
     """Return the results of a shard; None if this process was stopped."""
-    rows = plan_rows.to_dict("records")
+    rows: list[dict[Any, Any]] = plan_rows.to_dict("records")
     every = preparer.study.case.analysis.keep_every if histories else 0
-    found: list[Measured] = []
+    done: dict[int, Measured] = {}
     for first in range(0, len(rows), BATCH):
-        batch = rows[first : first + BATCH]
-        found += _batch(preparer, batch, every)
-        if len(found) < first + len(batch):
+        ready: dict[int, Task] = {}
+        for number, row in enumerate(rows[first : first + BATCH], first):
+            try:
+                ready[number] = preparer.make_task(row)
+            except Exception as error:  # the outcome of this row; the others continue
+                done[number] = _not_run(error)
+        measured = _measured(list(ready.values()), every, preparer.lockstep)
+        if len(measured) < len(ready):
             return None
+        done |= zip(ready, measured, strict=True)
+    found = [done[number] for number in range(len(rows))]
     if rows and all(one.numbers["outcome"] == BROKEN for one in found):
         raise BrokenError(found[0].numbers["sentence"])
     kept = tuple(
@@ -329,37 +337,17 @@ def carried_out(
     return Done(pd.concat([plain, pd.DataFrame(columns)], axis=1), kept)
 
 
-def _batch(preparer: Preparer, rows: list[dict[Any, Any]], every: int) -> list[Measured]:
-    """Return the result or the error of each row; nothing if stopped."""
-    found: dict[int, Measured] = {}
-    ready: dict[int, Task] = {}
-    for number, row in enumerate(rows):
-        try:
-            ready[number] = preparer.make_task(row)
-        except Exception as error:  # the outcome of this row; the others continue
-            found[number] = Measured(_not_run(*_error_outcome(error)))
-    done = _measured(list(ready.values()), every, preparer.lockstep)
-    found |= dict(zip(ready, done, strict=False))
-    return [found[number] for number in sorted(found)] if len(found) == len(rows) else []
-
-
 def _measured(tasks: list[Task], every: int, lockstep: bool) -> list[Measured]:
-    """Return the numbers of each run and every n-th step of its histories (0: none)."""
+    """Return the result or the error of each task; fewer if this process was stopped."""
     done: list[Measured] = []
     try:
-        for found in measure_all(tasks, traces=every > 0, lockstep=lockstep):
-            if found.traces is not None:
-                thin = {
-                    name: np.ascontiguousarray(values[::every], dtype=np.float32)
-                    for name, values in found.traces.items()
-                }
-                found = found._replace(traces=thin)
+        for found in measure_all(tasks, every=every, lockstep=lockstep):
             done.append(found)
             if is_stopped():
                 break
     except Exception as error:  # likewise
         if len(tasks) == 1:
-            return [Measured(_not_run(*_error_outcome(error)))]
+            return [_not_run(error)]
         for one in tasks[len(done) :]:  # one by one, to find the run that raises
             done += _measured([one], every, lockstep)
     return done

@@ -70,13 +70,9 @@ class Draw:
         seed = (*self.seed, int(kept.argmax()))  # single runs need not be drawn like others
         return replace(self, groups=np.arange(count), count=count, seed=seed)
 
-    def generator(self) -> np.random.Generator:
-        """Return a new generator with the seed."""
-        return np.random.default_rng(self.seed)
-
     def weights(self) -> Iterator[Floats]:
         """Yield how often each group is in each sample, shape (some samples, groups)."""
-        rng = self.generator()
+        rng = np.random.default_rng(self.seed)
         chunk = max(1, MOST_AT_ONCE // max(self.count, 1))
         shares = np.full(self.count, 1.0 / self.count)
         for first in range(0, self.samples, chunk):

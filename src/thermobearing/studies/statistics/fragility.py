@@ -432,7 +432,8 @@ def _studentised(estimate: Estimate, draw: Draw, at: Floats, level: float) -> Es
     if estimate.outcome == NONE_BEYOND:
         order = np.lexsort((at, draw.groups))
         last = np.append(np.diff(draw.groups[order]) > 0, True)
-        shares = (draw.generator().permutation(draw.samples) + 0.5) / draw.samples
+        ranks = np.random.default_rng(draw.seed).permutation(draw.samples)
+        shares = (ranks + 0.5) / draw.samples
         bounds = unreached(at[order][last], shares)
         return replace(estimate, others=bounds, groups=draw.count)
     others = pivoted(estimate.best, estimate.others, draw.count, level)

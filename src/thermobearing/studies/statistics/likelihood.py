@@ -367,7 +367,9 @@ def _counted(
     if draw.alone:  # resampled within each stripe: a binomial number
         runs = (yes + no)[0]
         shape = (draw.samples, size)
-        drawn = draw.generator().binomial(runs.astype(int), yes[0] / runs, size=shape)
+        drawn = np.random.default_rng(draw.seed).binomial(
+            runs.astype(int), yes[0] / runs, size=shape
+        )
         again = drawn.astype(float)
         return levels, yes, no, again, runs - again
     cells = np.zeros((draw.count, 2 * size))
