@@ -1,6 +1,7 @@
 """Lead cores: half-space factor, strength that falls with heat, heat into finite plates."""
 
 import math
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from thermobearing.core.lead import (
     end_factor,
     exchange,
     half_space_factor,
+    published_exchange,
     side_factor,
 )
 from thermobearing.core.march import march
@@ -114,26 +116,41 @@ def test_adiabatic_core_with_falling_strength_is_exact(measured: Recorder) -> No
 
 
 def test_exchange_is_that_of_two_bodies(measured: Recorder) -> None:
-    """Lead and the touched cell alone: the exact exponential at any step, heat conserved."""
+    """Lead, heated or not, and the touched cell: the exact exponential at any step, heat kept."""
     constants = constants_of()
     rates, touched = constants.cells, constants.lead_cells[0].cell
     temperature = np.linspace(-20.0, 5.0, len(rates.capacity))
     capacity = np.array([constants.lead.cores * constants.lead.capacity, rates.capacity[touched]])
     worst = 0.0
-    for dt in (1e-3, 0.1, 10.0, 1000.0):
+    for dt, heat in product((1e-3, 0.1, 10.0, 1000.0), (0.0, 30.0)):
         work, state = types.new_workspace(constants), types.new_state(constants, temperature, 60.0)
-        after = exchange(constants, work, state, 0.0, 3.0, 0.0, dt)
+        after = exchange(constants, work, state, heat, 3.0, 0.0, dt)
         g = constants.lead_cells[0].end * 3.0
-        matrix = g * dt * np.array([[-1.0, 1.0], [1.0, -1.0]]) / capacity[:, None]
-        exact = expm(matrix) @ np.array([60.0, temperature[touched]])
+        matrix = np.zeros((3, 3))  # of lead, cell and one, for the heat
+        matrix[:2, :2] = g * dt * np.array([[-1.0, 1.0], [1.0, -1.0]]) / capacity[:, None]
+        matrix[0, 2] = heat / capacity[0]
+        exact = expm(matrix)[:2] @ np.array([60.0, temperature[touched], 1.0])
         found = np.array([after, temperature[touched] + work.cells.change[touched]])
         assert_allclose(found, exact, rtol=0.0, atol=tol.TWO_BODIES)
-        kept = capacity @ found - capacity @ np.array([60.0, temperature[touched]])
+        kept = capacity @ found - capacity @ np.array([60.0, temperature[touched]]) - heat
         worst = max(worst, abs(kept) / capacity.sum())
     measured(
         "lead and plate cell as two bodies: heat lost [K of both]", worst, f"{tol.TWO_BODIES:g}"
     )
     assert worst < tol.TWO_BODIES
+
+
+def test_printed_bookkeeping_of_a_core_that_touches_the_shims() -> None:
+    """A short step: each cell gets n_l theta of the rise, with n_l in theta once more (P4)."""
+    constants = assembled(touching(SPECIMEN, True), scheme="published")
+    lead, places, dt = constants.lead, constants.lead_cells, 1e-4
+    cells = np.full(len(constants.cells.capacity), -20.0)
+    work, state = types.new_workspace(constants), types.new_state(constants, cells, 60.0)
+    published_exchange(constants, work, state, 0.0, 3.0, 2.0, dt, -20.0)
+    g = places["end"] * 3.0 + places["side"] * 2.0
+    assert (places["side"] > 0.0).any()
+    wanted = lead.cores * dt * g / (lead.fold * lead.capacity) * 80.0
+    assert_allclose(work.cells.change[places["cell"]], wanted, rtol=1e-9)
 
 
 def marched_through(
