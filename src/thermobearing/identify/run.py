@@ -38,7 +38,6 @@ from thermobearing.identify.fit.search import polish as polished
 from thermobearing.identify.fit.search import search
 from thermobearing.identify.fit.start import (
     Sensitivity,
-    candidates,
     drop_needless,
     loop_start,
     sensitivities,
@@ -215,9 +214,7 @@ def _problem(
     if case.free is not None:
         return problem, start, []
     groups = chosen_groups(case.assumed)
-    every = parameter_set(base, candidates(problem, groups), ambients, case.bounds)
-    wide = every.with_start(start)
-    found = sensitivities(problem.with_parameters(wide), wide.start, groups)
+    found = sensitivities(problem, start, groups, case.bounds)
     free = [item.key for item in found if item.free]
     if all(item.free == item.usual for item in found):
         return problem, start, found

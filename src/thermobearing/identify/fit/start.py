@@ -161,7 +161,7 @@ class Sensitivity(NamedTuple):
     usual: bool  # free unless the tests say nothing about it
 
 
-def candidates(problem: Problem, groups: Sequence[Group]) -> list[str]:
+def _candidates(problem: Problem, groups: Sequence[Group]) -> list[str]:
     """Return the usual keys, and all others whose source has an uncertainty."""
     bearing = problem.pset.base
     usual = kinds.default_free(bearing, [record.ambient for record in problem.records])
@@ -172,12 +172,22 @@ def candidates(problem: Problem, groups: Sequence[Group]) -> list[str]:
     return list(dict.fromkeys([*usual, *more]))
 
 
-def sensitivities(problem: Problem, cube: Floats, groups: Sequence[Group]) -> list[Sensitivity]:
-    """Return how well tests would determine each candidate, and which are therefore free."""
-    free = [p.kind.key for p in problem.pset.free]
-    usual = kinds.default_free(problem.pset.base, [record.ambient for record in problem.records])
+def sensitivities(
+    problem: Problem,
+    start: dict[str, float],
+    groups: Sequence[Group],
+    bounds: dict[str, tuple[float, float]] | None = None,
+) -> list[Sensitivity]:
+    """Return how well tests would determine each candidate, and which are therefore free.
+
+    `start` are starting values by dotted key, `bounds` replace default bounds.
+    """
+    base, ambients = problem.pset.base, [record.ambient for record in problem.records]
+    pset = kinds.parameter_set(base, _candidates(problem, groups), ambients, bounds)
+    problem = problem.with_parameters(pset.with_start(start))
+    cube, free = problem.pset.start, [p.kind.key for p in problem.pset.free]
+    usual = kinds.default_free(base, ambients)
     limits = np.array([NOTHING * WIDE if key in usual else BETTER for key in free])
-    base = problem.pset.base
     sources = {key: group for group in reversed(groups) for key in group.keys}
     known = [(sources.get(key), kinds.dotted_value(base, key) or 0.0) for key in free]
     spreads = np.array([source.step(value) if source else 0.0 for source, value in known])
