@@ -393,7 +393,7 @@ def test_worst_and_repeat_by_the_command(directory: Path, tmp_path: Path) -> Non
 def test_a_study_without_a_run_has_no_result(directory: Path) -> None:
     for file in (directory / "shards").glob("*.parquet"):
         file.unlink()
-    with pytest.raises(InputError, match="no run is done yet"):
+    with pytest.raises(InputError, match="no run"):
         study_result(directory)
 
 

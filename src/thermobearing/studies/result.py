@@ -236,7 +236,7 @@ class StudyResult(Result):
 
     @property
     def runs(self) -> int:
-        """Number of runs, of all outcomes."""
+        """Number of runs."""
         return len(self.table)
 
     @property
@@ -253,24 +253,24 @@ class StudyResult(Result):
 
     @property
     def headline(self) -> str:
-        """Name of the study, number of runs, number of failed ones."""
+        """Name of the study and numbers of runs."""
         return f"StudyResult of {self.study.name}: {self.runs} runs, {self.failed} failed"
 
     @property
     def factors(self) -> list[str]:
-        """Columns that differ between runs."""
+        """Columns of factors that vary between runs."""
         dotted = list(self.study.factors.numbers)
         known = [name for name in (*THINGS, *NUMBERS, *dotted) if name in self.table]
         return [name for name in known if self.table[name].nunique() > 1]
 
     @property
     def things(self) -> list[str]:
-        """Structures and bearings, as far as they differ."""
+        """The columns "structure" and "bearing", if they vary."""
         return [name for name in ("structure", "bearing") if name in self.factors]
 
     @property
     def intensity(self) -> str:
-        """Column of the intensity of the motions, in the measure of the study."""
+        """Column of the intensity measure."""
         return COLUMNS[self.study.factors.scale.measure]
 
     @property
@@ -283,27 +283,27 @@ class StudyResult(Result):
         """Warnings about the validity of the result."""
         found = []
         if self.outcome == "incomplete":
-            found.append(f"{self.runs} of {self.manifest['runs']} runs are done")
+            found.append(f"{self.runs} of {self.manifest['runs']} runs are complete")
         if self.failed:
             found.append(
                 f"{self.failed} of {self.runs} runs failed; they are left out, or count as "
-                'collapse where failed = "collapse" says so'
+                'collapse with failed = "collapse"'
             )
         if "scale" in self.factors and not self.has_ida:
             found.append(
-                "incremental dynamic analysis is left out: no two runs differ in intensity alone. "
-                "It needs the same draws at all intensities (`paired = true` in [design])"
+                "incremental dynamic analysis is skipped: it needs the same draws at several "
+                "intensities (`paired = true` in [design])"
             )
         return found
 
     def tables(self) -> dict[str, Table]:
-        """Return failures, demand, fragility, rates, shares of variance, as far as they exist."""
+        """Return tables of failures, demand, fragility, rates and variance, where they exist."""
         from thermobearing.studies.report import result_tables
 
         return result_tables(self)
 
     def notes(self) -> list[str]:
-        """Return the answer to the question of the study."""
+        """Return the summary of results in sentences."""
         from thermobearing.studies.report import answer
 
         return answer(self)
@@ -316,37 +316,42 @@ class StudyResult(Result):
         by: Sequence[str] | None = None,
         failed: Failed = "left-out",
     ) -> pd.DataFrame:
-        """Return how a demand is spread along the temperature: mean, fractiles, band of the median.
+        """Return mean, fractiles and band of the median of a demand at each temperature.
 
         Parameters
         ----------
-        demand : column; `demand_name` by default.
-        across : column of numbers.
-        by : columns whose values have rows of their own; structures and bearings by default.
-        failed : "left-out" or "collapse".
+        demand : str, optional
+            Column; `demand_name` by default.
+        across : str
+            Column of numbers in place of the ambient temperature.
+        by : sequence of str, optional
+            Columns whose values have separate rows; structures and bearings by default.
+        failed : {"left-out", "collapse"}
+            Treatment of failed runs.
         """
         by = tuple(self.things if by is None else by)
         return demand_against(self.table, demand or self.demand_name, across, by=by, failed=failed)
 
     def ida(self, demand: str | None = None, *, failed: Failed = "left-out") -> Ida:
-        """Return curves of incremental dynamic analysis, one for all factors but the scale.
+        """Return IDA curves, one for each combination of the factors except the scale.
 
         Parameters
         ----------
-        demand, failed : as of `demand`.
+        demand, failed
+            As in `demand`.
         """
         name = demand or self.demand_name
         return ida_curves(self.table, name, self.intensity, self._curves(), failed=failed)
 
     @property
     def has_ida(self) -> bool:
-        """Whether some motion has runs at several intensities with all else the same."""
+        """Whether some runs differ in their intensity only."""
         alone = MATRIX in self.table or "scale" not in self.factors
         return not alone and bool(self.table.duplicated(list(self._curves())).any())
 
     @property
     def has_variance(self) -> bool:
-        """Whether there are factors, and runs enough for shares of the variance."""
+        """Whether there are enough factors and runs for shares of the variance."""
         return len(self.factors) > 1 and self.runs - self.failed >= LEAST_ROWS
 
     def _curves(self) -> tuple[str, ...]:
@@ -358,16 +363,18 @@ class StudyResult(Result):
 
         Parameters
         ----------
-        chosen : a value, or several in a list, by column.
+        chosen
+            A value, or several in a list, by column.
 
         Raises
         ------
-        InputError : no such column, or no such run.
+        InputError
+            There is no such column or no such run.
         """
         kept = np.ones(self.runs, dtype=bool)
         for name, value in chosen.items():
             if name not in self.table:
-                raise InputError(f'no column "{name}" to select by')
+                raise InputError(f'no column "{name}"{nearest(name, [str(k) for k in self.table])}')
             values = value if isinstance(value, list | tuple) else [value]
             kept &= self.table[name].isin(values).to_numpy(dtype=bool)
         if not kept.any():
@@ -377,7 +384,7 @@ class StudyResult(Result):
         return StudyResult(table, self.study, manifest, self.directory, self.question)
 
     def parts(self) -> dict[str, "StudyResult"]:
-        """Return a result for each structure and bearing, by name; "" if there is one of each."""
+        """Return a result for each structure and bearing, by name; "" if none of them varies."""
         if not self.things:
             return {"": self}
         if not self._parts or self._parts[0] is not self.question:
@@ -392,7 +399,7 @@ class StudyResult(Result):
         mixed = [name for name in self.things if name != by]
         if mixed:
             names = ", ".join(map(str, self.table[mixed[0]].unique()))
-            raise InputError(f"the curve would mix {mixed[0]}s ({names}): select one of them first")
+            raise InputError(f"the curve would mix {mixed[0]}s ({names}): select one of them")
 
     def fragility(
         self,
@@ -404,15 +411,19 @@ class StudyResult(Result):
     ) -> Fragility:
         """Return a lognormal fragility curve of all runs.
 
-        Of a study that draws its temperatures from a climate it is the fragility over the climate.
+        If the study draws its temperatures from a climate, it is the fragility over the climate.
 
         Parameters
         ----------
-        capacity : of the demand, in its unit.
-        demand : column, as of `demand`.
-        name : of the curve.
-        options : `method` ("stripes", "ida" or "cloud"), `failed` ("left-out" or "collapse"),
-            `level` (confidence of the bands), `samples` and `seed` (of the bootstrap over motions).
+        capacity : float
+            Capacity in the unit of the demand.
+        demand : str, optional
+            Column; `demand_name` by default.
+        name : str
+            Name of the curve.
+        options
+            `method` ("stripes", "ida" or "cloud"), `failed` ("left-out" or "collapse"), `level`
+            (confidence of the bands), `samples` and `seed` (of the bootstrap over motions).
         """
         self._refuse_mixed()
         options.setdefault("curves", self._curves())
@@ -430,8 +441,10 @@ class StudyResult(Result):
 
         Parameters
         ----------
-        capacity, demand, options : as of `fragility`.
-        by : column whose values have a curve each, such as "bearing".
+        capacity, demand, options
+            As in `fragility`.
+        by : str
+            Column whose values have a curve each, such as "bearing".
         """
         self._refuse_mixed(by)
         table, by = in_classes(self.table, by)
@@ -488,9 +501,8 @@ class StudyResult(Result):
         """The capacity of the question; InputError without one."""
         if self.question.capacity is None:
             raise InputError(
-                f"what is the capacity of {self.demand_name}? Fragility and annual rates "
-                "need it: --capacity, or capacity in question.toml (a pier yields at a "
-                "pier_ductility of 1)"
+                f"the capacity of {self.demand_name} is missing: fragility and annual rates need "
+                "--capacity, or capacity in question.toml (a pier yields at a pier_ductility of 1)"
             )
         return self.question.capacity
 
@@ -511,7 +523,7 @@ class StudyResult(Result):
     def find_rates(self) -> tuple[dict[Any, Fragility], dict[Any, Rate]]:
         """Return the curves, and the annual rate of each; that over the climate is the last."""
         if self.question.hazard is None:
-            raise InputError("annual rates need a hazard curve")
+            raise InputError("annual rates need a hazard curve: set hazard")
         curves, climate = self.find_curves()
         every = curves if climate is None else {**curves, CLIMATE: climate}
         return curves, self.rates(every, self.question.hazard._curve())
@@ -537,13 +549,16 @@ class StudyResult(Result):
     def rates_table(
         self, curves: Mapping[Any, Fragility], rates: Mapping[Any, Rate], to: Any = None
     ) -> pd.DataFrame:
-        """Return rates with their bands and return periods, and each over that of one temperature.
+        """Return rates with bands and return periods, and their ratios to one of them.
 
         Parameters
         ----------
-        curves : of `fragilities`.
-        rates : of `rates`.
-        to : name of the rate that the others are divided by; the last curve by default.
+        curves : mapping to Fragility
+            Those of `fragilities`.
+        rates : mapping to Rate
+            Those of `rates`.
+        to : optional
+            Name of the rate that the others are divided by; the last curve by default.
         """
         to = list(curves)[-1] if to is None else to
         level = next(iter(curves.values())).level
@@ -569,25 +584,26 @@ class StudyResult(Result):
     def variance(self, demand: str | None = None) -> pd.DataFrame:
         """Return the share of each factor in the variance of a demand.
 
-        Sobol' indices where the design has Saltelli's arrangement and one combination of levels;
-        the correlation ratio of each factor otherwise. Factors that paired draws have in common
-        have one share. Failed runs are left out.
+        The shares are Sobol' indices if the design has Saltelli's arrangement and one combination
+        of levels, and correlation ratios otherwise. Factors with paired draws have one common
+        share. Failed runs are left out.
 
         Parameters
         ----------
-        demand : column, as of `demand`.
+        demand : str, optional
+            Column; `demand_name` by default.
         """
         name = demand or self.demand_name
         if MATRIX in self.table and not self.table.duplicated([MATRIX, "sample"]).any():
             found = sobol_table(self.table, name)
             return found.assign(factor=found["factor"].replace(HOUR, AMBIENT))
         factors = [factor for factor in self.factors if factor != HOUR]
-        if self.study.factors.scale.of == "intensity":  # of which the scale follows by the motion
+        if self.study.factors.scale.of == "intensity":  # which with the motion determines the scale
             factors = [self.intensity if factor == "scale" else factor for factor in factors]
         return variance_shares(self.table, name, factors, together=self._drawn_together())
 
     def _drawn_together(self) -> list[str]:
-        """Return the factors that every combination of levels has the same draws of."""
+        """Return the factors whose draws are the same in all combinations of levels."""
         if not self.study.design.paired or self.table["sample"].nunique() == self.runs:
             return []
         drawn = {column.name for column in list_columns(self.study) if column.drawn}
@@ -599,8 +615,10 @@ class StudyResult(Result):
 
         Parameters
         ----------
-        count : number of the worst runs.
-        by : column that is ranked; as of `demand` by default.
+        count : int
+            Number of the worst runs.
+        by : str, optional
+            Column that ranks the runs; `demand_name` by default.
         """
         by = by or self.question.demand
         some = worst_runs(self.table, count, by)
@@ -617,7 +635,7 @@ class StudyResult(Result):
         return pd.DataFrame(found)
 
     def summary(self) -> dict[str, Any]:
-        """Return the result for machines."""
+        """Return the content of summary.json."""
         outcomes = self.table[OUTCOME].value_counts()
         return {
             "command": "study",
@@ -643,14 +661,14 @@ def is_study(path: str | Path) -> bool:
 
 
 def study_result(directory: str | Path, question: Question | None = None) -> StudyResult:
-    """Return the result of a study so far, complete or not.
+    """Return the result of a study, also of an incomplete one.
 
-    `question` is that of its directory by default.
+    `question` is that of the directory by default.
     """
     store = Store(Path(directory))
     table = store.table()
     if len(table) == 0:
-        raise InputError("no run is done yet", str(directory))
+        raise InputError("no run is complete yet", str(directory))
     ordered = table.sort_values("run", kind="stable").reset_index(drop=True)
     question = question or load_question(store.directory)
     return StudyResult(
