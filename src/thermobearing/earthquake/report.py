@@ -145,17 +145,17 @@ def _question(result: EarthquakeResult, case: Case) -> str:
     else:
         air = f"at ambient {degrees(list(dict.fromkeys(result['ambient'].values.tolist())))}"
     which = "motions" if len(motions) > 1 else "motion"
-    asked = (
-        "how far are the bearings sheared, what force do they pass on, and what is left for the "
-        f"piers, in the ground {which} {shown}, {air}?"
-    )
+    demands = "the displacements and forces of the bearings and the demand on the piers"
+    shaking = f"in the ground {which} {shown}, {air}"
     if case["command"] == "hybrid":
         modes = joined(MODES[mode] for mode in dict.fromkeys(result.modes) if mode in MODES)
         return (
-            f"In a hybrid test of {structure['name']} ({about}), {modes}, with a specimen of "
-            f"{bearings} in the loop: {asked}"
+            f"This report gives {demands} in a hybrid test of {structure['name']} ({about}), "
+            f"{modes}, with a specimen of {bearings} in the loop, {shaking}."
         )
-    return f"On {structure['name']} ({about}) with {bearings}: {asked}"
+    return (
+        f"This report gives {demands} of {structure['name']} ({about}) with {bearings}, {shaking}."
+    )
 
 
 def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
@@ -168,18 +168,20 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
     found = [
         "Bodies are rigid; they move in one horizontal direction and rock; foundations rest on "
         "linear springs. Second-order effects of gravity are not in the model.",
-        "Hinges degrade after Takeda." if case["structure"].get("hinges") else "",
-        "Bearings of one line are alike; forces and energies are those of one modelled bearing.",
+        "Hinges follow the rules of Takeda with stiffness degradation."
+        if case["structure"].get("hinges")
+        else "",
+        "All bearings of a line are identical; forces and energies are those of one bearing.",
         damping,
         f"Mass: {analysis['mass']}. Time integration: {analysis['method'].replace('-', ' ')}, "
         f"steps of at most {quantity(analysis['dt'])}.",
-        "Every bearing begins at the temperature of the air throughout; the air keeps it."
+        "Every bearing starts at the ambient temperature throughout, which then stays constant."
         if air
-        else "Bearings begin with the temperatures that the weather before the motion gives them.",
+        else "Bearings start with the temperatures that result from the weather before the motion.",
     ]
     if "initial_state" in case:
         found[-1] = (
-            "The bearing begins where an earlier test left it, with temperatures and memory."
+            "The bearing starts in the final state of an earlier test, with its temperatures."
         )
     found += _laboratory(case)
     return [
@@ -390,16 +392,16 @@ CAPTIONS = {  # in this order
     "loops": "Force of one bearing against its shear strain. Shaded: beyond the tested strain.",
     "strain": "Shear strain of one bearing in the strong part of each motion; dots are peaks.",
     "pier": "Displacement of the pier top relative to its base in the strong part of each motion.",
-    "hinge": "Moment against rotation of the pier base; dashed: where it yields.",
+    "hinge": "Moment against rotation of the pier base; dashed lines: yield moment.",
     "deck": "Absolute acceleration of the deck.",
     "pier_acceleration": "Absolute acceleration of the pier top.",
-    "temperature": "Rise of the rubber layers and of the lead over the start.",
-    "energy": "Energy that one bearing takes.",
+    "temperature": "Temperature rise of the rubber layers and of the lead since the start.",
+    "energy": "Energy dissipated by one bearing.",
     "parts": "Every bearing line and every pier side by side.",
-    "largest_loops": "The largest loop of each run, bearings over each other.",
+    "largest_loops": "The largest loop of each run, with all bearings in one diagram.",
     "modes": "Real time over pseudo-dynamic: loops of the specimen.",
     "profiles": "Temperature through the height of the bearings.",
-    "shares": "Shares of rubber, lead and rate branch in the force of the largest loop.",
+    "shares": "Shares of rubber, lead and rate-dependent branch in the force of the largest loop.",
     "speed": "Loading speed of the specimen on its own clock.",
 }
 OF_ALL = ("peaks", "parts", "deck")  # figures of the structure

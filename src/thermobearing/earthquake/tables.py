@@ -307,8 +307,8 @@ def _over(fast: float, slow: float) -> float:
 def _loops_table(result: "EarthquakeResult") -> Table:
     frame = result.table
     keys = _keys(frame)
-    note = "The loop that holds the largest displacement, from zero to zero displacement: K_eq = "
-    note += "(|F+| + |F−|)/(|D+| + |D−|), h_eq and G_e as of a test (Eq. 3.1, 3.2)."
+    note = "Loop with the largest displacement, between two zeros of the displacement: K_eq = "
+    note += "(|F+| + |F−|)/(|D+| + |D−|), h_eq and G_e as in a test (Eq. 3.1, 3.2)."
     caption = f"Largest loop of one bearing{_reported_line(result)} in each run"
     names = [*LOOP][4:7] + [*LOOP][2:4] + [*LOOP][:2] + [*LOOP][7:]
     closed = frame[frame["loop_K_eq_kN_mm"].notna()]
@@ -329,8 +329,8 @@ def _periods_table(result: "EarthquakeResult") -> Table:
     for name in dict.fromkeys(result["bearing"].values.tolist()):
         frame[name] = np.atleast_1d(attrs[f"initial_periods_s:{name}"])
         columns.append(replace(period, name=name, head=f"Initial period, {name}"))
-    note = "Initial periods are with the stiffness of the bearings before they yield, at the "
-    note += "temperature of the first run."
+    note = "Initial periods use the stiffness of the bearings before yielding, at the temperature "
+    note += "of the first run."
     return make_table(frame, columns, "Natural periods and viscous damping", note=note)
 
 
