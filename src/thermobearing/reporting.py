@@ -1,6 +1,6 @@
-"""A document of any result: what its analysis says, put into its directory.
+"""Write the report of any result into its directory.
 
-It is written atomically: on failure the earlier one is kept.
+Reports are written atomically: on failure the earlier ones are kept.
 """
 
 import os
@@ -77,8 +77,8 @@ def make_report(
     ----------
     result : a result, or the directory of one.
     directory : that a result was saved in; of a path not needed.
-    title : title block (project, structure, client, author, number, date, revision, logo); what
-        it does not say is as the directory's report.toml says.
+    title : title block (project, structure, client, author, number, date, revision, logo);
+        missing values are those of report.toml in the directory.
     template : Markdown file that puts the pieces in order; None for that of the package.
     pdf : write report.pdf too; needs the extra `report`.
     workbook : write report.xlsx too; needs the extra `report`.
@@ -140,15 +140,15 @@ def _report_place(result: AnyResult | str | Path, directory: str | Path | None) 
     if isinstance(result, SavedResult):
         return result.path
     if not isinstance(result, str | Path):
-        raise InputError("save the result first, and say its directory")
+        raise InputError("save the result first, and give its directory")
     path = Path(result)
     return path.parent if is_file(path) else path  # result.nc of a directory stands for it
 
 
 def build_pieces(result: AnyResult, directory: Path) -> Pieces:
-    """Return what a result has to say, in the words of its analysis.
+    """Return the content of the report of a result.
 
-    With the earlier models that `--compare` left in its directory, and the day that it was written.
+    It includes the comparison with earlier models and the date of the files in the directory.
     """
     try:
         summary = result.summary if isinstance(result, SavedResult) else result.summary()
@@ -166,7 +166,7 @@ def build_pieces(result: AnyResult, directory: Path) -> Pieces:
         raise
     except UNFIT as error:
         raise InputError(
-            "its files do not fit together: they were changed, or are of another version "
+            "its files are inconsistent: they were changed, or are of another version "
             f"({type(error).__name__}: {error}); run its case again",
             str(directory),
         ) from None
@@ -184,13 +184,13 @@ def build_pieces(result: AnyResult, directory: Path) -> Pieces:
 def _check_place(directory: Path) -> None:
     """Refuse a directory that no document can be written into, before one is made."""
     if not is_folder(directory):
-        raise OutputError(f"{directory}: is no directory")
+        raise OutputError(f"{directory}: is not a directory")
     for folder in (directory.resolve(), directory.resolve().parent):
         if not os.access(folder, os.W_OK | os.X_OK):
-            raise OutputError(f"{folder}: is not writable, so no document can be put there")
+            raise OutputError(f"{folder}: is not writable, so that no report can be written there")
     for name in WRITTEN:
         if is_folder(directory / name):
-            raise OutputError(f"{directory / name}: is a directory, where a document is to go")
+            raise OutputError(f"{directory / name}: is a directory; a report cannot replace it")
 
 
 def report_files(
@@ -241,8 +241,8 @@ def put_files(directory: Path, content: Mapping[str, bytes | None]) -> list[Path
                 shutil.rmtree(partial, ignore_errors=True)
     except OSError as error:
         raise OutputError(
-            f"{directory}: the document cannot be written: {error.strerror or error}; "
-            "what was there is as it was"
+            f"{directory}: the report cannot be written: {error.strerror or error}; "
+            "the earlier files are unchanged"
         ) from None
     documents = (REPORT_HTML, REPORT_PDF, WORKBOOK)
     return [directory / name for name in documents if content.get(name) is not None]

@@ -135,7 +135,7 @@ def test_values_at_the_pointer_and_by_keys(opened: Any) -> None:
     sheet = opened.locator("#plot-4 .sheet")
     sheet.press("ArrowRight")
     sheet.press("ArrowRight")
-    assert "x [mm]: 0.9888" in opened.locator("#told").inner_text()
+    assert "x [mm]: 0.9888" in opened.locator("#status").inner_text()
     box = sheet.bounding_box()
     opened.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.45 * box["height"])
     assert "y [mm]: 0.0" in opened.locator("#plot-4 .values").inner_text()
@@ -180,7 +180,7 @@ def test_tables_sort_by_click_and_by_key(opened: Any) -> None:
     head.get_by_role("button").click()
     assert column(opened, 2) == upwards
     assert head.get_attribute("aria-sort") == "ascending"
-    assert "Force" in opened.locator("#told").inner_text()
+    assert "Force" in opened.locator("#status").inner_text()
     opened.keyboard.press("Enter")  # what is empty stays below
     assert column(opened, 2) == [*upwards[2::-1], ""]
     assert head.get_attribute("aria-sort") == "descending"

@@ -56,7 +56,7 @@ def test_the_verdict_and_what_all_runs_share_stand_below(tmp_path: Path) -> None
 
 def test_a_damaged_comparison_is_told(compared: Path) -> None:
     (compared / "comparison.csv").write_text("")
-    with pytest.raises(InputError, match="its files do not fit together"):
+    with pytest.raises(InputError, match="its files are inconsistent"):
         build_pieces(tb.load_result(compared), compared)
 
 

@@ -42,8 +42,8 @@ class DesignCase(Strict):
     line_groups : bearing lines that get one size; lines that no group names are grouped by their
         count and by what they stand on (the ground or a pier). None of a structure with one line.
     stiffness_ratio : ratio K_2 / K_1 of the bilinear model, in [0.001, 0.99].
-    effective_displacement_factor : factor c_B of u_Be = c_B u_B, in [0.01, 1] (0.7 is said to be
-        usual for Level 2; unverified).
+    effective_displacement_factor : factor c_B of u_Be = c_B u_B, in [0.01, 1] (0.7 is
+        reported to be usual for Level 2; unverified).
     tolerance : relative convergence tolerance of the displacement, in [1e-6, 0.1] (Shen (2023)
         uses 10 %).
     most_rounds : of the loop, 1 to 200.

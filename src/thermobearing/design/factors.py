@@ -366,7 +366,7 @@ class _PublishedCode(Strict):
 
 
 class Published(Strict):
-    """What data/factors/published.toml says."""
+    """Content of data/factors/published.toml."""
 
     tables: list[_PublishedTable]
     codes: list[_PublishedCode]

@@ -71,7 +71,7 @@ class DesignFigures(drawing.Figures):
 
     def equal(self) -> Figure:
         """Draw loops of the bilinear bearing and layered ones of its stiffness, as Fig. 6.6."""
-        title = f"{self._result.case.structure.name}: bearings of equal stiffness, 23 degC"
+        title = f"{self._result.case.structure.name}: bearings of equal stiffness, 23 °C"
         groups = self._result.loops
         size = (6.0 if len(groups) == 1 else 4.8 * len(groups), 4.4)
         figure, axes = drawing.panels(1, len(groups), size, title)

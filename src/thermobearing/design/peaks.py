@@ -1,4 +1,4 @@
-"""The peaks that count under several motions, and those of layered bearings by temperature."""
+"""Peaks under several motions, and peaks of layered bearings by temperature."""
 
 import re
 from collections.abc import Sequence
@@ -53,7 +53,7 @@ class Rule(Strict):
 
 
 class Rules(Strict):
-    """What data/design/peaks.toml says."""
+    """Content of data/design/peaks.toml."""
 
     rules: list[Rule]
 
@@ -77,7 +77,7 @@ def _mean_group(motion: Motion) -> str:
 
 
 def combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule) -> float:
-    """Return the peak that counts."""
+    """Return the peak of several motions by a rule."""
     found = np.asarray(values, dtype=float)
     if rule == "largest":
         return float(found.max())
@@ -96,14 +96,14 @@ def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
         for group in dict.fromkeys(groups)
         if groups.count(group) < least
     ]
-    said = f"peaks: of {', '.join(few)} the largest counts, since a mean takes at least {least}"
+    said = f"peaks: the largest is used for {', '.join(few)}; a mean needs at least {least} motions"
     return [said] if few else []
 
 
 def counted(
     data: xr.Dataset, name: str, motions: Sequence[Motion], rule: PeakRule, runs: Any = slice(None)
 ) -> Floats:
-    """Return the peak that counts of each bearing line or pier."""
+    """Return the peak of each bearing line or pier by a rule."""
     own = PARTS.get(name, name)
     values = np.asarray(data[own if own in data else name])[runs].reshape(len(motions), -1)
     return np.array([combined(column.tolist(), motions, rule) for column in values.T])
@@ -152,7 +152,7 @@ def of_group(name: str, group: str = "") -> str:
 
 
 def whose(table: pd.DataFrame) -> list[str]:
-    """Return the columns that say what rows of `judged` are about, without the temperature."""
+    """Return the key columns of `judged` except the temperature."""
     return [name for name in ("bearing", "group") if name in table]
 
 

@@ -49,7 +49,7 @@ Summary = Mapping[str, Any]
 
 
 def build_pieces(saved: SavedResult) -> Pieces:
-    """Return everything that the document of a design, of factors or of bounds says."""
+    """Return the content of the report of a design, of factors or of bounds."""
     kinds = {"lambda": _factors_pieces, "bounds": _bounds_pieces}
     return kinds.get(saved.command, _design_pieces)(saved)
 
@@ -71,9 +71,9 @@ def _bounds_pieces(saved: SavedResult) -> Pieces:
     return content.build_pieces(
         "bounds",
         f"Bounding analyses on {summary['structure']}",
-        f"Is it enough to run {summary['structure']} twice, with a lower and an upper bilinear "
-        f"model of {joined(words, 'or')}, instead of the coupled model at {airs}, under "
-        f"{joined(motions)}?",
+        f"Compare a bounding analysis, which uses a lower and an upper bilinear model of "
+        f"{joined(words)}, with the coupled model at {airs}, on {summary['structure']} under "
+        f"{joined(motions)}.",
         bounds_sentences(summary),
         inputs=_bounds_inputs(inputs),
         tables={"demands": demands_table(summary)},
@@ -134,18 +134,18 @@ def _factors_pieces(saved: SavedResult) -> Pieces:
     return content.build_pieces(
         "lambda",
         f"Temperature factors of {name}",
-        f"By which factors do stiffness, strength and energy of "
-        f"{bearing_words(table)} change, from {reference} to {degrees(airs)}, "
-        f"at {joined(percent(s) for s in strains)} shear strain ({summary['motion']}, cycles "
-        f"{summary['cycles']})?",
+        f"Determine the temperature factors of stiffness, strength and energy of "
+        f"{bearing_words(table)}, relative to {reference}, at {degrees(airs)} and "
+        f"{joined(percent(s) for s in strains)} shear strain ({summary['motion']}, cycles "
+        f"{summary['cycles']}).",
         _factors_answer(summary),
         inputs=bearing_tables(table, summary["inputs"]["sources"]),
         tables=factor_tables(summary) | _published_tables(summary),
         figures=content.saved_figures(saved, FACTORS_CAPTIONS),
         checks=content.limit_checks(rows, content.TESTS, f"{content.TESTED_RANGE} of {name}"),
         assumptions=[
-            f"Every test begins with the bearing at the temperature of the air throughout; "
-            f"factors are over {reference}.",
+            f"Every test begins with the whole bearing at the ambient temperature; factors are "
+            f"relative to {reference}.",
             *model_assumptions({}, [table]),
         ],
         **content.saved_parts(saved, "thermobearing.design.run_factors(...) in Python"),
@@ -215,9 +215,9 @@ def _design_pieces(saved: SavedResult) -> Pieces:
     return content.build_pieces(
         "design",
         f"Design of the bearings of {summary['structure']}",
-        f"Which bearing does {summary['structure']} need, so that the displacement that was "
-        f"assumed is the one that a dynamic analysis finds, under {joined(motions)}; and what do "
-        "layered bearings of the same stiffness do, at every temperature?",
+        f"Size the bearings of {summary['structure']} so that the assumed displacement agrees "
+        f"with that of a dynamic analysis under {joined(motions)}, and check layered bearings of "
+        "the same stiffness at every temperature.",
         _design_answer(summary),
         inputs=_design_inputs(saved, case),
         tables=design_tables(summary),
@@ -225,10 +225,11 @@ def _design_pieces(saved: SavedResult) -> Pieces:
         checks=_design_checks(summary),
         rate_rows=summary.get("tested_range", []),
         assumptions=[
-            "The rounds run with a bilinear bearing, independent of temperature and rate; layered "
-            "bearings are judged after them.",
-            f"Of several motions counts {summary['peaks']['says']} ({summary['peaks']['source']}).",
-            f"Sources of limits, {FOOTNOTE}.",
+            "The rounds use a bilinear bearing, which is independent of temperature and rate; "
+            "layered bearings are checked afterwards.",
+            f"The response to several motions is {summary['peaks']['says']} "
+            f"({summary['peaks']['source']}).",
+            f"Sources of limits: {FOOTNOTE}.",
         ],
         **parts,
     )
@@ -249,9 +250,11 @@ def _design_answer(summary: Summary) -> list[str]:
         )
     usable = summary["outcome"] in USABLE
     found = f"{joined(sizes)}. {tidy(summary['sentence'])}"
-    first = f"The design is {found}" if usable else f"There is no design; the last round: {found}"
+    first = (
+        f"The design is {found}" if usable else f"No design was found; the last round is {found}"
+    )
     cold = [tidy(text.replace("%", " %")) for text in summary.get("coldest_day", [])]
-    second = " ".join(cold) or "No layered bearing was judged at other temperatures."
+    second = " ".join(cold) or "No layered bearing was checked at other temperatures."
     return [first, second]
 
 
@@ -276,6 +279,10 @@ def _design_inputs(saved: SavedResult, case: Summary) -> dict[str, Table]:
     return found
 
 
+# Checks of layered bearings by temperature: name, unit, factor.
+LAYERED = {"strain": ("shear strain", "%", 100.0), "ductility": ("pier ductility", "", 1.0)}
+
+
 def _design_checks(summary: Summary) -> list[Check]:
     """Return the calculation sheet, and the tested ranges."""
     found = []
@@ -289,13 +296,19 @@ def _design_checks(summary: Summary) -> list[Check]:
         verdict = PASSED if one["verdict"] == "OK" else EXCEEDED
         what = f"{one['what']}{of}"
         found.append(Check(what, value, limit, unit, source, verdict, bool(one["least"])))
+    limits = {str(one["what"]): float(one["limit"]) for one in summary["checks"]}
+    source = "limit of the design, for layered bearings"
     for row in summary["temperatures"]:
-        failed = f": {row['fails']}" if row["fails"] else ""
+        fails = str(row["fails"] or "").split()
+        ended = [word for word in fails if word not in LAYERED]
         name = of_group(row["bearing"], row.get("group", ""))
-        what = f"{name} at {degrees([row['ambient_degC']])}{failed}"
-        verdict = PASSED if row["verdict"] == "OK" else EXCEEDED
-        source = "limits of the design, for layered bearings"
-        found.append(Check(what, np.nan, np.nan, "", source, verdict))
+        where = ", ".join([name, degrees([row["ambient_degC"]]), *ended])
+        for key, (what, unit, factor) in LAYERED.items():
+            if what not in limits or row[key] is None or not np.isfinite(row[key]):
+                continue
+            verdict = EXCEEDED if ended or key in fails else PASSED
+            numbers = factor * float(row[key]), factor * limits[what]
+            found.append(Check(f"{what} ({where})", *numbers, unit, source, verdict))
     names = [*np.atleast_1d(summary["bearing"]), *(str(one["name"]) for one in summary["equal"])]
     rows = summary.get("tested_range", [])
     return found + content.limit_checks(

@@ -57,7 +57,7 @@ def _beyond_tests(tests: Mapping[str, tuple[list[Row], Any]]) -> list[str]:
 
 @dataclass(frozen=True, repr=False, kw_only=True)
 class Design(Result):
-    """What the loop came to.
+    """The result of a design.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Design(Result):
     study : its dynamic analyses.
     equal : layered bearings scaled to the stiffness of each group in that turn.
     chosen : number of the turn that was taken; the last by default.
-    temperatures : what the layered bearings do at every temperature; see `judged`.
+    temperatures : peaks of the layered bearings at every temperature; see `judged`.
     """
 
     _figures: ClassVar[str] = "DesignFigures"
@@ -233,7 +233,7 @@ class Design(Result):
 
 
 def _published_design() -> str:
-    """Return what Shen (2023) came to."""
+    """Return the design of Shen (2023) in a sentence."""
     published = read_toml(data_path("design", "source.toml"))
     bearing, more = published["bearing"], published["more"]
     hdr, lhdr = more["equal_K_B_kN_mm"]

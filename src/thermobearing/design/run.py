@@ -198,8 +198,8 @@ def _settled(search: Search, turn: Round, tolerance: float) -> str:
     return (
         f"{_of(turn)}Two sizes alternate: {size_name(small)}, sized for {small.assumed:.0f} mm, "
         f"moves {small.found:.0f} mm, and {size_name(large)}, sized for {large.assumed:.0f} mm, "
-        f"moves {large.found:.0f} mm; none moves as far as it is sized for, within "
-        f"{tolerance:.0%}. Taken is the safer one, {size_name(large)}."
+        f"moves {large.found:.0f} mm; neither displacement agrees within {tolerance:.0%}. The "
+        f"larger size, {size_name(large)}, is adopted."
     )
 
 
@@ -214,7 +214,7 @@ def _at_every_air(
     equal: Sequence[Sequence[EqualBearing]],
     checks: Sequence[Check],
 ) -> pd.DataFrame:
-    """Return what the layered bearings do on the bridge at every temperature; see `judged`."""
+    """Return the peaks of layered bearings on the bridge at every temperature; see `judged`."""
     if not equal or not case.ambient:
         return pd.DataFrame()
     stiffnesses = [turn.stiffness for turn in rounds]
@@ -241,7 +241,7 @@ def run_design(
     The found displacement of each group of lines replaces the assumed one (6.2.2) until all agree
     within the tolerance, with the bridge analysed in every round; see `Search`. Where no size
     of a group moves as far as it is sized for, the outcome is "two_sizes" with the safer of the
-    two. Layered bearings are then judged on the bridge at every temperature of the case.
+    two. Layered bearings are then checked on the bridge at every temperature of the case.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ def bounds_sentences(summary: Summary) -> list[str]:
     early = []
     if summary["outcome"] != "completed":
         sentence = tidy(str(summary.get("sentence", "")))
-        early = [f"Not every run came to its end ({summary['outcome']}): {sentence}"]
+        early = [f"Some runs did not complete ({summary['outcome']}): {sentence}"]
     verdicts = [row["verdict"] for _, row in rows]
     unsafe, wasteful = verdicts.count("unsafe"), verdicts.count("wasteful")
     name, least = min(rows, key=lambda pair: pair[1]["envelope_over_coupled"])

@@ -1,5 +1,5 @@
-"""A document to hand over, of any result: what is said once, written as HTML, PDF or workbook.
+"""Reports of any result: the content once, written as HTML, PDF or workbook.
 
-No physics and no analysis here. Each analysis says what its document holds in its own
+No physics and no analysis here. Each analysis defines the content of its report in its own
 `report.py`, as `Pieces`; a template puts them in order; `html` and `pdf` write the same `Document`.
 """

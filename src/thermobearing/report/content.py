@@ -1,4 +1,4 @@
-"""What the documents of all analyses have in common: inputs, limits, validity, identity.
+"""Content that the reports of all analyses share: inputs, limits, validity, identity.
 
 `build_pieces` puts it together; the `report.py` of a room adds question, answer, tables, figures
 and assumptions.
@@ -61,7 +61,7 @@ def build_pieces(
     validity: Sequence[str] = (),
     **parts: Any,
 ) -> Pieces:
-    """Return everything that the document of a result says.
+    """Return the content of the report of a result.
 
     A room gives question, answer, tables, figures, inputs and assumptions; the rest follows from
     the warnings, checks and residuals of the result. A room whose results are files passes
@@ -186,8 +186,8 @@ def _check(name: str, row: Row, bearing: str, source: str, *, lower: bool) -> Ch
 def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table, list[str]]:
     """Return the residuals of the energy balance as a table, and warnings of those too large.
 
-    They judge the computation, not the structure, and are none of the checks. A row is what it is,
-    value, limit (NaN: none), and the source of the limit.
+    They assess the computation, not the structure, and do not count as checks. A row has a name,
+    a value, a limit (NaN: none), and the source of the limit.
     """
     cells, warnings = [], []
     for what, value, limit, source in rows:
@@ -197,7 +197,7 @@ def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table
         if verdict == EXCEEDED:
             warnings.append(
                 f"The {what} of the energy balance is {abs(value):.1e}, above {limit:.0e}: the "
-                "numbers are not those of the model; take a smaller dt."
+                "results are not accurate; use a smaller dt."
             )
     heads = ("Energy balance", "Largest", "Limit", "Source of the limit", "Verdict")
     forms = ("", ".1e", ".0e", "", "")
@@ -332,7 +332,7 @@ def pieces_of_saved(saved: SavedResult) -> Pieces:
     return Pieces(
         command=saved.command,
         title=f"Result of {saved.command}",
-        question=f"What does `thermobearing {saved.command}` find?",
+        question=f"Summarise the results of `thermobearing {saved.command}`.",
         answer=[str(summary.get("sentence") or f"The analysis ended: {saved.outcome}.")],
         inputs=inputs,
         tables={name: make_table(name, table) for name, table in saved.tables.items()},

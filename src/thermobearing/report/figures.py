@@ -156,7 +156,7 @@ def picture_size(image: bytes) -> tuple[float, float]:
 # Plots.
 MOST_POINTS = 2_400  # of a line: more than a wide screen has places, with room to zoom
 FEWEST_POINTS = 400  # of a line, however many there are
-ALL_POINTS = 150_000  # of all lines of a page: 1.6 MB of it
+ALL_POINTS = 80_000  # of all lines of a page: 0.9 MB of it
 CLOSER = 4.0  # a loop is thinned as if it were drawn so many times larger
 MOST_PANELS, MOST_FRAMES = 6, 8  # of a plot on paper
 LOOKS: Mapping[str, dict[str, Any]] = {

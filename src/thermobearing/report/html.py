@@ -127,7 +127,7 @@ def _sections(blocks: Sequence[Block]) -> list[Section]:
     """Return the blocks in chapters, as the template reads them; tables and figures numbered."""
     plots = [b.figure.plot for b in blocks if isinstance(b, FigureBlock) and b.figure.plot]
     most = points_each(plots)
-    places, taken = _places(blocks), {"content", "theme", "told"}
+    places, taken = _places(blocks), {"content", "theme", "status"}
     tables, figures = count(1), count(1)
     sections = [Section(None, [], [])]
     level = 0

@@ -58,7 +58,7 @@ class TitleBlock(Strict):
         return raw
 
     def over(self, below: "TitleBlock") -> "TitleBlock":
-        """Return of two title blocks: what the first says, else what the other one does."""
+        """Return this title block, with missing values from another one."""
         return below.model_copy(update=self.model_dump(exclude_none=True))
 
     def to_toml(self) -> str:

@@ -42,7 +42,7 @@ class History:
 def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
     """Return an .xlsx file of a result, the same for the same result.
 
-    Histories, by the name of their run, are thinned evenly where they are long, which is said.
+    Long histories, by the name of their run, are thinned evenly, which a note states.
     """
     book = the_writer()(write_only=True)
     names: set[str] = set()

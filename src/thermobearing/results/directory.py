@@ -245,8 +245,8 @@ def write_directory(
             finally:  # incomplete, or the replaced result
                 shutil.rmtree(partial, ignore_errors=True)
     except (OSError, RuntimeError) as error:  # netCDF raises either for a failing disk
-        told = getattr(error, "strerror", None) or error
-        raise OutputError(f"{directory}: cannot be written: {told}") from error
+        cause = getattr(error, "strerror", None) or error
+        raise OutputError(f"{directory}: cannot be written: {cause}") from error
     finally:
         with suppress(OSError):
             for path in [] if final.exists() else above:

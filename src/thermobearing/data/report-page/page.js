@@ -2,7 +2,7 @@
 // Contents, colours and tables of a report. Without scripts the page can be read all the same.
 (() => {
   const root = document.documentElement;
-  const told = document.getElementById("told");
+  const status = document.getElementById("status");
 
   // Light or dark: the system's wish, until the reader presses the button.
   const system = matchMedia("(prefers-color-scheme: dark)");
@@ -109,7 +109,7 @@
     });
     body.append(...rows);
     const name = head.textContent.trim();
-    told.textContent = order === "none" ? "Rows as they were" : `Sorted by ${name}, ${order}`;
+    status.textContent = order === "none" ? "Rows as they were" : `Sorted by ${name}, ${order}`;
   };
   for (const table of document.querySelectorAll("table")) {
     [...table.tBodies[0].rows].forEach((row, place) => {

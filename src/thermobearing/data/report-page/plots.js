@@ -7,7 +7,7 @@
   const LETTER = 7.2; // width of a letter of a tick label [px]
   const AXES = ["x", "y"];
   const KEPT = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "font"];
-  const status = document.getElementById("told");
+  const status = document.getElementById("status");
 
   const add = (parent, name, attributes = {}, words = "") => {
     const svg = name === "svg" || parent instanceof SVGElement;
