@@ -30,7 +30,7 @@ from thermobearing.cyclic.protocol import Cycles, survey
 from thermobearing.cyclic.result import CYCLES, Result, column_quantity, run_name
 from thermobearing.model.constants import outside_law
 from thermobearing.model.earlier import BLIND
-from thermobearing.model.handover import PREFIX, memory_dimension, state_memory
+from thermobearing.model.handover import DIMENSIONS, PREFIX, state_memory
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
 from thermobearing.quantities.register import quantity
@@ -180,7 +180,7 @@ def _memories(runs: list[History]) -> dict[str, Any]:
     """Return the state at the end of each run, from which another test can go on."""
     memories, found = [state_memory(run.state) for run in runs], {}
     for key in memories[0]:
-        values, also = np.array([memory[key] for memory in memories]), memory_dimension(key)
+        values, also = np.array([memory[key] for memory in memories]), DIMENSIONS.get(key)
         if values.size:  # no empty variables
             dims = ("ambient", *([] if also is None else [also]))
             found[PREFIX + key] = (dims, values, quantity(PREFIX + key).attributes)

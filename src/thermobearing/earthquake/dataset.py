@@ -79,7 +79,7 @@ def _labelled_ends(
     dims = {"final_temperature": "cell", "final_lead_temperature": None}
     loops = [key for key in handover.OF_LOOPS if any(key in end for end in ends)]
     memory = [*handover.MEMORY, *loops]
-    dims |= {key: handover.memory_dimension(key) for key in memory}
+    dims |= {key: handover.DIMENSIONS.get(key) for key in memory}
     data: dict[str, Any] = {}
     for key, dimension in dims.items():
         parts = [np.atleast_1d(end.get(key, np.nan)) for end in ends]

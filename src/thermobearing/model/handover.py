@@ -50,6 +50,9 @@ COUNT = "layer_turns"
 ENDS = "lead_terms"
 MEMORY = (*LAYERS, *BRANCHES, *BOOKS, ENDS)
 OF_LOOPS = (COUNT, *TURNS)
+# Dataset dimension of each history variable that is no scalar.
+DIMENSIONS = {**dict.fromkeys([*LAYERS, COUNT], "layer"), **dict.fromkeys(TURNS, "turn")}
+DIMENSIONS[ENDS] = "lead_term"
 PREFIX = "state_"  # of the variables in a dataset
 
 
@@ -213,10 +216,3 @@ def misfit(given: SpecimenState, constants: Constants) -> str:
         if abs(constants.multiplicity @ moved - given.at) > MISSED * scale:
             return "layer_displacement does not add up to displacement"
     return ""
-
-
-def memory_dimension(key: str) -> str | None:
-    """Return the dataset dimension of a history variable; None for a scalar."""
-    if key in TURNS:
-        return "turn"
-    return "layer" if key in LAYERS or key == COUNT else "lead_term" if key == ENDS else None
