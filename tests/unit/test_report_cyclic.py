@@ -131,8 +131,8 @@ def test_what_was_asked_for_is_no_default() -> None:
         tb.run("shen-hdr-specimen", short_test([0.5]), ambient=23, scheme="published")
     )
     model = {row[0]: row for row in slow.inputs["analysis"].rows}
-    assert model["Heat scheme"][1:] == ("published", "", "as asked for")
-    assert any("as published" in text for text in slow.assumptions)
+    assert model["Heat scheme"][1:] == ("published", "", "input")
+    assert any("Published heat scheme" in text for text in slow.assumptions)
     assert slow.tables["quality"].rows[1][-1] == "not judged"
 
 

@@ -86,7 +86,7 @@ def test_parts_follow_each_other(result: SequenceResult) -> None:
 
 def test_what_passes_the_rig_is_said_and_goes_on(result: SequenceResult) -> None:
     assert result.outcome == "completed"
-    assert any("more than the 30 kN of rig" in text for text in result.warnings)
+    assert any("limit of the rig is 30 kN" in text for text in result.warnings)
     assert not any("mm" in text for text in result.warnings)  # the stroke is enough
     rows = result.rig
     assert set(rows["limit"]) == {"force", "stroke"}
@@ -149,7 +149,7 @@ def test_a_rig_in_a_test_and_in_a_study() -> None:
     table = {"rig": "shen-rig", "ambient": ["-20 degC"], "bearing": "shen-lhdr-specimen"}
     test = tb.cyclic_test([2.5], cycles=1, wave="sine", dt=0.02)
     cold = tb.run_case(make_case(table, "case", test=test))
-    assert any("more than the 400 kN of shen-rig" in text for text in cold.summary()["warnings"])
+    assert any("limit of shen-rig is 400 kN" in text for text in cold.summary()["warnings"])
     asked = cold.rig.set_index("limit")
     assert asked.loc["force", "asked"] == np.abs(cold["force"]).max()
     assert abs(asked.loc["speed", "asked"] / (30.0 * np.pi / 2.0) - 1.0) < 1e-3
@@ -161,7 +161,7 @@ def test_a_rig_in_a_test_and_in_a_study() -> None:
     assert [row["limit"] for row in told.summary()["rig"]] == ["speed", "speed"]
     assert told.rig["passed"].all()
     assert list(told.table["beyond_rig"]) == ["speed", "speed"]
-    assert any("faster than the 9 mm/s of rig" in text for text in told.warnings)
+    assert any("limit of the rig is 9 mm/s" in text for text in told.warnings)
 
 
 def test_a_rig_by_name_in_python_and_on_the_command_line(tmp_path: Path) -> None:
@@ -170,7 +170,7 @@ def test_a_rig_by_name_in_python_and_on_the_command_line(tmp_path: Path) -> None
     small = tmp_path / "small.toml"
     test = tb.cyclic_test(strain=[0.5], cycles=1, rest=None)
     told = tb.run("shen-hdr-specimen", test, rig=small).summary()["warnings"]
-    assert any("more than the 1 kN of small" in text for text in told)
+    assert any("limit of small is 1 kN" in text for text in told)
     quick = ["--rig", small, "--no-figures", "--ambient", "0", "--bearing", "shen-hdr-specimen"]
     for name, more in (("cyclic", ["--dt", "1"]), ("hybrid", ["--duration", "1"])):
         done = command(name, *quick, *more, "-o", tmp_path / name)

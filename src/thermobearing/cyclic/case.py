@@ -263,10 +263,10 @@ def initial_temperatures(case: "Case", cells: int, ambient: float) -> Floats:
     return np.array(given)
 
 
-LIMITS = {  # of a rig: unit, and what is said of a run that exceeds it
-    "force": ("kN", "asks for {0:.4g} kN, more than the {1:g} kN"),
-    "stroke": ("mm", "moves to {0:.4g} mm, farther than the {1:g} mm"),
-    "speed": ("mm/s", "moves at {0:.4g} mm/s, faster than the {1:g} mm/s"),
+LIMITS = {  # of a rig: unit, and words for what a run requires
+    "force": ("kN", "requires a force of {0:.4g} kN; the limit of {2} is {1:g} kN"),
+    "stroke": ("mm", "requires a stroke of {0:.4g} mm; the limit of {2} is {1:g} mm"),
+    "speed": ("mm/s", "requires a speed of {0:.4g} mm/s; the limit of {2} is {1:g} mm/s"),
 }
 
 
@@ -310,11 +310,13 @@ def rig_demand(rig: Rig | None, run: str, peaks: Sequence[float]) -> list[Row]:
 
 def beyond(rig: Rig | None, rows: Sequence[Row]) -> list[str]:
     """Return a sentence for each limit of a rig that a run passes."""
+    if rig is None:
+        return []
+    name = "the rig" if rig.name == "rig" else rig.name
     return [
-        f"{row['run']} {LIMITS[row['limit']][1].format(row['asked'], row['largest'])} of "
-        f"{rig.name}: that rig cannot do it"
+        f"{row['run']} {LIMITS[row['limit']][1].format(row['asked'], row['largest'], name)}"
         for row in rows
-        if rig is not None and row["passed"]
+        if row["passed"]
     ]
 
 

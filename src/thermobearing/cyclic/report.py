@@ -159,8 +159,8 @@ def _question(result: Result, case: Case) -> str:
     if case.get("ambient_series"):
         air = f"the ambient temperatures of {case['ambient_series']}"
     return (
-        f"How stiff is the bearing {bearing_words(case['bearing'])}, how much energy does it take "
-        f"and how warm does it get, at {air}, in this displacement-controlled test? "
+        f"Stiffness, dissipated energy and temperatures of {bearing_words(case['bearing'])} in a "
+        f"displacement-controlled test at {air}. "
         f"{words_of_test(case['test'])}."
     )
 
@@ -215,7 +215,7 @@ def _changes(result: Result, rows: pd.DataFrame) -> str:
             f"There, {degrees([cold])} compared with {degrees([warm])} makes the modulus "
             f"{change(stiffer, 'higher', 'lower')} and the energy of a cycle {change(energy)}"
         )
-    heated = [f"the test itself warms {told}"] if (told := _warmest(result)) else []
+    heated = [f"the test itself warms {warmed}"] if (warmed := _warmest(result)) else []
     if (last["cycle"] > first["cycle"]).any():
         softer = last["G_eq_MPa"] / first["G_eq_MPa"]
         fall = change(float(softer.min()), "higher", "lower")
@@ -246,7 +246,7 @@ def _input_tables(result: Result, case: Case) -> dict[str, Table]:
     found = {"test": _table_of_test(case["test"]), **bearing_tables(case["bearing"], own)}
     starts = ("ambient", "ambient_series", "initial", "initial_lead")
     air = {key: case[key] for key in starts if key in case}
-    found["air"] = input_table("Temperatures", air, otherwise="as asked for")
+    found["air"] = input_table("Temperatures", air, otherwise="input")
     if "rig" in case:
         found["rig"] = rig_table(case["rig"], sources.get(case["rig"].get("name")))
     found["analysis"] = analysis_table(case["analysis"], Analysis())
@@ -266,15 +266,15 @@ def rig_table(rig: Case, own: Mapping[str, str] | None = None) -> Table:
 def _start(case: Case) -> list[str]:
     begins = "at the ambient temperature throughout"
     if "initial_state" in case:
-        begins = "where an earlier test left it, with temperatures and memory"
+        begins = "in the final state of an earlier test, including its history"
     elif "initial_profile" in case:
         begins = "with a given temperature in each cell"
     elif "initial" in case:
         begins = f"at {quantity(case['initial'])} throughout"
     series = "follows the series" if "ambient_series" in case else "is constant"
     return [
-        f"The bearing begins {begins}. The ambient temperature {series}.",
-        "Displacements are imposed exactly; inertia plays no part.",
+        f"The bearing starts {begins}. The ambient temperature {series}.",
+        "Displacements are imposed exactly; inertia is neglected.",
     ]
 
 

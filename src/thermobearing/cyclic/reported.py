@@ -75,7 +75,7 @@ def analysis_table(
     usual, sources = flat(to_table(defaults)), {}
     for key, value in flat(analysis).items():
         is_default = usual.get(key, value if key in SETTLED else None) == value
-        sources[key] = (known or {}).get(key, DEFAULT) if is_default else "as asked for"
+        sources[key] = (known or {}).get(key, DEFAULT) if is_default else "input"
     return input_table("Model and computation", analysis, sources)
 
 

@@ -152,7 +152,7 @@ def hybrid(
         built-in motion of 20 s, and 23, 0 and -20 degC.
     structure : as of `bridge`; "hybrid-pier" by default.
     laboratory : a table with `mode`, "rt" (real time, the default), "pd" (the actuator moves
-        at `speed`, "10 mm/s" by default, and the specimen lives on that slower clock) or both in
+        at `speed`, "10 mm/s" by default, which slows the specimen's clock down) or both in
         a list, which makes two runs of each, compared in `modes_table`; `delay`
         of the actuator, `force_noise` (standard deviation of the measured force) and its
         `seed`; numbers as text with their unit.

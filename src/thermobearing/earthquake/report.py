@@ -163,7 +163,7 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
     kind = str(attrs["damping"])
     damping = f"Viscous damping: {kind}, {DAMPING[kind]}." if kind in DAMPING else ""
     if kind == "none":
-        damping = "No viscous damping: energy goes into bearings and hinges only."
+        damping = "Without viscous damping only bearings and hinges dissipate energy."
     air = "weather" not in case
     found = [
         "Bodies are rigid; they move in one horizontal direction and rock; foundations rest on "
@@ -181,7 +181,7 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
     ]
     if "initial_state" in case:
         found[-1] = (
-            "The bearing starts in the final state of an earlier test, with its temperatures."
+            "The bearing starts in the final state of an earlier test, including its history."
         )
     found += _laboratory(case)
     return [
@@ -200,16 +200,16 @@ def _laboratory(case: Case) -> list[str]:
         found.append(f"The specimen represents bearings of the structure at a scale of {ratios}.")
     if "pd" in lab["mode"]:
         found.append(
-            f"Pseudo-dynamic: the actuator moves at {quantity(lab['speed'])}, and the specimen "
-            "lives on that slower clock."
+            f"Pseudo-dynamic: the actuator moves at {quantity(lab['speed'])}, so that the specimen "
+            "is loaded and cools on a slower time scale."
         )
     errors = [
         f"{name} {quantity(lab[key])}"
         for key, name in (("delay", "delay"), ("force_noise", "noise of the force"))
         if float(str(lab.get(key, "0")).split()[0]) > 0.0
     ]
-    said = joined(errors)
-    found.append(f"Errors of the laboratory: {said}." if errors else "The actuator has no error.")
+    given = joined(errors)
+    found.append(f"Errors of the laboratory: {given}." if errors else "The actuator is ideal.")
     return found
 
 
@@ -313,13 +313,12 @@ def _cold(result: EarthquakeResult) -> str:
         return _heating(result)
     coldest, warmest = ratios["ambient_degC"].min(), result.table["ambient_degC"].max()
     cold = ratios[ratios["ambient_degC"] == coldest]
-    told = [_cold_ratio(str(name), group) for name, group in cold.groupby("bearing", sort=False)]
+    changes = [_cold_ratio(str(name), group) for name, group in cold.groupby("bearing", sort=False)]
     motions = cold["motion"].nunique()
     mean = " on average over the motions" if motions > 1 else ""
     only = f"; {', '.join(sorted(blind))} is temperature-independent" if blind else ""
-    return (
-        f"{degrees([coldest])} against {degrees([warmest])} changes{mean}: {'; '.join(told)}{only}."
-    )
+    temperatures = f"{degrees([coldest])} compared with {degrees([warmest])}"
+    return f"{temperatures} changes{mean}: {'; '.join(changes)}{only}."
 
 
 def _cold_ratio(name: str, group: pd.DataFrame) -> str:
@@ -346,14 +345,14 @@ def _heating(result: EarthquakeResult) -> str:
         lines = [_named("line", line) for line in result.lines["line"]]
         where = [f"{run}, {line}" for run, line in zip(names, lines, strict=True)]
         found = {k: list(zip(result.lines[f"{k}_rise_K"], where, strict=True)) for k in found}
-    told = []
+    warmed = []
     for what, rises in found.items():
         if known := [one for one in rises if np.isfinite(one[0])]:
             rise, where_ = max(known)
-            told.append(f"the {what} by up to {rise:.1f} K ({plain(where_)})")
-    if not told:
+            warmed.append(f"the {what} by up to {rise:.1f} K ({plain(where_)})")
+    if not warmed:
         return "The bearings of the analysis are temperature-independent."
-    return f"The motions warm {joined(told)}."
+    return f"The motions warm {joined(warmed)}."
 
 
 def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
@@ -389,7 +388,7 @@ def _ductilities(result: EarthquakeResult) -> list[Check]:
 
 CAPTIONS = {  # in this order
     "peaks": "Peaks of every run against the ambient temperature.",
-    "loops": "Force of one bearing against its shear strain. Shaded: beyond the tested strain.",
+    "loops": "Force of one bearing and its shear strain. Shaded: outside the calibration range.",
     "strain": "Shear strain of one bearing in the strong part of each motion; dots are peaks.",
     "pier": "Displacement of the pier top relative to its base in the strong part of each motion.",
     "hinge": "Moment against rotation of the pier base; dashed lines: yield moment.",

@@ -418,9 +418,9 @@ class EarthquakeResult(DatasetResult):
                     row[name] = [_plain(one) for one in mine]
             runs.append(row)
         names = list(dict.fromkeys(str(name) for name in self.dataset["bearing"].values))
-        told = {}
+        compared = {}
         if self.compared:
-            told["verdict"] = tables.verdict(tables.comparison_table(self.compared))
+            compared["verdict"] = tables.verdict(tables.comparison_table(self.compared))
         return {
             "command": attrs["command"],
             "bearing": names[0] if len(names) == 1 else names,
@@ -435,7 +435,7 @@ class EarthquakeResult(DatasetResult):
             "initial_periods_s": {n: _numbers(attrs[f"initial_periods_s:{n}"]) for n in names},
             "largest": tables.governing_runs(self).to_dict("records"),
             "runs": runs,
-            **told,
+            **compared,
         }
 
     def _write(self, folder: Path) -> None:

@@ -242,7 +242,7 @@ def _cold_table(result: "EarthquakeResult") -> Table:
     warmest = f"{result.table['ambient_degC'].max():g}".replace("-", "\N{MINUS SIGN}")
     motions = ratios["motion"].nunique()
     of = f", mean over {motions} motions (lowest–highest)" if motions > 1 else ""
-    caption = f"The cold: peaks over those at {warmest} °C{of}"
+    caption = f"Effect of low temperature: peaks relative to those at {warmest} °C{of}"
     return make_table(frame, [*same, *columns], caption, keys=len(same))
 
 
