@@ -134,6 +134,9 @@ def test_exchange_is_that_of_two_bodies(measured: Recorder) -> None:
         assert_allclose(found, exact, rtol=0.0, atol=tol.TWO_BODIES)
         kept = capacity @ found - capacity @ np.array([60.0, temperature[touched]]) - heat
         worst = max(worst, abs(kept) / capacity.sum())
+    work, state = types.new_workspace(constants), types.new_state(constants, temperature, 60.0)
+    alone = exchange(constants, work, state, 30.0, 0.0, 0.0, 0.1)  # adiabatic
+    assert alone == pytest.approx(60.0 + 30.0 / capacity[0])
     measured(
         "lead and plate cell as two bodies: heat lost [K of both]", worst, f"{tol.TWO_BODIES:g}"
     )
