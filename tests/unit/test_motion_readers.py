@@ -1,5 +1,6 @@
 """Accelerograms of every format come back as they were; bad ones are refused."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from thermobearing.motions.library import load_motion
 from thermobearing.motions.measures import significant_interval
 from thermobearing.motions.process import baseline_corrected, padded, resampled
 from thermobearing.motions.readers import read_motion
-from thermobearing.motions.record import GroundMotion, acceleration_unit
+from thermobearing.motions.record import ASSERTED, GroundMotion, acceleration_unit
 from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.motions.synthesis import make_motion, match_spectrum
 from thermobearing.motions.targets import standard_spectrum
@@ -308,8 +309,10 @@ def test_wrong_unit_never_passes(pga: float, factor: float, tmp_path: Path) -> N
     """Motions of 204 to 980 gal, told too large or too small by the factors between units."""
     for wrong in (factor, 1.0 / factor):
         path = files.write(tmp_path / "a.csv", files.csv_text(pga=pga * wrong))
-        with pytest.raises(InputError, match="is the unit wrong"):
+        with pytest.raises(InputError, match="is the unit wrong") as caught:
             load_motion(path)
+        meant = [float(size) for size in re.findall(r"(\S+) gal if the numbers", str(caught.value))]
+        assert all(ASSERTED[0] <= size <= ASSERTED[1] for size in meant)
 
 
 @pytest.mark.parametrize(

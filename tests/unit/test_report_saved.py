@@ -158,6 +158,7 @@ def test_factors(tmp_path) -> None:
     table = report.table.query("quantity == 'K_eq' and ambient_degC == -20 and basis == 'first'")
     assert f"first K_eq x {table['factor'].iloc[0]:.2f}" in pieces.answer[0]
     factors = pieces.tables["factors"]
+    assert factors.columns[factors.keys].head.startswith("Value")  # after what it is of
     warm = [column.head for column in factors.columns].index("Factor at 40 °C")
     assert {column for _, column in factors.marked} == {warm}  # tested up to 23
     assert "shen-hdr-bridge.parameters" in pieces.inputs
