@@ -240,11 +240,11 @@ def test_paired_draws_have_one_share_of_the_variance() -> None:
     """
     found = drawn(paired=True).variance().set_index("factor")["share"]
     both = "ambient_degC, bearing.K_r, bearing.m_T"
-    assert list(found.index) == ["motion", "PGA_m_s2", both, "together and the rest"]
-    assert found["together and the rest"] >= 0.0
+    assert list(found.index) == ["motion", "PGA_m_s2", both, "interaction and rest"]
+    assert found["interaction and rest"] >= 0.0
     assert found.sum() == pytest.approx(1.0)
     alone = drawn(paired=False).variance()["factor"].tolist()
-    assert alone[2:] == ["ambient_degC", "bearing.K_r", "bearing.m_T", "together and the rest"]
+    assert alone[2:] == ["ambient_degC", "bearing.K_r", "bearing.m_T", "interaction and rest"]
 
 
 def test_indices_over_a_climate_name_the_temperature() -> None:

@@ -16,7 +16,7 @@ from thermobearing.report.words import counted, joined, number, tidy
 from thermobearing.results.saved import SavedResult
 from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.figures import StudyFigures, column_words, find_unit, limit_words
-from thermobearing.studies.result import StudyResult
+from thermobearing.studies.result import CLIMATE, StudyResult
 from thermobearing.studies.run.engine import count_failures, failures_table
 from thermobearing.studies.statistics.hazard import Rate
 from thermobearing.studies.store import label_plan
@@ -58,7 +58,7 @@ def build_pieces(result: Any) -> Pieces:
             f"{column_words(result.demand_name)}.",
             "Bands have 95 % confidence unless another value is given; those of fragility and "
             "rates come from a studentised bootstrap that resamples motions with all their runs.",
-            "Every run begins with an unscragged bearing.",
+            "Every run begins with bearings at rest that have no earlier loading.",
             *([heat_flow(to_table(result.study.case.analysis), [])] if hourly else []),
         ],
         warnings=[tidy(text) for text in result.warnings],
@@ -101,7 +101,8 @@ def answer(result: StudyResult) -> list[str]:
         for of, part in parts.items():
             curves, rates = part.find_rates()
             row = part.rates_table(curves, rates).iloc[-1]
-            text = f"{of}{_temperature(row['name'])}: {_period(rates[row['name']])}"
+            where = f"over the {CLIMATE}" if row["name"] == CLIMATE else _temperature(row["name"])
+            text = f"{of}{where}: {_period(rates[row['name']])}"
             warm = _temperature(list(curves)[-1])
             if 0.0 < row["over_reference"] < np.inf and _temperature(row["name"]) != warm:
                 text += (
@@ -178,9 +179,12 @@ def result_tables(result: StudyResult) -> dict[str, Table]:
         table = result.variance()
         table["factor"] = table["factor"].map(column_words)
         poor = "total" in table and (table["total"] < table["first"]).any()
-        note = "A total index below the first-order index is a sampling error: use more samples."
+        rows, lost = (int(table[name].iloc[0]) for name in ("rows", "left_out"))
+        note = f"{rows} {'samples' if 'total' in table else 'runs'}, {lost} failed and left out."
+        if poor:
+            note += " A total index below the first-order index is a sampling error: use more."
         caption = f"Shares of the variance of the {column_words(demand)}"
-        found["variance"] = _table(table, caption, note=note if poor else "")
+        found["variance"] = _table(table.drop(columns=["rows", "left_out"]), caption, note=note)
     return found
 
 
@@ -199,6 +203,7 @@ def _curve_tables(part: StudyResult, name: str) -> dict[str, Table]:
     notes: dict[str, list[str]] = {}
     for level, sentence in zip(curves, table["sentence"], strict=True):
         notes.setdefault(sentence, []).append(_temperature(level))
+    table["name"] = [_temperature(level) for level in curves]
     ambient = _head(column_words(AMBIENT))
     im, unit = column_words(part.intensity), find_unit(part.intensity)
     medians = [end for end in map(str, table) if end.startswith("median")]
@@ -209,12 +214,13 @@ def _curve_tables(part: StudyResult, name: str) -> dict[str, Table]:
             table.drop(columns=IN_CAPTION),
             f"{demand}: lognormal fragility by {part.question.method}{of}",
             units=dict.fromkeys(medians, unit),
-            heads=heads | {"name": ambient},
+            heads=heads | {"name": ambient, "beyond": "Exceedances"},
             note="; ".join(f"{joined(levels)}: {text}" for text, levels in notes.items()),
         )
     }
     if rates:
         rows = part.rates_table(curves, rates)
+        rows["name"] = rows["name"].map(_temperature)
         over = f"Ratio to {_temperature(list(curves)[-1])}"
         heads = {"name": ambient, "in_50_years": "Probability in 50 years"}
         heads |= {"return_period_years": "Return period", "over_reference": over}

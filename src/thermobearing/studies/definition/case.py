@@ -62,8 +62,8 @@ KEY = re.compile(r"[a-z_][\w.\[\]]*(?: = |: )")  # start of a problem that begin
 # Keys of a case that a study does not have.
 REFUSED = {
     "weather": "use factors.ambient",
-    "initial_state": "the bearings of a study are unscragged",
-    "initial_result": "the bearings of a study are unscragged",
+    "initial_state": "the bearings of a study have no earlier loading",
+    "initial_result": "the bearings of a study have no earlier loading",
     "rig": "a study has no rig",
 }
 STUDIES = Library("study", "studies")

@@ -39,7 +39,7 @@ SWAPPED = "AB "
 LEAST_ROWS = 8
 MOST_CLASSES = 60
 MOST_LOTS = 2000  # that the bootstrap draws from; of more runs, lots of several
-REST = "together and the rest"  # row of the interaction of factors
+REST = "interaction and rest"  # row of the interaction of factors
 
 
 def _sobol_indices(
