@@ -6,16 +6,19 @@ BIN := $(VENV)/bin
 PROGRAM := $(VENV)/.installed
 TESTS := $(VENV)/.tests
 TOOLS := $(VENV)/.lint
+LINKER := $(VENV)/.kernels
 BROWSER := $(VENV)/.browser
 SPHINX := $(VENV)/.site
 WORKERS ?= auto
 
 LOWEST := .venv-minimum
 
-.PHONY: help demo test test-all browser test-minimum fuzz mutants bench lint docs reproduce site clean
+.PHONY: help demo kernels dist test test-all browser test-minimum fuzz mutants bench lint docs reproduce site clean
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
+	@echo "make kernels   compile the kernels ahead of time, for all platforms (minutes)"
+	@echo "make dist   the wheel with these kernels, into ./dist"
 	@echo "make test   the tests, on all cores (WORKERS=0: in one process); all but the thorough ones"
 	@echo "make test-all   these too: the same claims on more and larger cases, as in CI"
 	@echo "make browser   what tests need that look at pages with the system's Chromium"
@@ -32,12 +35,22 @@ help:
 $(PROGRAM): pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --upgrade pip
-	$(BIN)/python -m pip install --quiet -e .
+	$(BIN)/python -m pip install --quiet -e ".[jit]"
 	touch $@
 
 $(TESTS): $(PROGRAM)
 	$(BIN)/python -m pip install --quiet -e ".[test]"
 	touch $@
+
+$(LINKER): $(PROGRAM)
+	$(BIN)/python -m pip install --quiet -e ".[kernels]"
+	touch $@
+
+kernels: $(LINKER)
+	$(BIN)/python -m kernels
+
+dist: kernels
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
 
 $(BROWSER): $(TESTS)
 	$(BIN)/python -m pip install --quiet -e ".[browser]"

@@ -30,7 +30,7 @@ tb.hybrid("shen-lhdr-specimen", ambient=-20.0, duration=0.1, laboratory={"mode":
 tb.response_spectrum(tb.load_motion("jra-ii-i-1"), [1.0])
 """
 
-pytest_plugins = ["tests.fixtures.study"]
+pytest_plugins = ["tests.fixtures.kernels", "tests.fixtures.study"]
 
 
 @pytest.hookimpl(optionalhook=True)

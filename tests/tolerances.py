@@ -272,6 +272,7 @@ FACES_OF_A_STEP = 1e-4  # heat that leaves through end faces in one step, of wha
 LANE_FUNCTION = 6.0  # units in the last place, of exp, tan and their like; 5 measured (atanh)
 LANE_FORCE = 1e-12  # of the peak force: other roundings of exp and tanh; 8e-14 measured
 LANE_TEMPERATURE = 1e-11  # K; 1.3e-13 measured
+WITHOUT_FUSING = 1e-8  # of the largest value: no fused multiplication and addition; 2e-9 measured
 LANE_PEAK = 1e-10  # of a peak, of a bridge in an earthquake; 1e-12 measured
 
 # --- Weather ---------------------------------------------------------------------------------

@@ -62,6 +62,13 @@ def main() -> None:
             )
             sys.exit(BAD_INPUT)
         app()
+    except RuntimeError as problem:
+        from thermobearing.core.compile import MissingKernelsError
+
+        if not isinstance(problem, MissingKernelsError):
+            raise
+        typer.echo(f"thermobearing: {problem}", err=True)
+        sys.exit(BAD_INPUT)
     finally:
         for stream in (sys.stdout, sys.stderr):
             stream.flush()

@@ -1,27 +1,28 @@
-"""Compilation of the kernels, and the cache of their machine code.
+"""The kernels: which code runs them, and the cache of their machine code.
 
-Every kernel is compiled by the decorator `compiled`. The machine code is kept on disk in a folder
-named after the digest of all kernel sources. numba's own cache compares the path and the time
-stamp of a single source file: it would compile everything again in every clone, and it would run
-stale code after a change in an imported file. Here the digest alone decides.
+Every kernel is marked by the decorator `compiled`. Its first call decides what runs it: the library
+that was built ahead of time (`core/native.py`), numba where there is none (`core/jit.py`), or plain
+Python under NUMBA_DISABLE_JIT=1. numba is not imported before a kernel needs it.
+
+The machine code of numba is kept on disk in a folder named after the digest of all kernel sources.
+numba's own cache compares the path and the time stamp of a single source file: it would compile
+everything again in every clone, and it would run stale code after a change in an imported file.
+Here the digest alone decides.
 """
 
-import contextlib
 import hashlib
+import importlib.util
+import inspect
 import os
-import shutil
 import tempfile
 import warnings
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property, update_wrapper
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-import numba
-from numba.core import caching as _caching
 from platformdirs import user_cache_path
-
-caching: Any = _caching  # numba has no types here
 
 # Every file with kernels, and every file that they take functions, numbers or records from;
 # folders stand for all their files. A test compares this with what the kernels import.
@@ -48,6 +49,10 @@ OPTIONS: Any = {
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+# How a library is loaded and called changes nothing in what it computes.
+NO_KERNELS = "core/native.py"
+
+
 def kernel_files() -> list[Path]:
     """The files of KERNELS."""
     package = Path(__file__).parents[1]
@@ -55,16 +60,26 @@ def kernel_files() -> list[Path]:
     for part in KERNELS:
         place = package / part
         found += sorted(place.rglob("*.py")) if place.is_dir() else [place]
-    return found
+    return [file for file in found if file != package / NO_KERNELS]
+
+
+@cache
+def sources_digest() -> str:
+    """Return the digest that identifies the sources of the kernels."""
+    digest = hashlib.sha256()
+    for source in kernel_files():
+        digest.update(source.read_bytes().replace(b"\r\n", b"\n"))
+    return digest.hexdigest()[:16]
 
 
 @cache
 def kernels_digest() -> str:
-    """The digest that identifies a set of kernels and the version that compiles them."""
-    digest = hashlib.sha256(f"{numba.__version__}".encode())
-    for source in kernel_files():
-        digest.update(source.read_bytes())
-    return digest.hexdigest()[:16]
+    """Return the digest that identifies a set of kernels and the version that compiles them."""
+    try:
+        compiler = version("numba")
+    except PackageNotFoundError:
+        compiler = ""
+    return hashlib.sha256(f"{compiler} {sources_digest()}".encode()).hexdigest()[:16]
 
 
 @cache
@@ -119,65 +134,90 @@ def _is_open_to_others(folder: Path) -> bool:
     return found.st_uid != os.getuid() or bool(found.st_mode & 0o022)
 
 
-class _Locator(caching._CacheLocator):
-    """Locate the machine code of a function by the digest of all kernel sources."""
-
-    def __init__(self, function: Callable[..., Any], source: str) -> None:
-        self._py_file = source
-        self._line = function.__code__.co_firstlineno
-        self._path = Path(cache_directory() or "") / Path(source).parent.name
-
-    @classmethod
-    def from_function(cls, function: Callable[..., Any], source: str) -> "_Locator":
-        """Return the locator of a function."""
-        return cls(function, source)
-
-    def get_cache_path(self) -> str:
-        """Return the folder of the machine code."""
-        return str(self._path)
-
-    def get_source_stamp(self) -> str:
-        """Return the digest of the sources; path and time stamp do not count."""
-        return kernels_digest()
-
-    def get_disambiguator(self) -> str:
-        """Return what distinguishes functions of the same name in one file."""
-        return str(self._line)
+class MissingKernelsError(RuntimeError):
+    """The kernels can be run neither by a library nor by numba."""
 
 
-class _Implementation(caching.CompileResultCacheImpl):
-    _locator_classes = (_Locator,)
+class Kernel:
+    """A function that is run as machine code; the plain Python is `py_func`."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.py_func = function
+        self.run: Callable[..., Any] = self._first_call
+        update_wrapper(self, function)
+
+    @property
+    def name(self) -> str:
+        """The place of the kernel in the package, as "core.march.march"."""
+        return f"{self.__module__.partition('.')[2]}.{self.__qualname__}"
+
+    @cached_property
+    def dispatcher(self) -> Any:
+        """The function as numba compiles it, for any arguments."""
+        from thermobearing.core.jit import new_dispatcher
+
+        return new_dispatcher(self.py_func)
+
+    def __call__(self, *given: Any, **named: Any) -> Any:
+        """Run the kernel."""
+        if named:
+            given = inspect.signature(self.py_func).bind(*given, **named).args
+        return self.run(*given)
+
+    def _first_call(self, *given: Any) -> Any:
+        self.run = self._choose()
+        return self.run(*given)
+
+    def _choose(self) -> Callable[..., Any]:
+        """Return what runs the kernel from now on."""
+        from thermobearing.core.native import find_face
+
+        if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+            return self.py_func
+        face, reason = find_face(self)
+        if face is not None:
+            return face
+        if has_numba():
+            return cast("Callable[..., Any]", self.dispatcher)
+        if reason:
+            raise MissingKernelsError(f"{reason} {NO_NUMBA}")
+        return self.py_func
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what numba knows of the function, such as `stats`."""
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self.dispatcher, name)
+
+    def __reduce__(self) -> str:
+        """Return the name, by which another process finds the kernel."""
+        return self.py_func.__qualname__
 
 
-class _Cache(caching.FunctionCache):
-    """Cache of a compiled function that compiles again what cannot be read."""
+NO_NUMBA = (
+    "numba, which could compile the kernels instead, is not installed: "
+    'pip install "thermobearing[jit]"'
+)
 
-    _impl_class = _Implementation
 
-    def load_overload(self, signature: Any, target_context: Any) -> Any:
-        """Return the kept machine code, or None; damaged files are removed."""
-        try:
-            return super().load_overload(signature, target_context)
-        except Exception:  # a damaged pickle can raise anything
-            folder = cache_directory()
-            if folder is not None:
-                shutil.rmtree(folder, ignore_errors=True)
-            return None
-
-    def save_overload(self, signature: Any, data: Any) -> None:
-        """Keep the machine code; a full disk or a removed folder must not end the run."""
-        with contextlib.suppress(OSError, EOFError):
-            super().save_overload(signature, data)
+@cache
+def has_numba() -> bool:
+    """Return whether numba is installed."""
+    return importlib.util.find_spec("numba") is not None
 
 
 def is_compiled(kernel: str) -> bool:
-    """Whether the machine code of a kernel, as "march.march", is kept from an earlier run."""
+    """Return whether a kernel, as "march.march", needs no compiling before its first run."""
+    from thermobearing.core.native import open_library
+
+    if open_library()[0] is not None:
+        return True
     folder = cache_directory()
     return folder is not None and any(folder.rglob(f"{kernel}-*.nbi"))
 
 
 def compiled(function: F) -> F:
-    """Compile a scalar function with numba; the plain Python stays at `.py_func`.
+    """Mark a function as a kernel, which is run as machine code.
 
     `contract` lets the compiler fuse a multiply and an add (same bits on one machine);
     no other floating-point rule is relaxed, so NaN checks and signs stay as written.
@@ -186,8 +226,4 @@ def compiled(function: F) -> F:
     kernels cannot allocate, which they must not anyway. Without allocation nothing needs the
     interpreter, so threads may run side by side (`nogil`).
     """
-    njit: Any = numba.njit
-    dispatcher: Any = njit(**OPTIONS)(function)
-    if cache_directory() is not None and hasattr(dispatcher, "_cache"):  # no JIT: plain Python
-        dispatcher._cache = _Cache(function)
-    return cast(F, dispatcher)
+    return cast(F, Kernel(function))

@@ -1,13 +1,10 @@
 """Many coupled steps of several runs in lockstep (core/lanes), with the kernels of one run."""
 
 from thermobearing.core.compile import compiled
-from thermobearing.core.lanes import arithmetic, functions
 from thermobearing.core.lanes.memory import WIDTH, as_lanes
 from thermobearing.core.march import march
 from thermobearing.core.records import Floats
 from thermobearing.core.types import Constants, Kept, Path, State, Workspace
-
-TAUGHT = (arithmetic, functions)  # what lanes can do, known to numba once these are imported
 
 
 @compiled

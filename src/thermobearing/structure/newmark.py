@@ -1,12 +1,13 @@
-"""Newmark's method with Newton iterations on the coupled bearings, and its energy books.
+"""Newmark's method with Newton iterations on the coupled bearings, and its energy balance.
 
-beta = 1/4, gamma = 1/2 (constant mean acceleration) keeps the books to the tolerance of the
-iterations: every work is the trapezoidal sum of forces at the ends of steps, and for those
-the scheme is exact. beta = 1/6 (linear acceleration, the source's) does not.
+With beta = 1/4 and gamma = 1/2 (constant mean acceleration) the energy balance closes to the
+tolerance of the iterations: every work is the trapezoidal sum of the forces at the ends of the
+steps, and for those the scheme is exact. With beta = 1/6 (linear acceleration, as in Shen (2023))
+it does not.
 
-Runs in lockstep (core/lanes) take no halves: one that has no equilibrium in a whole step leaves. It
-is filled with NaN, which ends every iteration at once, and its outcome says that it is to be run
-alone.
+Runs in lockstep (core/lanes) do not halve their steps: a run without equilibrium in a whole step
+leaves the lockstep. It is filled with NaN, which ends every iteration at once, and its outcome
+says that it must be run alone.
 """
 
 import math
@@ -14,7 +15,6 @@ import math
 from thermobearing.core.compile import compiled
 from thermobearing.core.lanes.choose import all_lanes, any_lane, select
 from thermobearing.core.lanes.memory import WIDTH, as_lanes
-from thermobearing.core.lockstep import TAUGHT as TAUGHT
 from thermobearing.core.records import Floats
 from thermobearing.core.step import layer_temperature
 from thermobearing.core.types import COMPLETED, TEMPERATURE_RUNAWAY
@@ -44,7 +44,7 @@ from thermobearing.structure.types import (
 
 @compiled
 def _note_watches(motion: Motion, ground: float, peaks: Peaks) -> None:
-    """Displacements and accelerations; `ground` is that of the ground [mm/s2]."""
+    """Update the displacements and accelerations; `ground` is that of the ground [mm/s2]."""
     for p in range(len(peaks.watches)):
         seen = peaks.watches[p]
         displacement, acceleration = 0.0, peaks.carried[p] * ground
@@ -58,7 +58,7 @@ def _note_watches(motion: Motion, ground: float, peaks: Peaks) -> None:
 
 @compiled
 def _note_lines(bearings: Bearings, peaks: Peaks) -> None:
-    """What every bearing line is asked for."""
+    """Update the peaks of every bearing line."""
     for k in range(len(bearings)):
         kind = bearings[k]
         cells = kind.constants.layer_cells
@@ -79,7 +79,7 @@ def _note_lines(bearings: Bearings, peaks: Peaks) -> None:
 def _note_peaks(
     system: System, bearings: Bearings, motion: Motion, ground: float, peaks: Peaks
 ) -> None:
-    """Note where structure, hinges and bearings are, if they are farther than before."""
+    """Update the peaks of the structure, the hinges and the bearings."""
     _note_watches(motion, ground, peaks)
     if len(peaks.lines) > 0:
         _note_lines(bearings, peaks)
@@ -94,7 +94,7 @@ MOST_ITERATIONS, GRACE = 100, 1000  # a step on average, after so many steps; us
 
 @compiled
 def start_motion(system: System, motion: Motion, ground: float) -> bool:
-    """Acceleration at rest under the first ground acceleration."""
+    """Set the acceleration at rest under the first ground acceleration."""
     points, n = motion.points, motion.tangent.shape[0]
     for i in range(n):
         motion.unknowns[i] = system.load[i] * ground
@@ -110,11 +110,11 @@ def start_motion(system: System, motion: Motion, ground: float) -> bool:
 def residual(
     system: System, motion: Motion, scheme: Scheme, dt: float, ground: float, scale: float
 ) -> bool:
-    """Unbalanced forces at the trial coordinates, and the effective tangent.
+    """Compute the unbalanced forces at the trial coordinates, and the effective tangent.
 
-    Each force is weighed with its own effective stiffness, since rotations and displacements
-    have different units. Returns whether what is left is within the tolerance, of inertial forces
-    of an acceleration `scale`.
+    Each force is weighted with its own effective stiffness, since rotations and displacements
+    have different units. Returns whether the residual is within the tolerance, relative to the
+    inertial forces of an acceleration `scale`.
     """
     points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     by_a, by_v = 1.0 / (scheme.beta * dt * dt), scheme.gamma / (scheme.beta * dt)
@@ -144,7 +144,7 @@ def residual(
 
 @compiled
 def leave(motion: Motion, failed: bool) -> None:
-    """What failed in lockstep goes on as NaN."""
+    """Fill the runs that failed in lockstep with NaN."""
     for i in range(motion.tangent.shape[0]):
         motion.points[i].q = select(failed, math.nan, motion.points[i].q)
 
@@ -160,7 +160,7 @@ def _newmark_step(
     ambient: float,
     scale: float,
 ) -> int:
-    """One step to the end of dt, where the ground acceleration is `ground`; nothing committed.
+    """Take one step of dt to the ground acceleration `ground`, without committing it.
 
     `scale` is the largest ground acceleration of the motion, which makes the tolerance relative.
     """
@@ -210,8 +210,9 @@ def newmark_march(
     """March through the ground acceleration.
 
     A step without equilibrium is cut in half, again and again up to `scheme.halvings` times;
-    the ground acceleration is linear between its samples. Where one of these attempts found its
-    equilibrium and then a bearing too hot, the step ends for that, whatever smaller ones say.
+    the ground acceleration is linear between its samples. If one of these attempts finds its
+    equilibrium and then an overheated bearing, the run ends with that outcome, whatever smaller
+    steps give.
 
     Returns
     -------
@@ -269,7 +270,7 @@ def peaks_march(
     rows: MotionRows,
     peaks: Peaks,
 ) -> tuple[int, int, int]:
-    """From rest through the ground acceleration; returns what `newmark_march` does."""
+    """March from rest through the ground acceleration, as `newmark_march`."""
     start_motion(system, motion, shaking.ground[0])
     _note_peaks(system, bearings, motion, shaking.ground[0], peaks)
     return newmark_march(system, bearings, motion, scheme, shaking, rows, peaks)

@@ -1,9 +1,9 @@
-"""The source's predictor-corrector (Eq. 3.8-3.16), as a hybrid test runs it.
+"""The predictor-corrector of Shen (2023), Eq. 3.8-3.16, as a hybrid test runs it.
 
 The displacement is predicted with the initial stiffness, the specimen is moved there once, and
-the force that it answers with corrects acceleration, velocity and displacement. Two slips of
-the print are mended: Eq. 3.7 says Delta a_n for a_n, and Eq. 3.15-3.16 subtract
-Delta a_c dt/2 and beta Delta a_c dt^2.
+its measured force corrects the acceleration, the velocity and the displacement. Two misprints are
+corrected: Eq. 3.7 has Delta a_n in place of a_n, and Eq. 3.15-3.16 subtract Delta a_c dt/2 and
+beta Delta a_c dt^2.
 """
 
 from thermobearing.core.compile import compiled
@@ -37,7 +37,7 @@ from thermobearing.structure.types import (
 def effective_mass(
     system: System, motion: Motion, stiffness: Floats, beta: float, dt: float
 ) -> None:
-    """M + C dt/2 + beta K dt^2 (Eq. 3.9), into the scratch matrix."""
+    """Write M + C dt/2 + beta K dt^2 (Eq. 3.9) into the scratch matrix."""
     n = motion.tangent.shape[0]
     for i in range(n):
         for j in range(n):
@@ -57,7 +57,7 @@ def predict(
     dt: float,
     ground_change: float,
 ) -> bool:
-    """Delta a_p of Eq. 3.12 into `load`, the predicted displacement into `trial`."""
+    """Write Delta a_p of Eq. 3.12 into `load`, and the predicted displacement into `trial`."""
     points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     for i in range(n):
         force = system.load[i] * ground_change
@@ -78,7 +78,7 @@ def predict(
 
 @compiled
 def correct(system: System, motion: Motion, stiffness: Floats, beta: float, dt: float) -> bool:
-    """Acceleration, velocity and displacement with the measured force (Eq. 3.13-3.16)."""
+    """Correct acceleration, velocity and displacement by the measured force (Eq. 3.13-3.16)."""
     points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     for i in range(n):
         force = points[i].trial_restoring - points[i].restoring
@@ -98,7 +98,7 @@ def correct(system: System, motion: Motion, stiffness: Floats, beta: float, dt: 
 
 @compiled
 def delayed(system: System, motion: Motion, actuators: Actuators, k: int) -> None:
-    """Where the actuators are at the end of step k: where they were told to be `lag` steps ago."""
+    """Set the positions of the actuators at the end of step k: their commands `lag` steps ago."""
     commands = actuators.commands
     for b in range(len(system.lines)):
         commands[k + 1, b] = along(system.line_rows, b, motion.points)

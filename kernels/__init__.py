@@ -1,0 +1,1 @@
+"""Build time only: libraries of the kernels, for callers without a compiler."""

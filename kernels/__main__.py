@@ -1,0 +1,29 @@
+"""`python -m kernels`: build the libraries of the kernels for all platforms, or those named."""
+
+import os
+import sys
+
+# The processor that numba optimizes for, whatever builds; each object is then made for its own.
+PROCESSOR = {
+    "NUMBA_CPU_NAME": "x86-64-v3",
+    "NUMBA_CPU_FEATURES": (
+        "+avx,+avx2,+bmi,+bmi2,+cmov,+crc32,+cx16,+cx8,+f16c,+fma,+fxsr,+lzcnt,+mmx,+movbe,"
+        "+popcnt,+sahf,+sse,+sse2,+sse3,+sse4.1,+sse4.2,+ssse3,+x87,+xsave"
+    ),
+}
+
+
+def main(names: list[str]) -> None:
+    """Compile the faces of all kernels that Python calls, and link them for each platform."""
+    from kernels.build import TARGETS, build
+    from kernels.entries import compile_all
+    from thermobearing.core.native import FOLDER
+
+    faces, described = compile_all()
+    build(faces, described, FOLDER, [one for one in TARGETS if not names or one.name in names])
+
+
+if __name__ == "__main__":
+    os.environ |= PROCESSOR  # before numba is imported
+    os.environ["THERMOBEARING_KERNELS"] = "jit"
+    main(sys.argv[1:])

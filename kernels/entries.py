@@ -1,0 +1,67 @@
+"""The kernels that Python calls, found by running a little of everything that calls one."""
+
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+import thermobearing as tb
+from kernels.faces import Compiled, Description, Recorded, compile_face, recorded
+from thermobearing.core import march, step
+from thermobearing.core.compile import Kernel, sources_digest
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.run import build_device, soaked_hours
+from thermobearing.motions import spectrum
+from thermobearing.structure import forces, newmark, predictor
+from thermobearing.structure.lanes import Run, run_lanes, run_peaks
+from thermobearing.structure.model import load_structure
+from thermobearing.structure.run import Line, prepare_structure
+
+BEARING = "shen-lhdr-bridge"
+MODULES = (march, step, forces, newmark, predictor, spectrum)
+
+
+def all_kernels() -> list[Kernel]:
+    """Return the kernels of the modules that other packages call."""
+    found = {
+        one.name: one for module in MODULES for one in vars(module).values() if type(one) is Kernel
+    }
+    return list(found.values())
+
+
+def _run_everything() -> None:
+    tb.run(BEARING, tb.cyclic_test(strain=[0.5], cycles=1, dt=0.5), ambient=-20.0)
+    tb.bridge(BEARING, "jra-ii-i-1", -20.0, duration=0.05)
+    tb.hybrid(BEARING, ambient=-20.0, duration=0.05, laboratory={"mode": "pd"})
+    tb.response_spectrum(tb.load_motion("jra-ii-i-1"), [1.0], steps_per_period=1)
+    element = tb.element(BEARING, ambient=-20.0)
+    element.set_trial(1.0, dt=0.1)
+    element.commit()
+    case = make_earthquake_case({"command": "bridge", "bearings": [BEARING]}, "kernels")
+    device = build_device(case, case.bearings[0])
+    soaked_hours(device, tb.Hourly([1.0, 2.0, 3.0]))
+    constants = device.constants
+    line = Line(constants, np.full(len(constants.cells.capacity), -20.0))
+    prepared = prepare_structure(load_structure("pier-p1"))
+    run = Run(prepared, [line], np.array([0.0, 1.0, 0.0]), 0.01, -20.0)
+    run_peaks(run)
+    run_lanes([run])
+
+
+def record() -> dict[str, tuple[Any, ...]]:
+    """Return the numba types of the arguments of each kernel that Python calls."""
+    with recorded(all_kernels()) as found, suppress(Recorded):
+        _run_everything()
+    return dict(sorted(found.items()))
+
+
+def compile_all() -> tuple[list[Compiled], dict[str, Any]]:
+    """Return all faces and their description."""
+    known = {kernel.name: kernel for kernel in all_kernels()}
+    description, faces = Description(), []
+    for name, given in record().items():
+        face = compile_face(known[name], given)
+        description.add(known[name], given, face)
+        faces.append(face)
+        print(f"{name} is compiled", flush=True)
+    return faces, description.all(sources_digest())

@@ -1,0 +1,294 @@
+"""Kernels from a library that was built ahead of time: loading it, and calling its functions.
+
+`python -m kernels` builds a library for each platform and one description of all of them,
+`kernels.json`, which says how arguments are laid out. A function of a library (a face) takes one
+pointer to a table of slots of eight bytes:
+
+    a number, whole number or choice   its value
+    an array                           its address, then its shape
+    a record (named tuple)             the address of a table of its fields, one after the other
+    a tuple of records or arrays       the address of a table with all of them, and their number
+    a result                           where the face writes it, after the arguments
+
+A record within a record has its slots among those of the outer one. Whatever does not fit the
+description (a file that differs, another processor, an array of another kind) is left to numba.
+"""
+
+import ctypes
+import hashlib
+import json
+import os
+import platform
+import struct
+import sys
+import warnings
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from thermobearing.core.compile import Kernel, has_numba, sources_digest
+
+FOLDER = Path(__file__).with_name("libraries")
+DESCRIPTION = "kernels.json"
+CHOICE = "THERMOBEARING_KERNELS"  # the environment variable: "jit", or a level such as "v1"
+PREFIX = "thermobearing_"  # of the names of all faces
+
+# What the system's processor must have for each level of x86-64, the best level first.
+LEVELS = {
+    "v4": frozenset(["avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"]),
+    "v3": frozenset(["avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"]),
+    "v1": frozenset[str](),
+}
+REUSED = ("Constants", "Workspace", "State")  # records that many calls get: their tables are kept
+MOST_KEPT = 64  # of these tables
+
+_ADDRESS: Any = ctypes.addressof
+_BYTE: Any = ctypes.c_char.from_buffer
+
+Slots = list[Any]  # of a table, and what must live as long as it
+
+
+class UnsuitableError(TypeError):
+    """Arguments that a face was not built for."""
+
+
+class Library(NamedTuple):
+    """A library that was loaded."""
+
+    file: Path
+    code: ctypes.CDLL
+    description: dict[str, Any]
+
+
+def _level() -> str:
+    """Return the best level of x86-64 that this processor is known to have."""
+    try:
+        text = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace")
+    except OSError:
+        return "v1"
+    lines = (line.partition(":")[2] for line in text.splitlines() if line.startswith("flags"))
+    flags = set(next(lines, "").split())
+    v3 = LEVELS["v3"] <= flags
+    return "v4" if v3 and LEVELS["v4"] <= flags else "v3" if v3 else "v1"
+
+
+def library_name(choice: str = "") -> str:
+    """Return the name of the library for this machine, as "linux-x86_64-v3"."""
+    machine = platform.machine().lower()
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
+    system = {"darwin": "macos", "win32": "windows"}.get(sys.platform, sys.platform)
+    if struct.calcsize("P") != 8:
+        machine += "-32"
+    if (system, machine) == ("linux", "x86_64"):
+        machine += f"-{choice or _level()}"
+    return f"{system}-{machine}"
+
+
+@cache
+def open_library() -> tuple[Library | None, str]:
+    """Return the library of this machine, or None and the reason as a sentence.
+
+    The library is looked for in the package only, and its content must have the digest that the
+    description names. There is no warning in a checkout without libraries, where numba compiles.
+    """
+    choice = os.environ.get(CHOICE, "")
+    if choice == "jit":
+        return None, f"{CHOICE}=jit asks for kernels compiled by numba."
+    if choice and choice not in LEVELS:
+        warnings.warn(f"{CHOICE}={choice}: known are jit, {', '.join(LEVELS)}.", stacklevel=2)
+        choice = ""
+    if not (FOLDER / DESCRIPTION).is_file():
+        return None, "This installation has no compiled kernels."
+    try:
+        return _load(FOLDER, library_name(choice)), ""
+    except (OSError, ValueError, KeyError, AttributeError, TypeError) as problem:
+        reason = f"The compiled kernels of this installation cannot be used: {problem}."
+        if has_numba():
+            warnings.warn(
+                f"{reason} numba compiles them again, which takes a minute.", stacklevel=2
+            )
+        return None, reason
+
+
+def _load(folder: Path, name: str) -> Library:
+    description = json.loads((folder / DESCRIPTION).read_text(encoding="utf-8"))
+    if description["sources"] != sources_digest():
+        raise ValueError("they were built from other sources")
+    known = description["libraries"].get(name)
+    if known is None:
+        raise ValueError(f"there is no library for {name}")
+    file = folder / known["file"]
+    if hashlib.sha256(file.read_bytes()).hexdigest() != known["sha256"]:
+        raise ValueError(f"the content of {file.name} is not what was built")
+    code = ctypes.CDLL(str(file))
+    built_from = ctypes.string_at(getattr(code, f"{PREFIX}sources")).decode("ascii")
+    if built_from != description["sources"]:
+        raise ValueError(f"{file.name} was built from other sources")
+    return Library(file, code, description)
+
+
+def find_face(kernel: Kernel) -> tuple[Callable[..., Any] | None, str]:
+    """Return what calls a kernel in the library, or None and the reason.
+
+    The reason is empty if the kernel has no face in any library, so that it may run as Python.
+    """
+    library, reason = open_library()
+    if library is None:
+        return None, reason
+    entry = library.description["entries"].get(kernel.name)
+    if entry is None:
+        return None, ""
+    return Face(library, entry, kernel).call, ""
+
+
+@cache
+def _fields_of(row: Any) -> list[list[Any]]:
+    """Return the fields of a record's numpy type, as the description has them."""
+    return [[name, row[name].base.str, row.fields[name][1], *row[name].shape] for name in row.names]
+
+
+class NumberKind:
+    """A float, or an int or bool."""
+
+    def __init__(self, described: str) -> None:
+        self.format = "d" if described == "float" else "q"
+
+    def add(self, number: Any, slots: Slots, _: Slots) -> None:
+        """Append the number."""
+        slots.append(number)
+
+
+class ArrayKind:
+    """An array: its dimensions, and the numpy types that fit."""
+
+    def __init__(self, described: dict[str, Any], description: dict[str, Any]) -> None:
+        self.format = "q" * (1 + described["dims"])
+        self.dims: int = described["dims"]
+        self.name = described["array"]
+        self.row = description["rows"].get(self.name)
+        self.usual: Any = None  # the type that was compared last and fits
+
+    def _is_suitable(self, dtype: Any) -> bool:
+        if self.row is None or dtype.names is None:
+            return bool(dtype.str == self.name)
+        found: bool = _fields_of(dtype) == self.row["fields"]
+        return found and dtype.itemsize == self.row["size"]
+
+    def add(self, array: Any, slots: Slots, _: Slots) -> None:
+        """Append the address and the shape of an array."""
+        if type(array) is not np.ndarray:
+            raise UnsuitableError(f"{type(array).__name__} in place of an array")
+        dtype = array.dtype
+        if dtype is not self.usual:
+            if not self._is_suitable(dtype):
+                raise UnsuitableError(f"array of {dtype} in place of {self.name}")
+            self.usual = dtype
+        shape = array.shape
+        if len(shape) != self.dims or not array.flags.c_contiguous:
+            raise UnsuitableError(f"array of shape {shape}, or not contiguous")
+        try:  # a quarter of the time of array.ctypes.data
+            slots.append(_ADDRESS(_BYTE(array)))
+        except (TypeError, ValueError):  # it is read-only or empty
+            slots.append(array.ctypes.data)
+        slots += shape
+
+
+class RecordKind:
+    """A named tuple: the slots of its fields."""
+
+    def __init__(self, described: dict[str, Any], description: dict[str, Any]) -> None:
+        fields = description["records"][described["record"]]
+        self.kinds: list[Kind] = [_new_kind(kind, description) for _, kind in fields]
+        self.format: str = "".join(kind.format for kind in self.kinds)
+
+    def add(self, record: Any, slots: Slots, held: Slots) -> None:
+        """Append the slots of all fields."""
+        if not isinstance(record, tuple) or len(record) != len(self.kinds):
+            raise UnsuitableError(f"{type(record).__name__} in place of a record")
+        for kind, one in zip(self.kinds, record, strict=True):
+            kind.add(one, slots, held)
+
+
+class TableKind:
+    """Records or arrays in a table of their own: `count` is whether their number follows."""
+
+    def __init__(self, inner: RecordKind | ArrayKind, *, counted: bool, reused: bool) -> None:
+        self.format = "qq" if counted else "q"
+        self.inner, self.counted, self.reused = inner, counted, reused
+        self.kept: dict[int, tuple[Any, Any, int]] = {}
+
+    def add(self, given: Any, slots: Slots, held: Slots) -> None:
+        """Append the address of a table, which `held` keeps alive."""
+        found = self.kept.get(id(given)) if self.reused else None
+        if found is None or found[0] is not given:
+            inner: Slots = []
+            below: Slots = []
+            every = given if self.counted else (given,)
+            for one in every:
+                self.inner.add(one, inner, below)
+            table = ctypes.create_string_buffer(struct.pack(self.inner.format * len(every), *inner))
+            found = given, (table, below), ctypes.addressof(table)
+            if self.reused:
+                if len(self.kept) >= MOST_KEPT:
+                    self.kept.clear()
+                self.kept[id(given)] = found
+        held.append(found)
+        slots.append(found[2])
+        if self.counted:
+            slots.append(len(given))
+
+
+Kind = NumberKind | ArrayKind | RecordKind | TableKind
+
+
+def _new_kind(described: Any, description: dict[str, Any]) -> Kind:
+    if isinstance(described, str):
+        return NumberKind(described)
+    if "array" in described:
+        return ArrayKind(described, description)
+    if "record" in described:
+        return RecordKind(described, description)
+    inner: Any = _new_kind(described["tuple"], description)
+    return TableKind(inner, counted=True, reused=False)
+
+
+class Face:
+    """A function of a library, with the arguments and results of its kernel."""
+
+    def __init__(self, library: Library, entry: dict[str, Any], kernel: Kernel) -> None:
+        self.kernel = kernel
+        self.function = getattr(library.code, entry["symbol"])
+        self.function.restype = None
+        self.kinds = []
+        for _, described in entry["arguments"]:
+            kind: Any = _new_kind(described, library.description)
+            if isinstance(kind, RecordKind):
+                reused = described["record"] in REUSED
+                kind = TableKind(kind, counted=False, reused=reused)
+            self.kinds.append(kind)
+        arguments = "".join(kind.format for kind in self.kinds)
+        results = "".join(NumberKind(kind).format for kind in entry["results"])
+        self.arguments = struct.Struct(arguments)
+        self.results = struct.Struct(results)
+        self.table = ctypes.c_char * (8 * (len(arguments) + len(results)))
+        self.single = entry["single"]
+
+    def call(self, *given: Any) -> Any:
+        """Call the kernel; arguments that do not fit are left to numba."""
+        slots: Slots = []
+        held: Slots = []
+        table = self.table()
+        try:
+            for kind, one in zip(self.kinds, given, strict=True):
+                kind.add(one, slots, held)
+            self.arguments.pack_into(table, 0, *slots)
+        except (UnsuitableError, struct.error, ValueError) as problem:
+            if not has_numba():
+                raise UnsuitableError(f"{self.kernel.name}(): {problem}") from None
+            return self.kernel.dispatcher(*given)
+        self.function(table)
+        found = self.results.unpack_from(table, self.arguments.size)
+        return found[0] if self.single else found or None
