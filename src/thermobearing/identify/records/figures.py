@@ -19,7 +19,7 @@ from thermobearing.results.time_axis import DrawnAxis, Stretch
 
 BINS = 3000
 FEW_TICKS = 14  # of a panel that is half as wide as the page
-LETTERS = 110  # of a line of the findings below the panels
+LETTERS, LINE = 110, 0.14  # of a line of the findings: most letters, its height [inch]
 REST, MARK, BLOCK, DRIFT = "#dfe7f5", "#CC3311", "#009988", "#EE7733"
 
 
@@ -45,7 +45,9 @@ def draw_record(
     warm = bool(record.temperatures) or ambient is not None
     title = f"{printable(record.name)}: {report.outcome}, {len(record.time)} samples, "
     title += f"ambient {drawing.degrees(record.ambient)}{' (assumed)' if assumed else ''}"
-    size = (drawing.WIDEST, 7.6 if warm else 5.6)
+    sentences = [f"- {finding.level}: {finding.sentence}" for finding in report.findings]
+    shown = "\n".join(textwrap.fill(printable(text), LETTERS) for text in sentences)
+    size = (drawing.WIDEST, (7.6 if warm else 5.0) + LINE * (shown.count("\n") + 1))
     figure, axes = drawing.panels(3 if warm else 2, 2, size, title)
     _draw_history(axes[0], report, axis, "displacement")
     _draw_history(axes[1], report, axis, "force")
@@ -58,8 +60,6 @@ def draw_record(
     if warm:
         _draw_temperatures(axes[4], report, axis, ambient)
         axes[5].set_visible(False)
-    sentences = [f"- {finding.level}: {finding.sentence}" for finding in report.findings]
-    shown = "\n".join(textwrap.fill(printable(text), LETTERS) for text in sentences)
     figure.supxlabel(shown, fontsize=drawing.SMALL, x=0.02, ha="left")
     return figure
 
@@ -128,11 +128,11 @@ def _draw_history(ax: Axes, report: CheckReport, axis: DrawnAxis, name: str) -> 
         for first, last in treatment.rests:
             ax.axvspan(time[first], time[last], color=REST, linewidth=0.0, zorder=0)
         if treatment.rests:
-            marks.append(f"shaded: {len(treatment.rests)} rests")
+            marks.append("shaded: rests")
         spikes = treatment.spikes[name]
         if spikes.any():
             ax.plot(time[spikes], values[spikes], "x", color=MARK, markersize=5)
-            marks.append(f"crosses: {int(spikes.sum())} samples of spikes")
+            marks.append("crosses: spikes")
         if name in treatment.drifts:
             drift = treatment.drifts[name]
             middle = float(np.median(drift.middles - drift.slope * drift.times))
