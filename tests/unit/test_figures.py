@@ -83,7 +83,7 @@ def test_loops_have_a_panel_per_temperature(count: int) -> None:
     ambient = [-30.0, -20.0, 0.0, 10.0, 23.0][:count]
     figure = tb.run(BEARING, tb.cyclic_test(strain=[1.0], cycles=1, dt=0.02), ambient).plot.loops()
     assert len(figure.axes) == count
-    assert titles(figure)[0] == "ambient −30 °C (not tested)"
+    assert titles(figure)[0] == "ambient −30 °C (outside calibration range)"
     assert labels(figure.axes[0])[1] == "shear stress [MPa]"
     assert labels(figure.axes[-1])[0] == "shear strain [%]"
     limits = {(ax.get_xlim(), ax.get_ylim()) for ax in figure.axes}

@@ -123,7 +123,7 @@ def test_a_test_says_what_it_leaves(tmp_path: Path) -> None:
     assert result.summary()["tested_range"] == result.tested_range.to_dict("records")
     shown = [text.get_text() for text in result.plot.loops().axes[0].texts]
     assert shown == ["shaded: outside calibration range"]
-    assert "(not tested)" in result.plot.loops().axes[0].get_title(loc="left")
+    assert "(outside" in result.plot.loops().axes[0].get_title(loc="left")
     folder = result.save(tmp_path / "out", figures=False)
     pd.testing.assert_frame_equal(pd.read_csv(folder / "tested_range.csv"), result.tested_range)
     again = tb.load_result(folder)
@@ -216,7 +216,7 @@ def test_a_fit_says_what_its_tests_cover(tmp_path: Path) -> None:
         "(1 of 2 runs, most: predicted at -30 degC)",
     )
     assert drawn.summary()["peak_force"][0]["beyond_tested"] == "ambient"
-    assert "(not tested)" in fit.plot.band(cold).get_suptitle()
+    assert "outside calibration range" in fit.plot.band(cold).get_suptitle()
 
 
 def test_a_validation_says_what_a_bearing_was_not_tested_at(tmp_path: Path) -> None:

@@ -220,7 +220,7 @@ class Figures(drawing.Figures):
         for air, end in zip(self._ambient, self._data["outcome"].values, strict=True):
             title = f"ambient {drawing.degrees(air)}"
             if "ambient" in limits_passed(rows, [run_name(air)])[0].split():
-                title += " (not tested)"
+                title += " (outside calibration range)"
             ended = "" if end == "completed" else f" ({str(end).replace('_', ' ')})"
             found.append(title + ended)
         return found

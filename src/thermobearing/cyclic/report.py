@@ -321,7 +321,7 @@ def _loops_plot(result: Result) -> Plot:
     end = 100.0 * min(result.tested_to(run, "strain") for run in range(len(traces)))
     reach = max((float(np.nanmax(np.abs(trace.x))) for trace in traces if len(trace.x)), default=0)
     sides = ((end, 1.05 * reach), (-1.05 * reach, -end)) if end < reach else ()
-    bands = [(*side, "not tested") for side in sides]
+    bands = [(*side, "outside calibration range") for side in sides]
     return Plot("shear strain [%]", "shear stress [MPa]", {"all": traces}, bands=bands)
 
 

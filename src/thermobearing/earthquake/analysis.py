@@ -121,9 +121,9 @@ def bridge(
     >>> bool(cold < warm)
     True
     """
-    on: dict[str, Any] = {"structure": structure, "lines": lines, "rig": rig}
-    on |= _table(bearing, motion, ambient, model, initial, keep, options)
-    case = make_earthquake_case({"command": "bridge"}, "bridge()", **on)
+    table = _table(bearing, motion, ambient, model, initial, keep, options)
+    table |= {"structure": structure, "lines": lines, "rig": rig}
+    case = make_earthquake_case({"command": "bridge"}, "bridge()", **table)
     return run_earthquake(case, executor=executor, progress=progress)
 
 
@@ -176,10 +176,9 @@ def hybrid(
     >>> test.outcome
     'completed'
     """
-    on: dict[str, Any] = {"structure": structure, "lines": lines, "rig": rig}
-    on["laboratory"] = laboratory
-    on |= _table(bearing, motion, ambient, model, initial, keep, options)
-    case = make_earthquake_case({"command": "hybrid"}, "hybrid()", **on)
+    table = _table(bearing, motion, ambient, model, initial, keep, options)
+    table |= {"structure": structure, "lines": lines, "rig": rig, "laboratory": laboratory}
+    case = make_earthquake_case({"command": "hybrid"}, "hybrid()", **table)
     return run_earthquake(case, executor=executor, progress=progress)
 
 

@@ -298,10 +298,12 @@ def shade_untested(
             continue
         low, high = ax.get_xlim() if along == "x" else ax.get_ylim()
         span = ax.axvspan if along == "x" else ax.axhspan
-        for first, last in ((most, high), (low, least)):
-            if last > first:
-                span(first, last, color=UNTESTED, zorder=0.2, linewidth=0)
+        outside = [(a, b) for a, b in ((most, high), (low, least)) if b > a]
+        for first, last in outside:
+            span(first, last, color=UNTESTED, zorder=0.2, linewidth=0)
         ax.set(**{f"{along}lim": (low, high)})
+        if not outside:  # the part that is drawn is within the range
+            continue
         grid = ax.get_gridspec()
         narrow = grid is not None and parent_figure(ax).get_figwidth() < NARROW * grid.ncols
         text = f"shaded: outside{chr(10) if narrow else ' '}calibration range"
