@@ -26,7 +26,7 @@ help:
 	@echo "make fuzz   hostile input, 100 000 examples (FUZZ=motions: a part)"
 	@echo "make mutants  small errors put into the code: do the tests notice? (RANDOM=40 SEED=1: by chance)"
 	@echo "make bench  speed, accuracy and memory, each beside its target"
-	@echo "make lint   ruff, mypy, import contracts"
+	@echo "make lint   ruff, mypy, import contracts, vocabulary"
 	@echo "make docs   regenerate every number and figure in README and docs"
 	@echo "make reproduce  Shen (2023) again, with a verdict on each claim, into ./reproduced"
 	@echo "make site   the documentation site, into build/site; its examples are run"
@@ -99,6 +99,7 @@ lint: $(TOOLS)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python -m docs.builder.vocabulary
 
 docs: $(TESTS)
 	$(BIN)/python -m docs.generate
