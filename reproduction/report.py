@@ -34,7 +34,7 @@ from thermobearing.report.words import identity_rows
 from thermobearing.reporting import put_files, report_files
 from thermobearing.results.base import Result
 from thermobearing.results.directory import FIGURES, RESULT_NAMES
-from thermobearing.results.screen import print_table, print_warnings, say
+from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.writing import without_nan, write_csv
 
 LEDGER, LEDGER_JSON, INDEX, TABLES = "ledger.csv", "ledger.json", "index.md", "tables"
@@ -231,14 +231,15 @@ class Reproduction(Result):
         kinds = [(name, [str(counts[name]) for counts in groups.values()]) for name in VERDICTS]
         kinds.append(("all", [str(sum(counts.values())) for counts in groups.values()]))
         rows = [(name, *numbers) for name, numbers in kinds if set(numbers) != {"0"}]
-        print_table(("verdict", *groups), rows)
+        show_table(Table("", list(map(Quantity, ("verdict", *groups))), rows))
         against = [
             (row.claim.place, _short(row.claim.statement), row.verdict.words)
             for row in self.rows
             if row.verdict.kind == CONTRADICTED and group_by_id(row.claim.id) != "misprints"
         ]
         if against:
-            print_table(("place", "statement", "verdict"), against, title="contradicted", keys=2)
+            columns = list(map(Quantity, ("place", "statement", "verdict")))
+            show_table(Table("contradicted", columns, against, keys=2))
         firm = [(abs(row.smallest.change or 0.0), row) for row in self.rows if row.smallest]
         if firm:
             least = min(firm, key=lambda pair: pair[0])[1]

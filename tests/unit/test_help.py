@@ -22,7 +22,9 @@ from thermobearing.cli import app
 from thermobearing.commands.common import COMPILING, Rate, _progress_bar
 from thermobearing.cyclic.protocol import Cycles
 from thermobearing.motions.readers import read_motion
-from thermobearing.results.screen import laid_out, print_table, say
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table
+from thermobearing.results.screen import laid_out, say, show_table
 
 
 def commands(group: Any, *words: str) -> Iterator[tuple[tuple[str, ...], Any]]:
@@ -259,7 +261,7 @@ def test_nothing_is_markup_or_cut(
 ) -> None:
     monkeypatch.delenv("COLUMNS", raising=False)
     say("a bearing [bold] of " + 60 * "many words ")
-    print_table(HEADS, ROWS, title="[red]", keys=2, styles=["red", ""])
+    show_table(Table("[red]", list(map(Quantity, HEADS)), ROWS, 2, failed=frozenset({0})))
     shown = capsys.readouterr().out
     assert "[bold]" in shown
     assert "[red]" in shown

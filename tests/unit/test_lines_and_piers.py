@@ -95,7 +95,7 @@ def test_the_document_is_about_all_lines(study: tb.EarthquakeResult) -> None:
     """Answer, first table and peaks; before: 155 kN of the line of the report."""
     pieces = build_pieces(study)
     force = study.lines["force_max_kN"].max()
-    assert f"{force:.4g} kN (" in pieces.answer[0]
+    assert f"{force:.3g} kN (" in pieces.answer[0]
     assert "23 °C, line on A)" in pieces.answer[0]
     governing = {row[0]: row[1:] for row in pieces.tables["governing"].rows}
     assert governing["Force of one bearing [kN]"] == [force, "on A", "jra-ii-i-1", 23.0]

@@ -174,7 +174,7 @@ def _answer(result: Result) -> list[str]:
         rows = cycles[cycles["amplitude_strain"] >= 0.999 * largest]
         return [*early, _governing(result, rows, largest), _changes(result, rows)]
     peaks = joined(
-        f"{number(force, '.4g')} kN at {percent(strain)} ({degrees([air])})"
+        f"{number(force)} kN at {percent(strain)} ({degrees([air])})"
         for air, force, strain in _peaks(result)
     )
     heated = f"; the test warms {warmed}" if (warmed := _warmest(result)) else ""
@@ -199,7 +199,7 @@ def _governing(result: Result, rows: pd.DataFrame, largest: float) -> str:
     air, force, _ = max(_peaks(result), key=lambda peak: peak[1])
     return (
         f"At {percent(largest)} shear strain the equivalent shear modulus G_e of the last cycle is "
-        f"{joined(each)}; the largest force is {number(force, '.4g')} kN, at {degrees([air])}."
+        f"{joined(each)}; the largest force is {number(force)} kN, at {degrees([air])}."
     )
 
 

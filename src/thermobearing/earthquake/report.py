@@ -287,17 +287,19 @@ def _governing(result: EarthquakeResult) -> str:
     pier, moved = _largest(result, "pier_displacement_max_mm", "displacement_pier")
     phrases = [
         f"the largest shear strain is {percent(strain)} ({where})",
-        f"the largest force of one bearing {number(force, '.4g')} kN"
+        f"the largest force of one bearing {number(force)} kN"
         + (f" ({pushed})" if pushed != where else " (the same run)"),
-        f"{which} pier top moves {pier:.1f} mm relative to its base ({moved})",
+        f"{which} pier top moves {number(pier)} mm relative to its base ({moved})",
     ]
     ductility, bent = _largest(result, "pier_ductility", "ductility_pier")
     hinge = "the hinge that turns most" if len(result.piers) else "its hinge"
     if ductility == ductility:
         if ductility > 1.0:
-            phrases.append(f"{hinge} yields, to a ductility of {ductility:.2f} ({bent})")
+            phrases.append(f"{hinge} yields, to a ductility of {number(ductility)} ({bent})")
         else:
-            phrases.append(f"{hinge} does not yield (ductility {ductility:.2f} at most, {bent})")
+            phrases.append(
+                f"{hinge} does not yield (ductility {number(ductility)} at most, {bent})"
+            )
     many = f"Of {counted(result.runs, 'run')}, " if result.runs > 1 else ""
     text = f"{many}{joined(phrases)}."
     return f"{text[:1].upper()}{text[1:]}"

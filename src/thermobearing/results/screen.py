@@ -33,35 +33,25 @@ def print_warnings(warnings: Iterable[str]) -> None:
         say(f"warning: {warning}", "yellow")
 
 
-def print_table(
-    heads: Row, rows: Sequence[Row], *, title: str = "", keys: int = 1, styles: Row = ()
-) -> None:
-    """Print a table without truncating numbers, in blocks if the terminal is narrow.
+def show_table(table: Table) -> None:
+    """Print a table with caption, note and marks.
 
-    The first columns, the `keys`, identify a row and are repeated in every block.
+    Numbers are not truncated: a table that is too wide is printed in blocks, each with the keys.
     """
-    if title:
-        say(f"\n{title}")
-    for number, block in enumerate(laid_out(heads, rows, keys, _screen_width())):
-        if number:
-            say("")
-        for line, text in enumerate(block, len(rows) - len(block)):
-            style = "bold" if line < 0 else (styles[line] if styles else "")
-            console = Console(highlight=False)
-            console.print(Text(text, style=style, no_wrap=True), soft_wrap=True)
-
-
-def show_table(table: Table, names: Iterable[str] | None = None) -> None:
-    """Print a table (its keys and `names` only) with caption, note and marks."""
     cells = table.texts()
     for row, column in table.marked:
         cells[row][column] += "!"
-    wanted = [column.name for column in table.columns] if names is None else [*names]
-    kept = [k for k, c in enumerate(table.columns) if k < table.keys or c.name in wanted]
-    heads = [table.columns[k].title for k in kept]
-    rows = [[row[k] for k in kept] for row in cells]
+    heads = [column.title for column in table.columns]
     styles = ["red" if k in table.failed else "" for k in range(len(cells))]
-    print_table(heads, rows, title=table.caption, keys=table.keys, styles=styles)
+    if table.caption:
+        say(f"\n{table.caption}")
+    for number, block in enumerate(laid_out(heads, cells, table.keys, _screen_width())):
+        if number:
+            say("")
+        looks = ["bold"] * (len(block) - len(cells)) + styles
+        for text, style in zip(block, looks, strict=True):
+            console = Console(highlight=False)
+            console.print(Text(text, style=style, no_wrap=True), soft_wrap=True)
     if table.note:
         say(table.note)
 
