@@ -146,8 +146,9 @@ def parts_table(found: dict[tuple[str, str], Answer]) -> list[str]:
     parts = {}
     for name in LAYERED:
         curves, _, share = found[name, LIMITS[0].told]
-        rates = share * [annual_rate(curve, SITE).rate for curve in curves.values()]
-        parts[name] = {"share": share, "part": np.where(share > 0.0, rates, 0.0) / rates.sum()}
+        rates = np.array([annual_rate(curve, SITE).rate for curve in curves.values()])
+        added = np.where(share > 0.0, share * rates, 0.0)
+        parts[name] = {"share": share, "part": added / added.sum()}
     what = {"share": "share of the time", "part": "share of the times that the pier yields"}
     columns = [(key, name) for key in what for name in LAYERED]
     heads = " | ".join(f"{what[key]}, {BEARINGS[name]}" for key, name in columns)

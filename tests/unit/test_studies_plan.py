@@ -15,7 +15,6 @@ from tests import tolerances as tol
 from thermobearing.bearing.new import new_bearing
 from thermobearing.border.errors import InputError
 from thermobearing.climate.generator import generate_weather
-from thermobearing.commands.check import check_file
 from thermobearing.earthquake import run
 from thermobearing.studies.definition import designs, record
 from thermobearing.studies.definition.case import make_study
@@ -286,17 +285,6 @@ def test_every_fault_is_in_one_message() -> None:
     text = told({"factors": ONE | {"ambient": [23], "scale": ["x"], "hour": 3}, "nme": 1})
     for word in ("problems", 'unknown key "nme"', 'unknown factor "hour"', "has no unit"):
         assert word in text
-
-
-def test_check_says_what_a_study_would_run(tmp_path: Path) -> None:
-    file = tmp_path / "study.toml"
-    head = 'kind = "study"\nname = "p1"\n[design]\nkind = "sobol"\nsamples = 8\n[factors]\n'
-    file.write_text(
-        head + 'bearing = ["shen-hdr-bridge", "shen-lhdr-bridge"]\nmotion = "jra-ii-i-1"\n'
-        'ambient = {climate = "cold-town", years = 1}\n'
-    )
-    kind, facts, _ = check_file(file)
-    assert (kind, facts["runs"], facts["bearing"]) == ("study", "16", "2 levels")
 
 
 def test_a_history_allows_varied_thermal_properties() -> None:
