@@ -345,6 +345,13 @@ def still(
 
 
 @pytest.mark.parametrize("sides", [False, True])
+def test_nothing_flows_where_all_is_as_warm(sides: bool) -> None:
+    _, states = still(True, 0.0, 10.0, 3, sides)
+    assert_allclose(states[-1].temperature, -20.0, rtol=tol.HEAT_BALANCE)
+    assert_allclose(states[-1].branches[0].lead_temperature, -20.0, rtol=tol.HEAT_BALANCE)
+
+
+@pytest.mark.parametrize("sides", [False, True])
 @pytest.mark.parametrize("dt", [1e-4, 0.01, 1.0, 100.0, 1e4])
 def test_any_step_is_stable_and_heat_flows_downhill(dt: float, sides: bool) -> None:
     _, states = still(True, 80.0, dt, 300, sides)
