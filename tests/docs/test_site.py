@@ -21,7 +21,8 @@ GUIDE = [DOCS / "index.md", *sorted((DOCS / "guide").glob("[!i]*.md"))]
 EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
 SCREENS = 180  # lines of a how-to
 MARKS = {"opensees": needs_opensees}
-MARKS |= dict.fromkeys(("report", "bearing_sizes"), pytest.mark.thorough)  # several seconds each
+LONG = ("report", "bearing_sizes", "cold_night", "parameter_studies")  # a second or more each
+MARKS |= dict.fromkeys(LONG, pytest.mark.thorough)
 PAGES = [pytest.param(path, id=path.stem, marks=MARKS.get(path.stem, ())) for path in GUIDE]
 
 

@@ -292,3 +292,7 @@ def test_bad_arguments_of_design(call: Any, pieces: list[str]) -> None:
     with pytest.raises(tb.InputError) as caught:
         call()
     assert_told(str(caught.value), pieces)
+
+
+def test_the_smallest_weight_is_accepted() -> None:
+    assert make_design_case({"weight": "0.1 kN"}, "test").weight == 0.1
