@@ -40,7 +40,7 @@ def pytest_xdist_setupnodes(config: pytest.Config) -> None:
     They find the machine code in its folder, where a stamp says that all is compiled. In a process
     of its own, so that code that does not compile fails the tests that need it, and not all.
     """
-    from thermobearing.core.compile import cache_directory
+    from thermobearing.core.compiled.sources import cache_directory
 
     folder = cache_directory()
     stamp = folder / "all-for-tests" if folder else None

@@ -17,7 +17,7 @@ def main(names: list[str]) -> None:
     """Compile the faces of all kernels that Python calls, and link them for each platform."""
     from kernels.build import TARGETS, build
     from kernels.entries import compile_all
-    from thermobearing.core.native import FOLDER
+    from thermobearing.core.compiled.native import FOLDER
 
     faces, described = compile_all()
     build(faces, described, FOLDER, [one for one in TARGETS if not names or one.name in names])

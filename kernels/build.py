@@ -20,7 +20,7 @@ import llvmlite.binding as llvm
 
 from kernels.faces import Compiled
 from kernels.header import header
-from thermobearing.core.native import PREFIX
+from thermobearing.core.compiled.native import PREFIX
 
 
 class Target(NamedTuple):

@@ -8,7 +8,8 @@ import numpy as np
 import thermobearing as tb
 from kernels.faces import Compiled, Description, Recorded, compile_face, recorded
 from thermobearing.core import march, step
-from thermobearing.core.compile import Kernel, sources_digest
+from thermobearing.core.compiled.kernel import Kernel
+from thermobearing.core.compiled.sources import sources_digest
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_device, soaked_hours
 from thermobearing.motions import spectrum

@@ -2,7 +2,7 @@
 
 What a kernel takes is found by running the package: the arguments of each call from Python have
 numba types, and these say all there is to know. Nothing is listed by hand. From the types follow
-the description of the table (`describe`, as `thermobearing.core.native` reads it) and the machine
+the description of the table (`Description`, which `core/compiled/native.py` reads) and the machine
 code that reads it (`compile_face`).
 """
 
@@ -20,9 +20,10 @@ from numba.extending import intrinsic, lower_builtin, models, register_model, ty
 from numba.np import arrayobj
 
 from thermobearing.core import types as core_types
-from thermobearing.core.compile import OPTIONS, Kernel
+from thermobearing.core.compiled.kernel import Kernel
+from thermobearing.core.compiled.native import PREFIX
+from thermobearing.core.compiled.sources import OPTIONS
 from thermobearing.core.lanes import views
-from thermobearing.core.native import PREFIX
 from thermobearing.core.records import row_type
 from thermobearing.structure import types as structure_types
 
@@ -289,7 +290,7 @@ def _named_rows() -> dict[str, str]:
 
 
 class Description:
-    """What `thermobearing.core.native` and other languages read: records, rows, entries."""
+    """What `native.py` and other languages read: records, rows, entries."""
 
     def __init__(self) -> None:
         self.records: dict[str, list[Any]] = {}

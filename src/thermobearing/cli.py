@@ -63,7 +63,7 @@ def main() -> None:
             sys.exit(BAD_INPUT)
         app()
     except RuntimeError as problem:
-        from thermobearing.core.compile import MissingKernelsError
+        from thermobearing.core.compiled.kernel import MissingKernelsError
 
         if not isinstance(problem, MissingKernelsError):
             raise

@@ -106,7 +106,7 @@ class Copy:
             else:
                 shutil.copy2(path, self.folder)
         # Imported here, so that no child is forked with the package of the tree in memory.
-        from thermobearing.core.compile import kernels_digest
+        from thermobearing.core.compiled.sources import kernels_digest
 
         known = user_cache_path("thermobearing", appauthor=False) / kernels_digest()
         if known.is_dir():

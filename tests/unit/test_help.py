@@ -142,8 +142,10 @@ def test_completion_is_offered() -> None:
 def test_first_run_says_that_it_compiles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     words = ["--strain", 0.5, "--cycles", 1, "--dt", 0.05, "--ambient", 23]
     assert COMPILING not in cyclic(*words, "-o", tmp_path / "warm").stderr
-    monkeypatch.setattr("thermobearing.core.native.open_library", lambda: (None, ""))
-    monkeypatch.setattr("thermobearing.core.compile.cache_directory", lambda: tmp_path / "empty")
+    monkeypatch.setattr("thermobearing.core.compiled.native.open_library", lambda: (None, ""))
+    monkeypatch.setattr(
+        "thermobearing.core.compiled.kernel.cache_directory", lambda: tmp_path / "empty"
+    )
     assert COMPILING in cyclic(*words, "-o", tmp_path / "cold").stderr
     assert COMPILING not in cyclic(*words, "-o", tmp_path / "quiet", "-q").stderr
 

@@ -14,7 +14,7 @@ from numpy.testing import assert_array_equal
 
 import thermobearing
 from thermobearing.core import types
-from thermobearing.core.compile import cache_directory, kernel_files
+from thermobearing.core.compiled.sources import cache_directory, kernel_files
 from thermobearing.core.records import filled, labels, row_type, rows
 from thermobearing.core.types import Books, LayerCells, RubberBooks
 from thermobearing.structure import types as structure_types

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from tests import tolerances as tol
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes import functions
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.lanes.memory import WIDTH, aligned, as_lanes, each_lane, side_by_side

@@ -19,8 +19,9 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from tests.fixtures.kernels import calls
-from thermobearing.core import march, native, types
-from thermobearing.core.compile import Kernel, MissingKernelsError
+from thermobearing.core import march, types
+from thermobearing.core.compiled import native
+from thermobearing.core.compiled.kernel import Kernel, MissingKernelsError
 from thermobearing.core.records import row_type
 from thermobearing.structure import forces
 from thermobearing.structure import types as structure_types
@@ -182,7 +183,7 @@ def test_a_library_that_differs_is_refused(
             chosen = [kernel._choose(), kernel._choose()]
         assert len(said) == 1
         assert chosen == [kernel.dispatcher] * 2
-        monkeypatch.setattr("thermobearing.core.compile.has_numba", lambda: False)
+        monkeypatch.setattr("thermobearing.core.compiled.kernel.has_numba", lambda: False)
         with pytest.raises(MissingKernelsError, match="thermobearing\\[jit\\]"):
             kernel._choose()
     finally:
@@ -216,7 +217,7 @@ import sys
 sys.modules["numba"] = sys.modules["llvmlite"] = None
 import thermobearing as tb
 import thermobearing.structure.lanes, thermobearing.motions.spectrum, thermobearing.core.lockstep
-from thermobearing.core import native
+from thermobearing.core.compiled import native
 from thermobearing.core.types import new_state
 from thermobearing.core.march import copy_state
 from pathlib import Path
@@ -244,7 +245,7 @@ NEITHER = """
 import sys
 sys.modules["numba"] = None
 from pathlib import Path
-from thermobearing.core import native
+from thermobearing.core.compiled import native
 from thermobearing.cli import main
 native.FOLDER = Path(sys.argv.pop())
 main()

@@ -171,7 +171,7 @@ def test_really_full_disk(case: Path, tmp_path: Path) -> None:
     program = """
         import resource
         from thermobearing.cli import main
-        from thermobearing.core.compile import cache_directory
+        from thermobearing.core.compiled.sources import cache_directory
         cache_directory()
         resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, 60_000))
         main()

@@ -10,8 +10,8 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from tests import tolerances as tol
-from thermobearing.core import native
-from thermobearing.core.compile import sources_digest
+from thermobearing.core.compiled import native
+from thermobearing.core.compiled.sources import sources_digest
 
 ROOT = Path(__file__).parents[2]
 LEVELS = list(native.LEVELS)

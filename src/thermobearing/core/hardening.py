@@ -11,7 +11,7 @@ at least `sharing_start` ke, and w stays 0.
 
 import math
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.hysteresis import advance
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.types import EULER, Layer, LayerWork, Rubber, State
@@ -47,7 +47,7 @@ def force_and_tangent(
 
 @compiled
 def clear(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> bool:
-    """Whether the margin is surely above `sharing_start`: a bound on Z, without the closed form.
+    """Return whether the margin surely exceeds `sharing_start`: a bound on Z, not the closed form.
 
     |Z| unloads fastest at the start, or where an inner branch starts, and loads by at most 1; the
     margin falls with Z against d.

@@ -11,7 +11,7 @@ so that the energy balance closes to rounding. `published` leaves the side loss 
 matrix (P2: explicit in time, as printed).
 """
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.records import Floats
 from thermobearing.core.types import Cells, CellWork
 

@@ -21,7 +21,7 @@ forgotten. On steady loops there are no inner branches, and the law is the publi
 
 import math
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.records import Rows
 from thermobearing.core.types import DEPTH, EULER, Layer, Rubber, State, Turn

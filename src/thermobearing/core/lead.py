@@ -7,7 +7,7 @@ hole heating a plate (t+^{1/3}); t+ = diffusivity x time / r_l^2 since the motio
 
 import math
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.lead_ends import exchange_at_ends
 from thermobearing.core.types import (

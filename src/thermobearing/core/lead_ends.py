@@ -12,7 +12,7 @@ with q the heat flow of one core through the port.
 
 import math
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.records import Floats
 from thermobearing.core.types import Constants, State, Workspace
 
@@ -35,7 +35,7 @@ def _invert(matrix: Floats) -> None:
 
 @compiled
 def factor_ports(constants: Constants, work: Workspace, dt: float) -> None:
-    """What each term keeps over dt [s] and gains from a flow, and the ports' conductance."""
+    """Return each term's decay over dt [s], its gain from a flow, and the ports' conductance."""
     lead, lead_cells, lead_modes = constants.lead, constants.lead_cells, constants.lead_modes
     excess = work.lead_ports.conductance
     excess[:] = 0.0

@@ -1,6 +1,6 @@
 """Many coupled steps of several runs in lockstep (core/lanes), with the kernels of one run."""
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.memory import WIDTH, as_lanes
 from thermobearing.core.march import march
 from thermobearing.core.records import Floats
@@ -20,13 +20,13 @@ def march_lanes(
     """`march` of WIDTH runs, all arguments from `side_by_side`.
 
     Writes into `ends` [3, WIDTH] what ended each run, its softened steps and its largest mismatch
-    of layer forces [kN]. A run that failed on the way goes on, to no use.
+    of layer forces [kN]. A run that failed continues without a use.
 
     Returns
     -------
     steps done, rows written.
     """
-    told = as_lanes(ends, WIDTH)
+    results = as_lanes(ends, WIDTH)
     done, kept, outcome, softened, mismatch = march(
         as_lanes(constants, WIDTH),
         as_lanes(work, WIDTH),
@@ -35,7 +35,7 @@ def march_lanes(
         as_lanes(path, WIDTH),
         as_lanes(rows, WIDTH),
     )
-    told[0] = outcome
-    told[1] = softened
-    told[2] = mismatch
+    results[0] = outcome
+    results[1] = softened
+    results[2] = mismatch
     return done, kept

@@ -1,6 +1,6 @@
-"""Many coupled steps in a row, with the rows that the user asked to keep."""
+"""Many coupled steps in a row, with the rows to be kept."""
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.choose import all_lanes, select
 from thermobearing.core.records import Floats, Ints
 from thermobearing.core.step import has_failed, layer_temperature, step
@@ -33,7 +33,7 @@ def _farthest_from(temperature: Floats, ambient: float) -> float:
 
 @compiled
 def keep_row(constants: Constants, state: State, kept: Kept, row: int) -> None:
-    """Write what is wanted of a state into one row."""
+    """Write the kept quantities of a state into one row."""
     kept.books[row] = state.books[0]
     for j in range(kept.rubber.shape[1]):
         kept.rubber[row, j] = layer_temperature(constants.layer_cells, state.temperature, j)
@@ -107,16 +107,16 @@ def hours_at_rest(
     after: Floats,
     found: Floats,
 ) -> None:
-    """Temperatures at some hours: after = kept @ now + early * air + late * air an hour later.
+    """Compute hourly temperatures: after = kept @ now + early * air + late * air an hour later.
 
     Parameters
     ----------
     kept : [n, n], transposed: row j is what temperature j gives to all an hour later.
     early, late : [n] what the air at the two ends of the hour gives.
     air : at full hours [degC].
-    places : hours that are wanted, increasing.
+    places : requested hours, increasing.
     now : [n] temperatures at hour 0 [degC]; overwritten, as `after`, which is scratch.
-    found : [wanted, n] where they go.
+    found : [requested, n] the temperatures found.
     """
     here = 0
     for row in range(len(places)):

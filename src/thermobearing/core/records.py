@@ -20,7 +20,7 @@ KINDS = {float: np.float64, int: np.int64}
 
 
 class Rows(Protocol[R]):
-    """What is used here of a numpy array whose rows are records of the class R."""
+    """The part of numpy's arrays in use here, with records of the class R as rows."""
 
     def __len__(self) -> int: ...
 
@@ -46,7 +46,7 @@ class Rows(Protocol[R]):
 
 
 class Label(NamedTuple):
-    """What a number of a record is called in files and figures."""
+    """The names of a number of a record in files and figures."""
 
     name: str
     unit: str

@@ -18,7 +18,7 @@ step: force and tangent of the step are what they are for constant stiffness.
 
 import math
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.choose import any_lane, select
 from thermobearing.core.records import Rows
 from thermobearing.core.types import Layer, LayerWork, Rubber

@@ -24,7 +24,7 @@ the difference between F and the force of the unmodified layer law, reported as 
 
 import math
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.hardening import force_and_tangent, weight
 from thermobearing.core.hysteresis import NO_MOTION, advance, branch, entry, hysteretic_slope
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
@@ -171,7 +171,7 @@ def _force_by_weight(
 
 @compiled
 def _kinks(rubber: Rubber, old: State, work: LayerWork) -> bool:
-    """Whether the Newton correction takes a layer to where dZ/dd jumps.
+    """Return whether the Newton correction takes a layer across a jump of dZ/dd.
 
     It does where the increment turns round, and where an inner branch ends.
     """
@@ -191,7 +191,7 @@ def _kinks(rubber: Rubber, old: State, work: LayerWork) -> bool:
 
 @compiled
 def correct(work: LayerWork, new: Rows[Layer]) -> None:
-    """The last correction: the next iterate differs by its square, so the law is not asked."""
+    """The last correction: the next iterate differs by its square, so the law is not evaluated."""
     for j in range(len(new)):
         work.trial[j] += work.direction[j]
         new[j].z += work.slope[j] * work.direction[j]

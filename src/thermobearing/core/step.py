@@ -12,7 +12,7 @@ search for x may call `move` as often as it needs between one `begin` and one `s
 
 import math
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.hardening import strain_factor
 from thermobearing.core.heat import eliminate, factor, substitute
 from thermobearing.core.hysteresis import remember
@@ -50,7 +50,7 @@ def layer_temperature(layer_cells: Rows[LayerCells], temperature: Floats, j: int
 
 @compiled
 def runs_away(constants: Constants, state: State) -> bool:
-    """Whether a rubber layer is colder than possible or decomposes, or the lead melts."""
+    """Return whether a rubber layer is colder than possible or decomposes, or the lead melts."""
     limits = constants.limits
     away = state.branches[0].lead_temperature > limits.lead
     for j in range(len(constants.layer_cells)):
@@ -252,7 +252,7 @@ def begin(constants: Constants, work: Workspace, state: State) -> None:
 
 @compiled
 def has_failed(outcome: int) -> bool:
-    """Whether a step failed."""
+    """Return whether a step failed."""
     return (outcome != COMPLETED) & (outcome != SOFTENED)
 
 

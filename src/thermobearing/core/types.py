@@ -65,7 +65,7 @@ class LeadCell:
 
 
 class LayerCells:
-    """Where a rubber layer lies in the stack of cells."""
+    """The position of a rubber layer in the stack of cells."""
 
     first: int  # its first cell
     last: int  # one past its last
@@ -100,7 +100,7 @@ class LawPiece:
 
 
 class Layer:
-    """What a rubber layer remembers."""
+    """The memory of a rubber layer."""
 
     d: float  # displacement d_j [mm]
     z: float  # hysteretic variable Z_j [mm]
@@ -130,7 +130,7 @@ class Branches:
 
 
 class RubberBooks:
-    """What every bearing reports: energies since the start; `recoverable` is the present one."""
+    """The results of every bearing: energies since the start; `recoverable` is the present one."""
 
     clock: Annotated[float, "s", "time since the start"]
     displacement: Annotated[float, "mm", "shear displacement of the bearing"]
@@ -148,7 +148,7 @@ class RubberBooks:
 
 
 class Books(RubberBooks):
-    """What a bearing with lead or rate dependence reports in addition."""
+    """Further results of a bearing with lead or rate dependence."""
 
     rubber_force: Annotated[float, "kN", "share of the rubber layers in the force"]
     lead_force: Annotated[float, "kN", "share of the lead cores in the force"]
@@ -255,7 +255,9 @@ class Constants(NamedTuple):
     rubber: Rubber
     lead: Lead
     viscous: Viscous
-    law: Rows[LawPiece]  # table of the temperature law, beside the exponents; empty for none
+    law: Rows[
+        LawPiece
+    ]  # table of the temperature law, in addition to the exponents; empty for none
     multiplicity: Floats  # [L] layers of the bearing that each modelled layer stands for
     layer_cells: Rows[LayerCells]  # [L]
     cells: Cells

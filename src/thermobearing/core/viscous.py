@@ -7,7 +7,7 @@ Exact for a displacement that changes linearly over the step.
 
 import math
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 
 
 @compiled

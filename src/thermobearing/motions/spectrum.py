@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import number_list
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import GroundMotion
 

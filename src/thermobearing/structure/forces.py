@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.march import copy_state
 from thermobearing.core.records import Floats, Ints, Rows
@@ -30,7 +30,7 @@ from thermobearing.structure.types import Coordinate, LineFactors, Motion, Motio
 
 @compiled
 def _swap_rows(matrix: Floats, vector: Floats, k: int, i: int, where: bool) -> None:
-    """Rows k and i change places where it is wanted."""
+    """Swap rows k and i where `where` is true."""
     for j in range(matrix.shape[0]):
         upper, lower = matrix[k, j], matrix[i, j]
         matrix[k, j], matrix[i, j] = select(where, lower, upper), select(where, upper, lower)
@@ -89,7 +89,7 @@ Bearings: TypeAlias = tuple[Kind, ...]
 
 @compiled
 def line_state(states: Any, m: int) -> State:
-    """Where the bearing of one line is; not a copy."""
+    """Return the displacements of the bearing of one line, not a copy."""
     return State(
         states.layers[m],
         states.turns[m],
@@ -198,7 +198,7 @@ def spread(rows: Floats, row: int, force: float, stiffness: float, motion: Motio
 
 @compiled
 def _bearing_dt(line: LineFactors, dt: float, dx: float) -> float:
-    """How long the modelled bearing takes for dx [mm]: earthquake time, or that of its actuator."""
+    """Return the time in which the bearing moves by dx [mm]: in the earthquake or its actuator."""
     quake = line.speed == 0.0
     if all_lanes(quake):
         return dt
@@ -214,7 +214,7 @@ def set_stretches(system: System, motion: Motion) -> None:
 
 @compiled
 def begin_bearings(bearings: Bearings) -> None:
-    """What the bearings need once a step, before `restoring`."""
+    """Prepare the bearings once in a step, before `restoring`."""
     for k in range(len(bearings)):
         kind = bearings[k]
         for m in range(len(kind.lines)):

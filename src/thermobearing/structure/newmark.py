@@ -12,7 +12,7 @@ says that it must be run alone.
 
 import math
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.choose import all_lanes, any_lane, select
 from thermobearing.core.lanes.memory import WIDTH, as_lanes
 from thermobearing.core.records import Floats

@@ -6,7 +6,7 @@ corrected: Eq. 3.7 has Delta a_n in place of a_n, and Eq. 3.15-3.16 subtract Del
 beta Delta a_c dt^2.
 """
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.records import Floats
 from thermobearing.core.types import COMPLETED
 from thermobearing.structure.forces import (

@@ -7,7 +7,7 @@ the point where it turned. Every rule is a straight line, and an increment of an
 along them exactly.
 """
 
-from thermobearing.core.compile import compiled
+from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.choose import any_lane, no, select
 from thermobearing.core.records import Rows, rows
 from thermobearing.structure.types import ABOVE, BELOW, Bend, Hinge, HingeState, Side

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import Books
 
-# Outcomes beside those of the coupled step (core/types.py).
+# Outcomes in addition to those of the coupled step (core/types.py).
 NO_EQUILIBRIUM: Final = 20
 DIVERGED: Final = 21
 
@@ -33,14 +33,14 @@ class Hinge:
 
 
 class Bend:
-    """Where a hinge is."""
+    """The position of a hinge."""
 
     rotation: float  # [rad]
     moment: float  # [kN mm]
 
 
 class Side:
-    """What a hinge remembers of one direction."""
+    """The memory of a hinge in one direction."""
 
     farthest: float  # rotation so far, with its sign; at least the yield rotation
     turned: float  # rotation and moment where it last turned back
@@ -59,7 +59,7 @@ class LineFactors:
 
 
 class Coordinate:
-    """Where the structure is in one of its coordinates, and where a trial takes it."""
+    """The motion of the structure in one coordinate, and that of a trial."""
 
     q: float
     v: float
@@ -100,14 +100,14 @@ class System(NamedTuple):
 
 
 class HingeState(NamedTuple):
-    """Where the hinges are, and what they remember."""
+    """The positions and memories of the hinges."""
 
     bends: Rows[Bend]  # [h]
     sides: Rows[Side]  # [h, 2]
 
 
 class Motion(NamedTuple):
-    """Where the structure is, and scratch of the integration."""
+    """The motion of the structure, and scratch of the integration."""
 
     points: Rows[Coordinate]  # [n]
     unknowns: Floats  # [n] right side, then solution of the equations
@@ -120,7 +120,7 @@ class Motion(NamedTuple):
 
 
 class Scheme(NamedTuple):
-    """How time is integrated; scalars only."""
+    """Parameters of the time integration; scalars only."""
 
     beta: float
     gamma: float
@@ -130,7 +130,7 @@ class Scheme(NamedTuple):
 
 
 class Shaking(NamedTuple):
-    """What a structure is exposed to."""
+    """The loads of a structure."""
 
     ground: Floats  # [steps + 1] acceleration at the ends of steps [mm/s2], linear between
     dt: float  # of the steps [s]
@@ -144,7 +144,7 @@ class Actuators(NamedTuple):
     stiffness: Floats  # [n, n] of the predictor, initial stiffness of everything
     noise: Floats  # [steps] added to the force of every modelled bearing [kN]
     commands: Floats  # [steps + 1, b] scratch: stretches to reach; zeros
-    lag: float  # delay, in steps, >= 0: the force is read where they were told to be then
+    lag: float  # delay, in steps, >= 0: the force is read at the displacements commanded then
 
 
 class Watch:
@@ -173,7 +173,7 @@ class HingePeak:
 
 
 class Peaks(NamedTuple):
-    """What is noted at the end of every step, in place of rows; all may be empty."""
+    """Quantities noted at the end of every step in place of rows; all may be empty."""
 
     places: Floats  # [p, n] displacement that is watched, per coordinate
     carried: Floats  # [p] 1 where the ground moves what is watched, 0 for a difference

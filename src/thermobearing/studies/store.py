@@ -33,7 +33,7 @@ import thermobearing
 from thermobearing.border.errors import InputError, OutputError, read_bytes, shortened
 from thermobearing.border.text_file import replacing, write_file, write_whole
 from thermobearing.border.toml import flat
-from thermobearing.core.compile import kernels_digest
+from thermobearing.core.compiled.sources import kernels_digest
 from thermobearing.earthquake.dataset import padded
 from thermobearing.earthquake.measures import HISTORIES
 from thermobearing.quantities.register import quantity

@@ -6,10 +6,10 @@
     no(mask)             where it does not hold
 
 For one run a mask is True or False: the first is `a if mask else b`, the others are the mask
-itself and `not`, and the machine code is that of `if`. In lockstep, `if any_lane(mask):` goes
-where any run goes, and `select` keeps what is its own; a loop goes on until all runs have
-what they want, and those that have it stay where they are. NaN must end every loop: a run that
-failed goes on with it until its company is done.
+itself and `not`, and the machine code is that of `if`. In lockstep, `if any_lane(mask):` is entered
+if any run enters it, and `select` keeps the values of the others; a loop continues until all runs
+have converged, and those that have converged do not change. NaN must end every loop: a run that
+failed continues with NaN until the other runs are done.
 """
 
 from typing import TypeVar

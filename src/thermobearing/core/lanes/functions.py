@@ -17,7 +17,8 @@ from numba import types
 from numba.core.typing.templates import signature
 from numba.extending import intrinsic, overload
 
-from thermobearing.core.compile import OPTIONS, compiled
+from thermobearing.core.compiled.kernel import compiled
+from thermobearing.core.compiled.sources import OPTIONS
 from thermobearing.core.lanes.arithmetic import CONTRACT
 from thermobearing.core.lanes.choose import select
 from thermobearing.core.lanes.kinds import DOUBLE, LaneType

@@ -2,8 +2,8 @@
 
 Kernels are written once. Called with a float they compute one run; called with a lane in its
 place they compute as many runs as it is wide, in lockstep. A lane is an LLVM vector of doubles,
-on which the processor works with one instruction, or a few. No operation mixes lanes: what a run
-gets does not depend on its company.
+on which the processor works with one instruction, or a few. No operation mixes lanes: the
+result of a run does not depend on the runs next to it.
 """
 
 from collections.abc import Callable, Sequence

@@ -14,7 +14,8 @@ from numba import types
 from numba.core import caching as _caching
 from numba.extending import typeof_impl
 
-from thermobearing.core.compile import OPTIONS, Kernel, cache_directory, kernels_digest
+from thermobearing.core.compiled.kernel import Kernel
+from thermobearing.core.compiled.sources import OPTIONS, cache_directory, kernels_digest
 
 caching: Any = _caching  # numba has no types here
 

@@ -29,7 +29,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from thermobearing.core.compile import Kernel, has_numba, sources_digest
+from thermobearing.core.compiled.kernel import Kernel, has_numba
+from thermobearing.core.compiled.sources import sources_digest
 
 FOLDER = Path(__file__).with_name("libraries")
 DESCRIPTION = "kernels.json"

@@ -1,0 +1,112 @@
+"""The decorator of kernels, and which code runs them.
+
+Every kernel is marked by the decorator `compiled`. Its first call decides what runs it: the library
+that was built ahead of time (`native.py`), numba where there is none (`jit.py`), or plain Python
+under NUMBA_DISABLE_JIT=1. numba is not imported before a kernel needs it.
+"""
+
+import importlib.util
+import inspect
+import os
+from collections.abc import Callable
+from functools import cache, cached_property, update_wrapper
+from typing import Any, TypeVar, cast
+
+from thermobearing.core.compiled.sources import cache_directory
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class MissingKernelsError(RuntimeError):
+    """The kernels can be run neither by a library nor by numba."""
+
+
+class Kernel:
+    """A function that is run as machine code; the plain Python is `py_func`."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.py_func = function
+        self.run: Callable[..., Any] = self._first_call
+        update_wrapper(self, function)
+
+    @property
+    def name(self) -> str:
+        """The place of the kernel in the package, as "core.march.march"."""
+        return f"{self.__module__.partition('.')[2]}.{self.__qualname__}"
+
+    @cached_property
+    def dispatcher(self) -> Any:
+        """The function as numba compiles it, for any arguments."""
+        from thermobearing.core.compiled.jit import new_dispatcher
+
+        return new_dispatcher(self.py_func)
+
+    def __call__(self, *given: Any, **named: Any) -> Any:
+        """Run the kernel."""
+        if named:
+            given = inspect.signature(self.py_func).bind(*given, **named).args
+        return self.run(*given)
+
+    def _first_call(self, *given: Any) -> Any:
+        self.run = self._choose()
+        return self.run(*given)
+
+    def _choose(self) -> Callable[..., Any]:
+        """Return what runs the kernel from now on."""
+        from thermobearing.core.compiled.native import find_face
+
+        if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+            return self.py_func
+        face, reason = find_face(self)
+        if face is not None:
+            return face
+        if has_numba():
+            return cast("Callable[..., Any]", self.dispatcher)
+        if reason:
+            raise MissingKernelsError(f"{reason} {NO_NUMBA}")
+        return self.py_func
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what numba knows of the function, such as `stats`."""
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self.dispatcher, name)
+
+    def __reduce__(self) -> str:
+        """Return the name, by which another process finds the kernel."""
+        return self.py_func.__qualname__
+
+
+NO_NUMBA = (
+    "numba, which could compile the kernels instead, is not installed: "
+    'pip install "thermobearing[jit]"'
+)
+
+
+@cache
+def has_numba() -> bool:
+    """Return whether numba is installed."""
+    return importlib.util.find_spec("numba") is not None
+
+
+def is_compiled(kernel: str) -> bool:
+    """Return whether a kernel, as "march.march", needs no compiling before its first run."""
+    from thermobearing.core.compiled.native import open_library
+
+    if open_library()[0] is not None:
+        return True
+    folder = cache_directory()
+    return folder is not None and any(folder.rglob(f"{kernel}-*.nbi"))
+
+
+def compiled(function: F) -> F:
+    """Mark a function as a kernel, which is run as machine code.
+
+    `contract` lets the compiler fuse a multiply and an add (same bits on one machine);
+    no other floating-point rule is relaxed, so NaN checks and signs stay as written.
+    `_nrt=False` leaves out numba's reference counting of arrays, and `forceinline` the passing
+    of records between functions; each took more time than the physics. The price is that
+    kernels cannot allocate, which they must not anyway. Without allocation nothing needs the
+    interpreter, so threads may run side by side (`nogil`).
+    """
+    return cast(F, Kernel(function))
