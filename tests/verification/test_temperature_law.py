@@ -169,6 +169,6 @@ def test_a_fit_states_the_range_of_its_own_tests() -> None:
     free = tb.identify_bearing(records, specimen(), free=["n_T"], **options)
     law = _bearing_table(free)["temperature_law"]
     assert (law["coldest"]["value"], law["warmest"]["value"]) == ("-10.0 degC", "15.0 degC")
-    assert law["warmest"]["source"].startswith("air of the tests")
+    assert law["warmest"]["source"].startswith("ambient temperatures of the tests")
     held = tb.identify_bearing(records, specimen(), free=["K_r"], **options)
     assert _bearing_table(held)["temperature_law"]["warmest"]["value"] == "34.0 degC"
