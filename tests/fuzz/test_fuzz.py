@@ -1,6 +1,6 @@
 """Hostile input at every border: a clean error, a completed run or a typed outcome, never else.
 
-Two thousand examples by default, always the same; the first fifth of them where the thorough
+Two thousand examples by default, always the same; the first tenth of them where the thorough
 tests are left out (`make test`). `make fuzz` tries a hundred thousand others;
 THERMOBEARING_FUZZ is their number and THERMOBEARING_FUZZ_SEED their seed. What fails is told
 with an example, and kept whole in the folder THERMOBEARING_FUZZ_KEEP if that is set.
@@ -24,7 +24,7 @@ from tests.fuzz.commands import command_borders
 from tests.fuzz.judge import Example, Tally
 
 USUAL = 2300  # some of which come out alike, and are tried once
-QUICK = 5  # divides their number where thorough tests are left out
+QUICK = 10  # divides their number where thorough tests are left out
 COUNT = int(os.environ.get(conftest.COUNT, USUAL))
 BORDERS = [*library_borders(), *command_borders()]
 # The limits of the package, lowered: what they let through is then tried in milliseconds.

@@ -48,6 +48,11 @@ def drawn(ax: Axes) -> list[np.ndarray]:
     return [np.asarray(y) for line in ax.get_lines() if len(y := line.get_ydata(orig=True)) > 2]
 
 
+def drawn_names(result: tb.Result) -> list[str]:
+    """Names of all figures that can be drawn; they are drawn, but not written."""
+    return [name for name, draw in result.plot.draw_all().items() if draw().axes]
+
+
 def test_save_all_writes_six_png(result: tb.Result, tmp_path: Path) -> None:
     files = result.plot.save_all(tmp_path / "new" / "figures")
     assert [file.stem for file in files] == NAMES
@@ -188,7 +193,7 @@ def test_energy_gives_the_residual(result: tb.Result) -> None:
     assert f"thermal {expected:.2g} %".replace("-", "−") in titles(lossy.plot.energy())[0]
 
 
-def test_full_stack_shows_the_whole_height(tmp_path: Path) -> None:
+def test_full_stack_shows_the_whole_height() -> None:
     test = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.02)
     result = tb.run(BEARING, test, lower_face=tb.EndFace(film=5.0))
     figure = result.plot.profiles()
@@ -196,7 +201,7 @@ def test_full_stack_shows_the_whole_height(tmp_path: Path) -> None:
     assert {"upper face", "lower face", "rubber 6"} <= set(texts)
     assert figure.axes[0].get_ylim()[0] > 96.0
     assert "layers 1 to 6 (lower face)" in shown(result.plot.layer_temperatures())
-    assert len(result.plot.save_all(tmp_path)) == 6
+    assert drawn_names(result) == NAMES
 
 
 def test_recorded_history_gives_points() -> None:
@@ -207,7 +212,7 @@ def test_recorded_history_gives_points() -> None:
     figure = result.plot.measures()
     assert {line.get_linestyle() for line in figure.axes[0].get_lines()} == {"None"}
     assert shown(figure)[-1] == "every cycle"
-    assert list(result.plot.draw_all()) == NAMES
+    assert drawn_names(result) == NAMES
 
 
 def test_ramp_has_no_measures() -> None:
@@ -243,7 +248,7 @@ def test_what_was_not_kept_is_skipped() -> None:
     assert list(result.plot.draw_all()) == held
 
 
-def test_unequal_clocks(tmp_path: Path) -> None:
+def test_unequal_clocks() -> None:
     cycle = {"step": "cycles", "strain": 1, "speed": "30 mm/s", "count": 2}
     result = tb.run(BEARING, steps(cycle, {"step": "rest", "within": "0.5 K"}, cycle), [-20, 23])
     assert "clock" in result.dataset
@@ -254,10 +259,10 @@ def test_unequal_clocks(tmp_path: Path) -> None:
     for run in range(2):  # the second loading starts at the same place on the axis
         x, _ = axis.trace(run, result["displacement"].values[run])
         assert np.isclose(x, axis.stretches[2].left).any()
-    assert len(result.plot.save_all(tmp_path)) == 6
+    assert drawn_names(result) == NAMES
 
 
-def test_interrupted_run_is_drawn_as_far_as_it_got(tmp_path: Path) -> None:
+def test_interrupted_run_is_drawn_as_far_as_it_got() -> None:
     def stop(done: int, _: int) -> None:
         if done > 2000:
             raise KeyboardInterrupt
@@ -267,7 +272,7 @@ def test_interrupted_run_is_drawn_as_far_as_it_got(tmp_path: Path) -> None:
     assert result.outcome == "interrupted"
     assert (result["segment"].values == -1).any()
     assert titles(result.plot.loops())[-1].endswith("(interrupted)")
-    assert len(result.plot.save_all(tmp_path)) == 6
+    assert drawn_names(result) == NAMES
 
 
 def test_shortened_rest_starts_to_scale_and_fills_its_room(result: tb.Result) -> None:

@@ -73,7 +73,7 @@ def test_killed_at_any_event(
         run_study(study, out, jobs=1, size=1)
 
     kills = 0
-    for moment in (1, 2, 3, 5, 8, 11, 13, 15, 18, 21, 23, 26, 29, 1000):
+    for moment in (1, 3, 5, 8, 13, 18, 21, 26, 1000):
         done = study_status(out).done if (out / "manifest.json").exists() else 0
         before = len((tmp_path / "runs").read_text()) if (tmp_path / "runs").exists() else 0
         killed, told = in_child(lambda moment=moment: until(moment))  # type: ignore[misc]
@@ -84,7 +84,7 @@ def test_killed_at_any_event(
         assert after >= done  # nothing is lost
         assert computed <= after - done + 1  # nothing is done twice but what had no file
         last = (told, after)
-    assert kills >= 8
+    assert kills >= 6
     assert last == ("", 8)
     assert kept(out) == small_files
     assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []

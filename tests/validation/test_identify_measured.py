@@ -32,6 +32,7 @@ def identified(folder: Path, *, virgin: bool) -> Identification:
     return identify_bearing(record, record.bearing)
 
 
+@pytest.mark.thorough
 def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
     """No clock, no temperature, no plan size are given; only the rubber height of 156 mm is."""
     found = identified(tmp_path, virgin=False)

@@ -258,7 +258,11 @@ def test_yield_stress_of_lead_is_identified(yield_stress: float) -> None:
 
 @pytest.mark.parametrize(
     ("bearing", "seeds"),
-    [pytest.param(HDR, 3, id="HDR"), pytest.param(LHDR, 3, id="LHDR", marks=pytest.mark.thorough)],
+    [
+        pytest.param(HDR, 1, id="HDR, one file"),
+        pytest.param(HDR, 3, id="HDR", marks=pytest.mark.thorough),
+        pytest.param(LHDR, 3, id="LHDR", marks=pytest.mark.thorough),
+    ],
 )
 def test_coverage_with_a_file_that_is_off(bearing: tb.Bearing, seeds: int) -> None:
     """What is not identified is off by its stated uncertainty; more seeds in the bench."""
