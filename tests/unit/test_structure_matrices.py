@@ -523,6 +523,24 @@ def test_piers_stand_side_by_side_and_the_deck_lies_over_them() -> None:
     assert not _lay_out(load_structure("hybrid-pier")).scaled
 
 
+def test_names_of_bearing_lines_lie_apart_and_inside_the_frame() -> None:
+    bridge = bridge_of(two_piers())
+    for first in ("P1", "pier 1, on the left"):
+        named = [first, *(f"{first}, line {k}" for k in range(2, 1 + len(bridge.bearings)))]
+        lines = [
+            line.model_copy(update={"name": name})
+            for line, name in zip(bridge.bearings, named, strict=True)
+        ]
+        figure = tb.examine_structure(bridge.model_copy(update={"bearings": lines})).plot.model()
+        figure.draw_without_rendering()
+        (ax,) = figure.axes
+        shown = {text.get_text().replace("\n", " "): text for text in ax.texts}
+        boxes = [shown[name].get_window_extent() for name in named]
+        for k, box in enumerate(boxes):
+            assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+            assert box.y1 < ax.get_window_extent().y1
+
+
 ON_THE_GROUND = """name = "mass"
 [[bodies]]
 name = "deck"

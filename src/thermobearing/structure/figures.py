@@ -13,6 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
+from matplotlib.text import Annotation
+from matplotlib.transforms import Bbox
 
 from thermobearing.core.records import Floats
 from thermobearing.results import drawing
@@ -27,6 +29,8 @@ TEETH = 5  # of a spring
 SEAT = 0.26  # distance of two lines on one pier, of the spacing of piers
 OVERHANG = 0.09  # of a deck beyond its last line, likewise
 NAME = 0.09  # distance of the name of a body, likewise
+NAME_WIDTH = 14  # letters of a line of the name of a bearing line
+ABOVE_DECK = 8.0  # height of these names above the top of a line [pt]
 LEGEND = 105  # letters of a line of the legend
 TEXT: drawing.Look = {
     "textcoords": "offset points",
@@ -107,6 +111,31 @@ def _ends(structure: Structure, name: str) -> tuple[float, float]:
     return M * min(heights, default=0.0), M * max(heights, default=0.0)
 
 
+def _separate(figure: Figure, ax: Axes, names: list[Annotation]) -> None:
+    """Raise names of bearing lines above the neighbours that they overlap, and make room for them.
+
+    Boxes are in pixels of the figure after its layout.
+    """
+    figure.draw_without_rendering()
+    point = figure.dpi / 72.0
+    placed: list[Bbox] = []
+    names = sorted(names, key=lambda name: float(name.xy[0]))
+    for name in names:
+        box = name.get_window_extent()
+        while below := [other for other in placed if other.padded(point).overlaps(box)]:
+            rise = max(other.y1 for other in below) + 2.0 * point - box.y0
+            name.xyann = (0.0, name.xyann[1] + rise / point)
+            box = box.translated(0.0, rise)
+        placed.append(box)
+    frame = ax.get_window_extent()
+    low, high = ax.get_ylim()
+    for name, box in zip(names, placed, strict=True):
+        place = float(name.xy[1])
+        above = box.y1 + 4.0 * point - ax.transData.transform((0.0, place))[1]
+        high = max(high, low + (place - low) * frame.height / max(frame.height - above, 1.0))
+    ax.set_ylim(low, high)
+
+
 class StructureFigures(drawing.Figures):
     """Figures of a structure: `result.plot.model()`, `.modes()`."""
 
@@ -132,8 +161,7 @@ class StructureFigures(drawing.Figures):
         for hinge in structure.hinges:
             at = [layout.columns[hinge.body]], [M * structure.body(hinge.body).base_height]
             ax.plot(*at, zorder=6, markersize=9, **HANDLES["hinge"])
-        for line in structure.bearings:
-            self._bearings(ax, line, low)
+        names = [self._bearings(ax, line, low) for line in structure.bearings]
         for mass in structure.masses:
             y = M * mass.height if layout.scaled else layout.ends[mass.body][1]
             y = float(np.clip(y, *layout.ends[mass.body]))
@@ -146,6 +174,7 @@ class StructureFigures(drawing.Figures):
         handles = [Line2D([], [], label=label, **HANDLES[part]) for part, label in labels]
         look: drawing.Look = {"loc": "outside lower center", "frameon": False}
         figure.legend(handles=handles, fontsize=drawing.SMALL, **look)
+        _separate(figure, ax, names)
         return figure
 
     def _sizes(self) -> list[tuple[str, str]]:
@@ -251,8 +280,11 @@ class StructureFigures(drawing.Figures):
         ax.plot(across, y + teeth, color=SPRING, linewidth=1.3, zorder=4)
         ax.plot([far, far], [y - 0.04 * layout.spacing, y + 0.04 * layout.spacing], color=SPRING)
 
-    def _bearings(self, ax: Axes, line: Any, low: float) -> None:
-        """Draw a box between the two bodies of a line, on an abutment if its base is the ground."""
+    def _bearings(self, ax: Axes, line: Any, low: float) -> Annotation:
+        """Draw a box between the two bodies of a line, on an abutment if its base is the ground.
+
+        Returns the name of the line, which stands above the deck.
+        """
         layout, ground = self._layout, line.base == GROUND
         x, wide = layout.seats[line.name], 0.14 * layout.spacing
         y = M * line.height if ground else layout.ends[line.base][1]
@@ -262,7 +294,8 @@ class StructureFigures(drawing.Figures):
             ax.add_patch(Rectangle((x - 0.5 * wide, low), wide, y - low, zorder=1, **look))
         height = max(top - y, 0.03 * layout.spacing)
         ax.add_patch(Rectangle((x - 0.5 * wide, y), wide, height, color=BEARING, zorder=5))
-        ax.annotate(line.name, (x, top), (0, 8), ha="center", va="bottom", **TEXT)
+        words = textwrap.fill(line.name, NAME_WIDTH)
+        return ax.annotate(words, (x, top), (0, ABOVE_DECK), ha="center", va="bottom", **TEXT)
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return the function that draws each figure, by name of its file."""
