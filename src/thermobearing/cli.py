@@ -8,6 +8,7 @@ Heavy imports wait until a command needs them, so that --help is quick.
 
 import os
 import sys
+import warnings
 from typing import Annotated
 
 import typer
@@ -52,6 +53,7 @@ def main() -> None:
     """Entry point of the console script."""
     one_blas_thread()
     patient_streams()
+    warnings.formatwarning = lambda message, *_: f"thermobearing: warning: {message}\n"
     os.environ.pop("MPLBACKEND", None)  # all is drawn without a window; a wrong one ends imports
     try:
         epoch = os.environ.get("SOURCE_DATE_EPOCH", "0")

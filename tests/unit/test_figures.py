@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests.conftest import COARSE
 from thermobearing.cyclic.figures import NothingToDrawError, TimeAxis
+from thermobearing.results import drawing
 from thermobearing.results.drawing import ambient_colours, thin, thin_loops
 
 BEARING = "shen-hdr-specimen"
@@ -338,3 +339,33 @@ def test_lead_has_its_own_figures(tmp_path: Path) -> None:
 def test_no_lead_no_lead_figures(result: tb.Result) -> None:
     with pytest.raises(NothingToDrawError, match="no lead"):
         result.plot.force_shares()
+
+
+def test_letters_without_a_font_give_one_warning(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drawing, "_east_asian_fonts", list)
+
+    def titled() -> Figure:
+        return drawing.panels(1, 1, (3.0, 3.0), "\u6771\u4eac \ue123")[0]
+
+    with pytest.warns(drawing.MissingLettersWarning) as caught:
+        drawing.save_figures({"a": titled, "b": titled}, tmp_path, vector=True)
+    (one,) = caught
+    assert {"\u6771", "\u4eac", "\ue123"} == one.message.letters  # type: ignore[union-attr]
+    assert "\u4eac\u6771 (U+4EAC, U+6771, U+E123)" in str(one.message)
+    assert "fonts-noto-cjk" in str(one.message)
+
+
+def test_an_installed_font_draws_letters_that_the_first_lacks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder
+) -> None:
+    """STIX, which comes with matplotlib, stands for a font with East Asian letters."""
+    monkeypatch.setattr(drawing, "EAST_ASIAN", ("absent", "STIXGeneral"))
+    monkeypatch.setattr(drawing, "FIRST_EAST_ASIAN", "\u2000")
+    drawing._east_asian_fonts.cache_clear()
+    figure, (ax,) = drawing.panels(1, 1, (3.0, 3.0), "")
+    drawing.name_axes(ax, "only in STIX: \u2332")
+    drawing.save_figures({"a": lambda: figure}, tmp_path)
+    drawing._east_asian_fonts.cache_clear()
+    assert [str(one.message) for one in recwarn] == []

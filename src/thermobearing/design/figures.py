@@ -1,15 +1,18 @@
 """What a designer looks at: rounds of the loop, bounds, temperature factors, the size effect."""
 
 import re
+import textwrap
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.errors import InputError
@@ -36,6 +39,8 @@ LOOKS = {
 }
 OTHERS = ("#333333", "#777777")  # greys of other sources; markers tell them apart
 DOTTED = {"markerfacecolor": "white", "markersize": 4.0, "linestyle": ":", "linewidth": 1.0}
+OTHER_SOURCES = "other sources, at their own reference:"
+LEGEND_WIDTH = 26  # letters of a line of the legend of factors
 ACROSS = 3  # panels of factors side by side
 PARTS: dict[str, Any] = {"inner layer": "-", "outer layer": "--", "lead": ":"}
 
@@ -144,16 +149,19 @@ class FactorFigures(drawing.Figures):
         for ax in shown:
             ax.set_xlim(min(low for low, _ in limits), max(high for _, high in limits))
         tested = (calibration_ranges(report.bearings[0]) or {}).get("ambient", (-np.inf, np.inf))
-        drawing.shade_untested(shown, [tested] * len(shown))
+        shaded = drawing.shade_untested(shown, [tested] * len(shown), note=False)
         for ax in free:
             ax.set_axis_off()
-        handles = [Line2D([], [], color=colour, label=label) for colour, label in LOOKS.values()]
+        handles: list[Artist] = [
+            Line2D([], [], color=colour, label=label) for colour, label in LOOKS.values()
+        ]
+        if shaded:  # in the panels the note would lie on the lines
+            handles.append(Patch(color=drawing.UNTESTED, label="outside calibration range"))
         if looks:
-            words = "other sources, at their own reference:"
-            handles.append(Line2D([], [], linestyle="none", label=words))
-        handles += [Line2D([], [], label=label, **look) for label, look in looks.items()]
+            handles.append(Line2D([], [], linestyle="none", label=_wrapped(OTHER_SOURCES)))
+        handles += [Line2D([], [], label=_wrapped(label), **look) for label, look in looks.items()]
         if any(label.endswith("*") for label in looks):
-            handles.append(Line2D([], [], linestyle="none", label=FOOTNOTE))
+            handles.append(Line2D([], [], linestyle="none", label=_wrapped(FOOTNOTE)))
         free[0].legend(handles=handles, loc="center left", fontsize=drawing.SMALL, frameon=False)
         return figure
 
@@ -229,6 +237,11 @@ def _draw_demand(
     ax.set_ylim(0.0, 1.15 * highest or 1.0)  # a dot on the frame is cut, and numbers need room
     ax.set_xlim(-0.8, len(rows) - 0.2)
     ax.grid(False, axis="x")
+
+
+def _wrapped(label: str) -> str:
+    """Return a label of the legend in lines that fit the width of a panel."""
+    return textwrap.fill(label, LEGEND_WIDTH)
 
 
 def _draw_factors(ax: Axes, rows: pd.DataFrame) -> None:

@@ -3,18 +3,15 @@
 import base64
 import io
 import json
-import logging
 import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib import font_manager
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -30,13 +27,6 @@ from thermobearing.report.pieces import (
 )
 from thermobearing.results import drawing
 
-# Fonts with Japanese letters that systems have, by the names that they go by; for figures, whose
-# own font (DejaVu Sans) has Latin, Greek and Cyrillic letters.
-JAPANESE = (
-    *("Noto Sans CJK JP", "Noto Sans JP", "Source Han Sans JP", "IPAexGothic", "IPAGothic"),
-    *("Yu Gothic", "Meiryo", "MS Gothic", "Hiragino Sans", "TakaoGothic", "VL Gothic"),
-)
-MISSING = re.compile(r"Glyph (\d+) \(.*\) missing from font")
 LOOK: dict[Any, Any] = {
     "svg.fonttype": "path",
     "svg.hashsalt": "thermobearing",  # else names of parts differ from run to run
@@ -64,7 +54,7 @@ def drawn(document: Document) -> Document:
         for block in document.blocks
     ]
     if missing:
-        blocks.insert(0, Paragraph(missing_words(sorted(missing), "the figures"), "warning"))
+        blocks.insert(0, Paragraph(drawing.missing_letters(missing, "the figures"), "warning"))
     return replace(document, blocks=blocks)
 
 
@@ -82,39 +72,13 @@ def page_picture(figure: ReportFigure) -> bytes | None:
     return points.getvalue()
 
 
-def missing_words(letters: Sequence[str], where: str) -> str:
-    """Return what a reader must know of letters that no font has."""
-    codes = ", ".join(f"U+{ord(letter):04X}" for letter in letters[:20])
-    more = f" and {len(letters) - 20} more" if len(letters) > 20 else ""
-    return (
-        f"No font of the machine that made this document has some letters of {where} "
-        f"({codes}{more}); they are shown by their codes or as boxes. For Japanese install a "
-        'font such as "Noto Sans CJK JP", and make the document again.'
-    )
-
-
-@contextmanager
-def _in_fonts() -> Iterator[None]:
-    """Draw with letters of Japanese fonts too, where the machine has one."""
-    there = {font.name for font in font_manager.fontManager.ttflist}
-    fonts = ["DejaVu Sans", *(name for name in JAPANESE if name in there)]
-    log = logging.getLogger("matplotlib.font_manager")
-    before = log.level
-    log.setLevel(logging.ERROR)  # that a font has no bold is of no matter to a reader
-    try:
-        with mpl.rc_context({"font.family": fonts}):
-            yield
-    finally:
-        log.setLevel(before)
-
-
 def _pictured(figure: ReportFigure, missing: set[str]) -> ReportFigure:
     """Return a figure with its picture, from its drawing or its plot."""
     plot = figure.plot
     draw = figure.draw or (None if plot is None else lambda: _draw_plot(plot))
     if figure.image is not None or draw is None:
         return figure
-    once = cache(_in_fonts()(draw))
+    once = cache(draw)
     return replace(figure, draw=once, image=_svg_bytes(once(), missing))
 
 
@@ -128,11 +92,7 @@ def _svg_bytes(figure: Figure, missing: set[str]) -> bytes:
         warnings.simplefilter("always")
         figure.savefig(written, format="svg", metadata={"Date": None, "Creator": None})
     figure.set_layout_engine("none")
-    for warning in caught:
-        if found := MISSING.search(str(warning.message)):
-            missing.add(chr(int(found[1])))
-        else:
-            warnings.warn(warning.message, warning.category, stacklevel=2)
+    missing |= drawing.without_font(caught)
     lean = COMMENT.sub(b"", written.getvalue())
     return OUTLINE.sub(lambda outline: TOO_FINE.sub(rb"\1", outline[0]), lean)
 

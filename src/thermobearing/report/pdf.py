@@ -22,7 +22,7 @@ from markdown_it import MarkdownIt
 from thermobearing.border.errors import HIDDEN, InputError, printable
 from thermobearing.border.library import data_path
 from thermobearing.quantities.tables import Table
-from thermobearing.report.figures import drawn, missing_words, picture_size
+from thermobearing.report.figures import drawn, picture_size
 from thermobearing.report.pieces import (
     Block,
     Bullets,
@@ -35,6 +35,7 @@ from thermobearing.report.pieces import (
     column_letters,
 )
 from thermobearing.report.title import logo_kind
+from thermobearing.results.drawing import missing_letters
 
 SOURCE = "report.typ"
 STANDARDS = ["a-2a", "ua-1"]  # both in one file
@@ -56,7 +57,7 @@ def pdf_bytes(document: Document) -> bytes:
     missing = _undrawn(foreign, system_fonts=True) if foreign else foreign
     spoken = document
     if missing:
-        note = Paragraph(missing_words(sorted(missing), "its text"), "warning")
+        note = Paragraph(missing_letters(missing, "its text"), "warning")
         spoken = replace(document, blocks=[note, *document.blocks])
     day = _document_date(document)
     with tempfile.TemporaryDirectory(prefix="thermobearing-") as name:

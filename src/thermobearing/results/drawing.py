@@ -5,17 +5,21 @@ matplotlib settings and none of the user's settings are touched.
 """
 
 import io
+import logging
 import math
+import re
 import textwrap
 import threading
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib import colormaps
+from matplotlib import colormaps, font_manager
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_hex
@@ -71,22 +75,105 @@ LIMIT: Look = {"color": "#a33", "linewidth": 0.8, "linestyle": (0, (6, 2, 1, 2))
 UNTESTED = "#f6dede"  # outside the calibration range
 DRAWING = threading.RLock()  # fonts of matplotlib are shared, and not for several threads
 FORMULAS = MathTextParser("agg")
+# Fonts with East Asian letters that systems have, in the order of preference; DejaVu Sans, the
+# font of the figures, has Latin, Greek and Cyrillic letters.
+EAST_ASIAN = (
+    *("Noto Sans CJK JP", "Noto Sans JP", "Source Han Sans JP", "IPAexGothic", "IPAGothic"),
+    *("Yu Gothic", "Meiryo", "MS Gothic", "Hiragino Sans", "TakaoGothic", "VL Gothic"),
+    *("Noto Sans CJK SC", "Noto Sans SC", "Microsoft YaHei", "SimHei", "PingFang SC"),
+    *("WenQuanYi Micro Hei", "WenQuanYi Zen Hei", "Noto Sans CJK TC", "Microsoft JhengHei"),
+    *("Noto Sans CJK KR", "Noto Sans KR", "Malgun Gothic", "Apple SD Gothic Neo", "NanumGothic"),
+    *("Arial Unicode MS", "Droid Sans Fallback"),
+)
+FIRST_EAST_ASIAN = "\u2e80"  # radicals of Chinese letters
+NO_GLYPH = re.compile(r"Glyph (\d+) \(.*\) missing from font")
+MOST_CODES = 20  # of missing letters in a sentence
 ALIKE = 0.03  # of the range of temperatures: layers this close are drawn as one
 LOOP_STEP = 1 / 250  # distance of kept points of a loop, of the size of the panel
+
+
+def missing_letters(letters: Iterable[str], where: str) -> str:
+    """Return a sentence on letters that no installed font has, and how to get a font."""
+    codes = [f"U+{ord(letter):04X}" for letter in sorted(letters)]
+    more = f" and {len(codes) - MOST_CODES} more" if len(codes) > MOST_CODES else ""
+    return (
+        f"No installed font has some letters of {where} ({', '.join(codes[:MOST_CODES])}{more}); "
+        "boxes or codes replace them. Install a font with these letters and draw again: for "
+        "Chinese, Japanese and Korean Noto Sans CJK (on Debian and Ubuntu fonts-noto-cjk)."
+    )
+
+
+class MissingLettersWarning(UserWarning):
+    """Letters of figures that no installed font has."""
+
+    def __init__(self, letters: set[str]) -> None:
+        self.letters = letters
+        shown = "".join(letter for letter in sorted(letters) if letter.isprintable())
+        super().__init__(missing_letters(letters, f"the figures: {shown}".removesuffix(": ")))
+
+
+def without_font(caught: Iterable[warnings.WarningMessage]) -> set[str]:
+    """Return the letters of which recorded warnings say that no font has them; raise the others."""
+    letters: set[str] = set()
+    for one in caught:
+        if isinstance(one.message, MissingLettersWarning):
+            letters |= one.message.letters
+        elif found := NO_GLYPH.search(str(one.message)):
+            letters.add(chr(int(found[1])))
+        else:
+            warnings.warn(one.message, one.category, stacklevel=3)
+    return letters
+
+
+@contextmanager
+def _one_warning() -> Iterator[None]:
+    """Warn once of all letters without a font in what is drawn."""
+    with DRAWING:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            yield
+        if letters := without_font(caught):
+            warnings.warn(MissingLettersWarning(letters), stacklevel=4)
+
+
+@cache
+def _east_asian_fonts() -> list[str]:
+    """Return the families of installed fonts with Chinese, Japanese and Korean letters."""
+    known = font_manager.fontManager.ttflist
+    if not {font.name for font in known} & set(EAST_ASIAN):  # perhaps installed since the list
+        for path in set(font_manager.findSystemFonts()) - {font.fname for font in known}:
+            with suppress(OSError, RuntimeError):
+                font_manager.fontManager.addfont(path)
+    there = {font.name for font in font_manager.fontManager.ttflist}
+    return [name for name in EAST_ASIAN if name in there]
 
 
 class Picture(Figure):
     """A figure for notebooks, drawn without pyplot."""
 
     def draw(self, renderer: Any) -> None:
-        """Draw all parts; invalid formulas between dollar signs are drawn as plain text."""
+        """Draw all parts; East Asian letters in an installed font that has them.
+
+        Invalid formulas between dollar signs are drawn as plain text.
+        """
         for text in self.findobj(Text):
-            if isinstance(text, Text) and text.get_text().count("$") > 1:
+            assert isinstance(text, Text)
+            words = text.get_text()
+            if words.count("$") > 1:
                 try:
-                    FORMULAS.parse(text.get_text())
+                    FORMULAS.parse(words)
                 except ValueError:
                     text.set_parse_math(False)
-        super().draw(renderer)
+            if max(words, default="") >= FIRST_EAST_ASIAN and (fonts := _east_asian_fonts()):
+                text.set_fontfamily(["DejaVu Sans", *fonts])
+        log = logging.getLogger("matplotlib.font_manager")
+        before = log.level
+        log.setLevel(logging.ERROR)  # a font without a bold face needs no message
+        try:
+            with _one_warning():
+                super().draw(renderer)
+        finally:
+            log.setLevel(before)
 
     def _repr_png_(self) -> bytes:
         drawn = io.BytesIO()
@@ -155,9 +242,7 @@ def save_figure(figure: Figure, path: str | Path | io.BytesIO, dpi: int | None =
     usual, figure.dpi = figure.dpi, dpi
     # Laid out and drawn in one go: `savefig` draws twice, and packs a PNG that is unpacked here.
     canvas: Any = FigureCanvasAgg(figure)
-    with DRAWING, warnings.catch_warnings():
-        # A title in letters that the font lacks is drawn as boxes; the screen and files have it.
-        warnings.filterwarnings("ignore", "Glyph .* missing from font", UserWarning)
+    with DRAWING:
         canvas.draw()
     drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     figure.dpi = usual
@@ -206,13 +291,13 @@ def save_figures(
     """
     folder.mkdir(parents=True, exist_ok=True)
     written = []
-    for name, draw in figures.items():
-        written.append(folder / f"{name}.png")
-        with DRAWING:
+    with _one_warning():
+        for name, draw in figures.items():
+            written.append(folder / f"{name}.png")
             figure = draw()
-        save_figure(figure, written[-1])
-        if vector:
-            (folder / f"{name}.svg").write_bytes(_vector_bytes(figure))
+            save_figure(figure, written[-1])
+            if vector:
+                (folder / f"{name}.svg").write_bytes(_vector_bytes(figure))
     return written
 
 
@@ -287,12 +372,20 @@ def common_limits(axes: list[Axes]) -> tuple[float, float]:
 
 
 def shade_untested(
-    axes: list[Axes], tested: list[tuple[float, float]], along: Literal["x", "y"] = "x"
-) -> None:
-    """Shade the area outside the calibration range."""
+    axes: list[Axes],
+    tested: list[tuple[float, float]],
+    along: Literal["x", "y"] = "x",
+    *,
+    note: bool = True,
+) -> bool:
+    """Shade the area outside the calibration range, with a `note` in each panel.
+
+    Returns whether any panel has such an area.
+    """
     look: Look = {"fontsize": SMALL - 0.5, "color": LIMIT["color"]}
     look |= {"ha": "right", "va": "top"} if along == "x" else {"ha": "left", "va": "bottom"}
     place = (0.99, 0.985) if along == "x" else (0.01, 0.015)
+    shaded = False
     for ax, (least, most) in zip(axes, tested, strict=False):
         if not np.isfinite([least, most]).any():
             continue
@@ -302,12 +395,14 @@ def shade_untested(
         for first, last in outside:
             span(first, last, color=UNTESTED, zorder=0.2, linewidth=0)
         ax.set(**{f"{along}lim": (low, high)})
-        if not outside:  # the part that is drawn is within the range
+        shaded = shaded or bool(outside)
+        if not (outside and note):
             continue
         grid = ax.get_gridspec()
         narrow = grid is not None and parent_figure(ax).get_figwidth() < NARROW * grid.ncols
         text = f"shaded: outside{chr(10) if narrow else ' '}calibration range"
         ax.text(*place, text, transform=ax.transAxes, **look)
+    return shaded
 
 
 def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> None:
