@@ -164,6 +164,12 @@ def test_placeholders_are_no_slips() -> None:
     assert len(implausible(bearing.model_copy(update={"hysteresis": rubber}))) == 2
     update = {"hysteresis": rubber, "temperature_law": law}
     assert implausible(bearing.model_copy(update=update)) == []
+    both = bearing.model_copy(update={"temperature_law": law})
+    (warned,) = implausible(both)
+    assert "temperature_law" in warned
+    assert f"m_T = {bearing.hysteresis.elastic_temperature_coefficient:g} " in warned
+    result = tb.run(both, tb.cyclic_test(strain=0.5, cycles=1, dt=0.05))
+    assert f"{SPECIMEN}: {warned}" in result.warnings
 
 
 def test_usual_values_have_the_units_of_their_keys() -> None:

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -314,3 +315,32 @@ def test_written_like_the_others(tmp_path: Path) -> None:
     quiet = command(*words, "--overwrite", "-q", "--no-figures")
     assert (quiet.exit_code, quiet.output) == (0, "")
     assert not (out / "figures").exists()
+
+
+@pytest.mark.parametrize(
+    ("title", "values", "found"),
+    [
+        ("Temperatura", 21.0, "ambient"),
+        ("Temperature [K]", 253.15, "ambient"),
+        ("温度", -30.0, "ambient"),
+        ("Temp. oil", 80.0, "temperature"),  # no ambient temperature
+        ("Temperatur Blei", 21.0, "temperature"),
+        ("Temperature", np.linspace(21.0, 40.0, 401), "temperature"),  # of rubber that warms
+    ],
+)
+def test_a_constant_temperature_is_proposed_as_ambient(
+    tmp_path: Path, title: str, values: Any, found: str
+) -> None:
+    t = np.linspace(0.0, 4.0, 401)
+    x = 30.0 * np.sin(2.0 * np.pi * t)
+    rows = np.column_stack([t, x, 2.0 * x, np.broadcast_to(values, t.shape)])
+    file = tmp_path / "lab.csv"
+    lines = [f"time [s],displacement [mm],force [kN],{title}"]
+    lines += [",".join(f"{number:.6g}" for number in row) for row in rows]
+    file.write_text("\n".join(lines), encoding="utf-8")
+    (item,) = tb.take_in(file).files
+    assert item.columns[3].holds == found
+    assert item.sidecar["columns"].get("ambient") == (title if found == "ambient" else None)
+    if found == "ambient":
+        unit = 273.15 if "[K]" in title else 0.0
+        assert item.record.ambient == pytest.approx(values - unit)

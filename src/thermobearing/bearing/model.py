@@ -13,7 +13,7 @@ from pydantic import Field, field_validator, model_validator
 
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.border.library import Sourced
-from thermobearing.border.schema import Name, Strict, in_unit
+from thermobearing.border.schema import RATIO, Name, Strict, in_unit
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
 
 LawCelsius = Annotated[float, in_unit("degC"), Field(ge=-150, le=300)]
@@ -76,7 +76,7 @@ class TemperatureLaw(Strict):
 
 
 Ends = Field(min_length=2, max_length=2)
-Strain = Annotated[float, Field(ge=0, le=10)]
+Strain = Annotated[float, RATIO, Field(ge=0, le=10)]
 Rate = Annotated[float, in_unit("1/s"), Field(ge=0, le=1e4)]
 Celsius = Annotated[float, in_unit("degC"), Field(ge=-150, le=400)]
 Count = Annotated[float, Field(ge=0, le=1e6)]

@@ -69,7 +69,8 @@ def usual_values(name: str = "bearing.toml") -> list[Usual]:
 def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
     """Return a sentence for each parameter of a bearing outside its usual range.
 
-    It states key, value, usual range with its source, and the usual cause.
+    It states key, value, usual range with its source, and the usual cause. Two temperature laws
+    that multiply give a sentence too.
     """
     layered = isinstance(bearing, Bearing)
     derived = _derived(bearing) if isinstance(bearing, Bearing) else _of_bilinear(bearing)
@@ -84,7 +85,19 @@ def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
         if value is None or low <= value <= high or _does_nothing(bearing, usual.key, value):
             continue
         found.append(sentence(usual.key, value, usual))
-    return found
+    return found + (doubled_law(bearing) if isinstance(bearing, Bearing) else [])
+
+
+def doubled_law(bearing: Bearing) -> list[str]:
+    """Return a warning if a table of factors multiplies exponents of temperature that act too."""
+    law, rubber = bearing.temperature_law, bearing.hysteresis
+    m_t, n_t = rubber.elastic_temperature_coefficient, rubber.hysteretic_temperature_coefficient
+    if law is None or law.temperatures is None or m_t == n_t == 0.0:
+        return []
+    return [
+        f"two temperature laws multiply: the table temperature_law and the exponents m_T = {m_t:g} "
+        f"and n_T = {n_t:g}; set both exponents to 0 if the table is the complete law"
+    ]
 
 
 def sentence(what: str, value: float, usual: Usual) -> str:

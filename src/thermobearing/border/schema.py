@@ -211,6 +211,15 @@ def find_unit(model: type[BaseModel], name: str) -> str | None:
     return _kind(model, name).unit
 
 
+class _Ratio:
+    """Mark of a field that is a ratio, whose limits a message explains."""
+
+    words = "(a ratio: 1 is 100 %)"
+
+
+RATIO = _Ratio()
+
+
 def _parts(item: Any) -> Iterator[Any]:
     """Types, validators and limits in a field or annotation, at any depth."""
     if isinstance(item, FieldInfo):
@@ -320,7 +329,8 @@ def _allowed(model: type[BaseModel], name: str) -> str:
     ]
     if not limits:
         what = what.replace("a number", "a finite number")
-    return " ".join(word for word in (what, " and ".join(limits), find_unit(model, name)) if word)
+    unit = find_unit(model, name) or (RATIO.words if RATIO in parts else "")
+    return " ".join(word for word in (what, " and ".join(limits), unit) if word)
 
 
 def text_with_unit(value: Any, unit: str | None) -> Any:

@@ -22,6 +22,7 @@ import thermobearing
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import calibration_ranges
+from thermobearing.bearing.plausible import doubled_law
 from thermobearing.core.records import Floats, Ints, labels
 from thermobearing.core.types import Books, RubberBooks
 from thermobearing.cyclic.case import Case, beyond, rig_demand
@@ -201,6 +202,8 @@ def _stacked(arrays: list[NDArray[Any]], padding: float = np.nan) -> NDArray[Any
 def _collect_warnings(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
     """Return sentences on assumptions, inputs that a file cannot hold, and coarse time steps."""
     found = list(dict.fromkeys(text for segment in segments for text in segment.assumed))
+    if case.analysis.model not in BLIND:
+        found += [f"{case.bearing.name}: {text}" for text in doubled_law(case.bearing)]
     if case.ambient_series is None and any(len(climate.time) > 1 for climate in climates):
         found.append(
             "the ambient series was given in Python: case.resolved.toml has its first value only; "

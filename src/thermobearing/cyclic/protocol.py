@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Name, Strict, in_unit, validated
+from thermobearing.border.schema import RATIO, Name, Strict, in_unit, validated
 from thermobearing.border.units import number_list
 from thermobearing.core.records import Floats
 from thermobearing.model.effort import MAX_STEPS
@@ -55,7 +55,7 @@ Wave = Literal["triangular", "sine"]
 LONGEST = 1e8  # three years [s]
 # Ranges are those of laboratories and earthquakes, with a factor of ten or more on either side.
 Seconds = Annotated[float, in_unit("s"), Field(ge=1e-6, le=LONGEST)]
-Strain = Annotated[float, Field(ge=1e-6, le=5)]
+Strain = Annotated[float, RATIO, Field(ge=1e-6, le=5)]
 Amplitude = Annotated[float, in_unit("mm"), Field(ge=1e-6, le=1e5)]
 Speed = Annotated[float, in_unit("mm/s"), Field(ge=1e-6, le=1e6)]  # creep in a night to impact
 REST_GROWTH = 1.05  # each step of a rest against the one before
@@ -115,7 +115,7 @@ class Ramp(Strict):
     """One straight move to a strain or displacement, at a speed or over a time."""
 
     step: Literal["ramp"] = "ramp"
-    to_strain: Annotated[float, Field(ge=-5, le=5)] | None = None
+    to_strain: Annotated[float, RATIO, Field(ge=-5, le=5)] | None = None
     to: Annotated[float, in_unit("mm"), Field(ge=-1e5, le=1e5)] | None = None
     speed: Speed | None = None
     duration: Seconds | None = None

@@ -155,13 +155,13 @@ def _table_of_test(test: Case) -> Table:
 
 
 def _question(result: Result, case: Case) -> str:
-    air = f"ambient {degrees(result['ambient'].values.tolist())}"
+    ambient = f"ambient {degrees(result['ambient'].values.tolist())}"
     if case.get("ambient_series"):
-        air = f"the ambient temperatures of {case['ambient_series']}"
+        ambient = f"the ambient temperatures of {case['ambient_series']}"
     return (
-        f"Stiffness, dissipated energy and temperatures of {bearing_words(case['bearing'])} in a "
-        f"displacement-controlled test at {air}. "
-        f"{words_of_test(case['test'])}."
+        f"This report gives the stiffness, the dissipated energy and the temperatures of "
+        f"{bearing_words(case['bearing'])} in a displacement-controlled test at {ambient}. "
+        f"The test is {words_of_test(case['test'])}."
     )
 
 

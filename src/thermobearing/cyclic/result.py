@@ -88,7 +88,7 @@ class Result(DatasetResult):
         ambient = ", ".join(f"{t:g}" for t in self.dataset["ambient"].values)
         steps = int(self.dataset["steps"].sum())
         return (
-            f"Result of {self.dataset.attrs['bearing']} at {ambient} degC: {steps} steps, "
+            f"Cyclic test of {self.dataset.attrs['bearing']} at {ambient} degC: {steps} steps, "
             f"{len(self.cycles)} cycles, {self.outcome}"
         )
 

@@ -73,6 +73,7 @@ class Design(Result):
     temperatures : peaks of the layered bearings at every temperature; see `judged`.
     """
 
+    title: ClassVar[str] = "Design"
     _figures: ClassVar[str] = "DesignFigures"
 
     case: DesignCase
@@ -251,6 +252,7 @@ def _published_design() -> str:
 class BoundsReport(Result):
     """Bounding analyses compared with the coupled model: `bounds_study` by name of the bearing."""
 
+    title: ClassVar[str] = "Bounds analysis"
     _figures: ClassVar[str] = "BoundsFigures"
 
     studies: dict[str, pd.DataFrame]
@@ -328,6 +330,7 @@ class FactorReport(Result):
     results of `scale_study`, if it was wanted.
     """
 
+    title: ClassVar[str] = "Temperature factors"
     _figures: ClassVar[str] = "FactorFigures"
 
     bearings: list[Bearing]

@@ -317,7 +317,7 @@ def run_bounds(
     if len(set(ambient)) < 2:
         raise InputError("ambient: give at least two different temperatures")
     if not 0.1 <= strain <= 3.0:
-        raise InputError(f"strain = {strain:g}: must be between 0.1 and 3")
+        raise InputError(f"strain = {strain:g}: must be between 0.1 and 3 (a ratio: 1 is 100 %)")
     shaken = first_motions() if motions is None else motions
     studied = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
     return BoundsReport(

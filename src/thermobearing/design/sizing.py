@@ -15,7 +15,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import resized
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import data_path
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.schema import RATIO, Strict, in_unit, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import isothermal_cycle, solve_backbone
@@ -130,11 +130,11 @@ class SizingRules(Strict):
     """
 
     layer_thickness: Annotated[float, in_unit("mm"), Field(ge=0.5, le=200)] = 14.0  # Table 6.1
-    design_strain: Annotated[float, Field(ge=0.05, le=2.5)] = 1.75
+    design_strain: Annotated[float, RATIO, Field(ge=0.05, le=2.5)] = 1.75
     second_shape_factor: Annotated[float, Field(ge=0.1, le=100)] = 5.0
     stress: Annotated[float, in_unit("MPa"), Field(ge=0.05, le=200)] = 6.0
     plan_step: Annotated[float, in_unit("mm"), Field(ge=1, le=1000)] = 50.0
-    strain_limit: Annotated[float, Field(ge=0.05, le=5)] = STRAIN_LIMIT
+    strain_limit: Annotated[float, RATIO, Field(ge=0.05, le=5)] = STRAIN_LIMIT
     ductility_limit: Annotated[float, Field(ge=0.1, le=20)] = DUCTILITY_LIMIT
 
 

@@ -78,10 +78,10 @@ class EarthquakeResult(DatasetResult):
 
     @property
     def headline(self) -> str:
-        """What it is, in a line."""
+        """Return the structure, the number of runs and the outcome in a line."""
         counts = [len(set(self.dataset[name].values.tolist())) for name in LABELS[:3]]
         return (
-            f"EarthquakeResult of {self.dataset.attrs['structure']}: {self.runs} runs (bearings "
+            f"Earthquake analysis of {self.dataset.attrs['structure']}: {self.runs} runs (bearings "
             f"{counts[0]}, motions {counts[1]}, temperatures {counts[2]}), {self.outcome}"
         )
 

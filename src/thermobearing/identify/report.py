@@ -38,7 +38,7 @@ AT_BOUND, POORLY, NOT = "at its bound", "poorly", "no"
 MOST_ROWS = 200
 CONDITIONS = ["test", "file", "ambient_degC", "duration_s", "samples", "largest_displacement_mm"]
 CONDITIONS += ["largest_strain", "largest_force_kN", "largest_speed_mm_s", "weight"]
-CONDITIONS += ["thermocouples", "sha256"]
+CONDITIONS += ["thermocouples"]
 BRIEF = ["symbol", "unit", "estimate", "standard_error", "interval_lower", "interval_upper"]
 BRIEF += ["determined"]
 CYCLE_MEASURES = ("G_eq_error", "h_eq_error", "energy_error", "force_max_error")
@@ -59,11 +59,10 @@ def tests_table(records: Sequence[Row]) -> Table:
         places = [f"{title}: {place}" for title, place in held.get("thermocouples", {}).items()]
         row = {name: record.get(name) for name in ("file", "ambient_degC")} | held
         row |= {"test": record.get("name", record.get("test")), "thermocouples": ", ".join(places)}
-        rows.append(row | {"sha256": str(held.get("sha256", ""))[:16]})
+        rows.append(row)
     usual = all(row.get("weight", 1.0) == 1.0 for row in rows)
     names = [name for name in CONDITIONS if not (usual and name == "weight")]
-    note = "The first 16 digits of each SHA-256 are listed; summary.json contains all of them."
-    return make_table(pd.DataFrame(rows), names, "Tests", note=note)
+    return make_table(pd.DataFrame(rows), names, "Tests")
 
 
 def _treatment_table(records: Sequence[Row]) -> Table:
@@ -442,7 +441,7 @@ def _checked(saved: SavedResult) -> Pieces:
     return Pieces(
         command="check",
         title="Check of tests",
-        question=f"Suitability of {counted(len(records), 'test')} "
+        question=f"This report assesses the suitability of {counted(len(records), 'test')} "
         f"({joined(str(r['name']) for r in records)}) for a calibration.",
         answer=[
             f"{verdict}{more}.",

@@ -143,7 +143,7 @@ class Identification(Result):
             for item in self.uncertainty.estimates.values()
         )
         fits = ", ".join(f"{fit.R2:.4f}" for fit in self.fits)
-        return f"Identification of {self.bearing.name}: {free}; R2 {fits}; {self.outcome}"
+        return f"Calibration of {self.bearing.name}: {free}; R2 {fits}; {self.outcome}"
 
     @property
     def table(self) -> pd.DataFrame:

@@ -161,6 +161,7 @@ def _seen_from(folder: Path, file: Path) -> str:
 class Intakes(Result):
     """The findings in several files; `problems` states why others could not be read."""
 
+    title = "Laboratory files"
     _figures = "RecordFigures"
 
     files: list[Intake]

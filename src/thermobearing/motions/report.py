@@ -38,8 +38,8 @@ def build_pieces(saved: SavedResult) -> Pieces:
     return Pieces(
         command="motions",
         title=f"Ground motion {name}",
-        question=f"How strong is the ground motion {name}, how long does it last, and what does "
-        f"its response spectrum look like{compared}? {about}",
+        question=f"This report gives the strength, the duration and the response spectrum of the "
+        f"ground motion {name}{compared}. {about}",
         answer=_answer(summary),
         inputs={"origin": Table("The motion", [Quantity("What"), Quantity("Value")], origin)},
         tables={"measures": measures_table(summary), **_spectrum(saved)},

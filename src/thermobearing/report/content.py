@@ -118,15 +118,17 @@ def saved_parts(saved: SavedResult, otherwise: str) -> dict[str, Any]:
 def saved_identity(saved: SavedResult, otherwise: str) -> dict[str, str]:
     """Return version, hash of what went in, and the command that was typed, or `otherwise`."""
     summary = saved.summary
-    what = "summary.json"
+    what, tests = "summary.json", {}
     hashed: Any = summary
     if (inputs := summary.get("inputs")) is not None:
         records = summary.get("records", summary.get("comparisons", []))
-        tests = [str((one.get("conditions") or {}).get("sha256", "")) for one in records]
-        what, hashed = "inputs and tests in summary.json", [inputs, tests]
+        digests = [str((one.get("conditions") or {}).get("sha256", "")) for one in records]
+        names = [str(one.get("name", one.get("test"))) for one in records]
+        tests = {f"SHA-256 of test {n}": d for n, d in zip(names, digests, strict=True) if d}
+        what, hashed = "inputs and tests in summary.json", [inputs, digests]
     command = str(summary.get("command_line") or otherwise)
     version, text = str(summary.get("version", "unknown")), json.dumps(hashed, sort_keys=True)
-    return identity_rows(version, text, command, what)
+    return identity_rows(version, text, command, what) | tests
 
 
 # Limits.
@@ -332,7 +334,7 @@ def pieces_of_saved(saved: SavedResult) -> Pieces:
     return Pieces(
         command=saved.command,
         title=f"Result of {saved.command}",
-        question=f"Summarise the results of `thermobearing {saved.command}`.",
+        question=f"This report gives the results of `thermobearing {saved.command}`.",
         answer=[str(summary.get("sentence") or f"The analysis ended: {saved.outcome}.")],
         inputs=inputs,
         tables={name: make_table(name, table) for name, table in saved.tables.items()},

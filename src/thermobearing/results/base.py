@@ -29,6 +29,7 @@ class Result:
     `_figures`, to be found in the module `figures` of its package.
     """
 
+    title: ClassVar[str] = "Result"  # of the headline: what the result is
     _figures: ClassVar[str] = ""
     _report_of_files: ClassVar[bool] = False  # the report is built from the saved directory
 
@@ -40,7 +41,7 @@ class Result:
     @property
     def headline(self) -> str:
         """Return the type and outcome of the result in a line."""
-        return f"{type(self).__name__}: {self.outcome}"
+        return f"{self.title}: {self.outcome}"
 
     def __repr__(self) -> str:
         return f"<{self.headline}>"

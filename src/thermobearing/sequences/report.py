@@ -86,8 +86,9 @@ def build_pieces(result: SequenceResult) -> Pieces:
 def _question(case: Case) -> str:
     parts = [f"{k}. {_words_of_part(part)}" for k, part in enumerate(case["parts"], 1)]
     return (
-        f"Response of {bearing_words(case['bearing'])} in a sequence of tests on one specimen at "
-        f"ambient temperature {quantity(case['ambient'])}. {'; '.join(parts)}."
+        f"This report gives the response of {bearing_words(case['bearing'])} in a sequence of "
+        f"tests on one specimen at ambient temperature {quantity(case['ambient'])}. "
+        f"{'; '.join(parts)}."
     )
 
 

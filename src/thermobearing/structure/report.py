@@ -45,7 +45,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
     return Pieces(
         command="structures show",
         title=f"Structure {name}",
-        question=f"What is {name} made of, and what are its modes? {about}.",
+        question=f"This report gives the parts and the modes of {name}. {about}.",
         answer=answer,
         inputs={"structure": structure_table(case, sources)},
         tables=tables,

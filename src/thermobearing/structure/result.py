@@ -83,6 +83,7 @@ class StructureResult(Result):
         "consistent" or "published".
     """
 
+    title = "Structure"
     _figures = "StructureFigures"
 
     def __init__(self, prepared: Prepared, mass_model: MassModel) -> None:

@@ -253,8 +253,8 @@ class StudyResult(Result):
 
     @property
     def headline(self) -> str:
-        """Name of the study and numbers of runs."""
-        return f"StudyResult of {self.study.name}: {self.runs} runs, {self.failed} failed"
+        """Return the name of the study and the numbers of runs in a line."""
+        return f"Study {self.study.name}: {self.runs} runs, {self.failed} failed"
 
     @property
     def factors(self) -> list[str]:

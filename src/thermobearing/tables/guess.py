@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from thermobearing.border.errors import InputError, read_bytes
+from thermobearing.border.units import conversion
 from thermobearing.core.records import Floats
 from thermobearing.tables.columns import (
     Columns,
@@ -32,7 +33,12 @@ ALONG = 0.3  # correlation of a force with the displacement, or more
 EVEN = 0.5  # of the usual step: how much the steps of a clock may differ
 CALLED, WORD, UNIT = 4, 2, 1  # scores: full title, a word in it, unit
 # Evidence for a column without a recognised title.
-DOUBTFUL = ("its even steps", "loops with the force", "loops with the displacement", "its unit")
+DOUBTFUL = (
+    *("its even steps", "loops with the force", "loops with the displacement", "its unit"),
+    "a constant temperature",
+)
+STEADY = 2.0  # largest change of a constant temperature during a test [K]
+PLAUSIBLE = (-60.0, 50.0)  # ambient temperatures of tests [degC]
 _PLACE = re.compile(r"(?:rubber|layer|gummi|ゴム|層)\s*[_#-]?\s*([1-9]\d?)\b", re.IGNORECASE)
 Taken = dict[int, tuple[str, str]]  # quantity and reason by the number of the column
 
@@ -87,6 +93,7 @@ def guessed_columns(
             word = "a word in the title" if holds_word(best.name, quantity) else DOUBTFUL[3]
             why = "title" if is_called(best.name, quantity) else word
             taken[best.number] = (quantity, "time stamps" if best.stamped else why)
+    _constant_ambient(columns, taken, places)
     _by_numbers(columns, taken)
     held = {quantity for quantity, _ in taken.values()}
     missing = [name for name in needed if name not in held]
@@ -108,6 +115,29 @@ def guessed_columns(
             "name them in [columns] of a sidecar"
         )
     return [_described(column, taken, layout, places) for column in columns]
+
+
+def _constant_ambient(columns: list[_Column], taken: Taken, places: Mapping[str, str]) -> None:
+    """Take the only column titled as a temperature that is constant and plausible as the ambient.
+
+    A thermocouple in the rubber warms by several kelvin; a chamber keeps its temperature.
+    """
+    if any(quantity == "ambient" for quantity, _ in taken.values()):
+        return
+    found = []
+    for column in columns:
+        free = column.number not in taken and column.title not in places
+        named = holds_word(column.name, "constant") and not holds_word(column.name, "lead")
+        if not (free and named and column.values is not None) or _PLACE.search(column.name):
+            continue
+        if column.target not in (None, "degC") or (column.unit and column.target is None):
+            continue
+        scale, offset = conversion(plain_unit(column.unit), "degC") if column.unit else (1.0, 0.0)
+        values = scale * column.signal + offset
+        if np.ptp(values) <= STEADY and PLAUSIBLE[0] <= values.mean() <= PLAUSIBLE[1]:
+            found.append(column)
+    if len(found) == 1:
+        taken[found[0].number] = ("ambient", DOUBTFUL[4])
 
 
 def read_air_columns(path: str | Path) -> Columns:
