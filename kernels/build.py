@@ -8,6 +8,7 @@ import hashlib
 import json
 import os
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -165,7 +166,15 @@ def link(objects: bytes, target: Target, file: Path, symbols: Sequence[str]) -> 
         )
         if done.returncode:
             raise RuntimeError(f"{target.name}: {done.stderr.strip()}")
-        file.write_bytes((folder / file.name).read_bytes())
+        content = (folder / file.name).read_bytes()
+        file.write_bytes(_without_time(content) if target.suffix == "dll" else content)
+
+
+def _without_time(content: bytes) -> bytes:
+    """Return a library for Windows whose header does not say when it was linked."""
+    (header,) = struct.unpack_from("<I", content, 0x3C)
+    assert content[header : header + 4] == b"PE\0\0"
+    return content[: header + 8] + bytes(4) + content[header + 12 :]
 
 
 def build(

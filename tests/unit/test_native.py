@@ -104,6 +104,11 @@ def test_arguments_that_do_not_fit_are_left_to_numba(small_library: Path) -> Non
     wide = np.zeros((3, 8))[:, ::2]
     run(kept, early, late, air, places, now.copy(), after, wide)
     assert_array_equal(wide, expected)
+    for given in (air, places):
+        given.flags.writeable = False
+    fixed = np.zeros_like(found)
+    run(kept, early, late, air, places, now.copy(), after, fixed)
+    assert_array_equal(fixed, expected)
     few = places.astype(np.int32)
     again = np.zeros_like(found)
     run(kept, early, late, air, few, now.copy(), after, again)

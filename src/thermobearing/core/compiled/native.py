@@ -43,11 +43,13 @@ LEVELS = {
     "v3": frozenset(["avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"]),
     "v1": frozenset[str](),
 }
-REUSED = ("Constants", "Workspace", "State")  # records that many calls get: their tables are kept
-MOST_KEPT = 64  # of these tables
+# Records that many calls get, and of how many at most the tables are kept, with the records.
+REUSED = {"Constants": 64, "Workspace": 64, "State": 64, "Path": 1}
 
 _ADDRESS: Any = ctypes.addressof
 _BYTE: Any = ctypes.c_char.from_buffer
+_ARRAY = np.ndarray
+_BYTES = np.dtype(np.uint8)
 
 Slots = list[Any]  # of a table, and what must live as long as it
 
@@ -180,7 +182,7 @@ class ArrayKind:
 
     def add(self, array: Any, slots: Slots, _: Slots) -> None:
         """Append the address and the shape of an array."""
-        if type(array) is not np.ndarray:
+        if type(array) is not _ARRAY:
             raise UnsuitableError(f"{type(array).__name__} in place of an array")
         dtype = array.dtype
         if dtype is not self.usual:
@@ -188,13 +190,18 @@ class ArrayKind:
                 raise UnsuitableError(f"array of {dtype} in place of {self.name}")
             self.usual = dtype
         shape = array.shape
-        if len(shape) != self.dims or not array.flags.c_contiguous:
-            raise UnsuitableError(f"array of shape {shape}, or not contiguous")
+        if len(shape) != self.dims:
+            raise UnsuitableError(f"array of shape {shape}")
+        if not array.size:
+            slots += (0, *shape)
+            return
         try:  # a quarter of the time of array.ctypes.data
-            slots.append(_ADDRESS(_BYTE(array)))
-        except (TypeError, ValueError):  # it is read-only or empty
-            slots.append(array.ctypes.data)
-        slots += shape
+            plain = array if self.row is None else array.view(_BYTES)
+            slots += (_ADDRESS(_BYTE(plain)), *shape)
+        except (TypeError, ValueError):  # it is read-only, or not contiguous
+            if not array.flags.c_contiguous:
+                raise UnsuitableError(f"array of strides {array.strides}") from None
+            slots += (array.ctypes.data, *shape)
 
 
 class RecordKind:
@@ -209,37 +216,47 @@ class RecordKind:
         """Append the slots of all fields."""
         if not isinstance(record, tuple) or len(record) != len(self.kinds):
             raise UnsuitableError(f"{type(record).__name__} in place of a record")
-        for kind, one in zip(self.kinds, record, strict=True):
+        for kind, one in zip(self.kinds, record):  # noqa: B905  # `strict` costs time
             kind.add(one, slots, held)
 
 
 class TableKind:
-    """Records or arrays in a table of their own: `count` is whether their number follows."""
+    """Records or arrays in a table of their own: `counted` is whether their number follows.
 
-    def __init__(self, inner: RecordKind | ArrayKind, *, counted: bool, reused: bool) -> None:
+    The tables of the last `reused` records are kept.
+    """
+
+    def __init__(self, inner: RecordKind | ArrayKind, *, counted: bool, reused: int) -> None:
         self.format = "qq" if counted else "q"
         self.inner, self.counted, self.reused = inner, counted, reused
+        self.one = struct.Struct(inner.format)
         self.kept: dict[int, tuple[Any, Any, int]] = {}
 
     def add(self, given: Any, slots: Slots, held: Slots) -> None:
         """Append the address of a table, which `held` keeps alive."""
         found = self.kept.get(id(given)) if self.reused else None
         if found is None or found[0] is not given:
-            inner: Slots = []
-            below: Slots = []
-            every = given if self.counted else (given,)
-            for one in every:
-                self.inner.add(one, inner, below)
-            table = ctypes.create_string_buffer(struct.pack(self.inner.format * len(every), *inner))
-            found = given, (table, below), ctypes.addressof(table)
+            found = self._new_table(given)
             if self.reused:
-                if len(self.kept) >= MOST_KEPT:
+                if len(self.kept) >= self.reused:
                     self.kept.clear()
                 self.kept[id(given)] = found
         held.append(found)
         slots.append(found[2])
         if self.counted:
             slots.append(len(given))
+
+    def _new_table(self, given: Any) -> tuple[Any, Any, int]:
+        inner: Slots = []
+        below: Slots = []
+        if self.counted:
+            for one in given:
+                self.inner.add(one, inner, below)
+            table = bytearray(struct.pack(self.inner.format * len(given), *inner))
+        else:
+            self.inner.add(given, inner, below)
+            table = bytearray(self.one.pack(*inner))
+        return given, (table, below), _ADDRESS(_BYTE(table)) if table else 0
 
 
 Kind = NumberKind | ArrayKind | RecordKind | TableKind
@@ -253,7 +270,7 @@ def _new_kind(described: Any, description: dict[str, Any]) -> Kind:
     if "record" in described:
         return RecordKind(described, description)
     inner: Any = _new_kind(described["tuple"], description)
-    return TableKind(inner, counted=True, reused=False)
+    return TableKind(inner, counted=True, reused=0)
 
 
 class Face:
@@ -267,7 +284,7 @@ class Face:
         for _, described in entry["arguments"]:
             kind: Any = _new_kind(described, library.description)
             if isinstance(kind, RecordKind):
-                reused = described["record"] in REUSED
+                reused = REUSED.get(described["record"], 0)
                 kind = TableKind(kind, counted=False, reused=reused)
             self.kinds.append(kind)
         arguments = "".join(kind.format for kind in self.kinds)
