@@ -44,7 +44,11 @@ from thermobearing.identify.fit.synthetic import blind_start, synthetic_record
 from thermobearing.identify.records.cycles import compute_measures, full_cycles, turning_points
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
 from thermobearing.identify.result import _fit_warnings
-from thermobearing.identify.uncertainty.covariance import effective_samples, estimate
+from thermobearing.identify.uncertainty.covariance import (
+    _test_warnings,
+    effective_samples,
+    estimate,
+)
 
 HDR, LHDR = tb.load_bearing("shen-hdr-specimen"), tb.load_bearing("shen-lhdr-specimen")
 SHORT = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, rest=600.0)
@@ -262,6 +266,14 @@ def test_both_bounds_are_noticed(place: float) -> None:
     assert found.estimates[HARDENING].at_bound
     assert not found.estimates[K_R].at_bound
     assert any("at its bound" in text for text in found.warnings)
+
+
+@pytest.mark.parametrize(("faster", "narrow"), [(1.2, True), (10.0, False)])
+def test_similar_speeds_are_reported(faster: float, narrow: bool) -> None:
+    record = sines((10.0,))
+    records = [record, replace(record, time=record.time / faster)]
+    problem: Any = SimpleNamespace(records=records, pset=parameter_set(LHDR, ["c_v"], [23.0]))
+    assert bool(_test_warnings(problem)) is narrow
 
 
 def test_remedies_belong_to_their_parameters() -> None:

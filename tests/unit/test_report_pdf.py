@@ -306,11 +306,15 @@ def test_histories_with_other_columns_have_a_sheet_of_their_own() -> None:
 
 def test_tables_longer_than_a_sheet_go_on_in_another(monkeypatch: Any) -> None:
     monkeypatch.setattr(workbook, "ROWS", 6)
-    table = Table("Long", [Quantity("n", "", "d")], [(k,) for k in range(5)])
+    rows = [(k,) for k in range(5)]
+    table = Table("Long", [Quantity("n", "", "d")], rows, marked=frozenset({(3, 0)}))
     pieces = dataclasses.replace(PIECES, tables={"long": table}, inputs={}, checks=())
     book = opened_workbook(workbook_bytes(pieces, {}))
     told = {name: [c.value for c in book[name]["A"][3:]] for name in book.sheetnames[-3:]}
     assert told == {"long": [0, 1], "long 2": [2, 3], "long 3": [4]}
+    cells = [cell for name in told for cell in book[name]["A"][3:]]
+    filled = [c.value for c in cells if c.fill.fgColor.rgb.endswith(workbook.MARKED)]
+    assert filled == [3]
 
 
 @pytest.mark.parametrize(

@@ -70,6 +70,10 @@ def test_fit_numbers(fitted: SavedResult, fit: Pieces) -> None:
     assert len(cycles.rows) == 2
     errors = [cycle["G_eq_error"] for cycle in fitted.summary["records"][0]["cycles"]]
     assert np.allclose(rows["K_eq_ratio"] - 1.0, errors, atol=1e-6)
+    agreement = fit.tables["records"]
+    heads = [column.name for column in agreement.columns]
+    ends = [agreement.rows[0][heads.index(f"G_eq_error_{end}")] for end in ("least", "largest")]
+    assert ends == pytest.approx([100.0 * min(errors), 100.0 * max(errors)])
 
 
 def test_fit_says_what_the_test_was(fitted: SavedResult, fit: Pieces) -> None:

@@ -113,6 +113,15 @@ def test_a_mass_behind_a_face_is_a_cell(lower: EndFace) -> None:
     assert_allclose(plain.lead.capacity, model.constants.lead.capacity, rtol=1e-12)
 
 
+def test_film_at_a_face_is_without_half_the_outer_cell() -> None:
+    """A film is itself; eta = 3 holds the face, since half a cell conducts 2 k/thickness."""
+    stack = build_model(tb.load_bearing("shen-lhdr-bridge"), ModelOptions()).stack
+    half = 2.0 * stack.conductivity[0] / stack.thickness[0]
+    assert film_at_face(FILM, stack, 0) == pytest.approx(12e-6)
+    assert film_at_face(EndFace(eta=2.0), stack, 0) == pytest.approx(half)
+    assert film_at_face(EndFace(eta=3.0), stack, 0) == np.inf
+
+
 def test_books_close_with_masses_and_cover() -> None:
     face = EndFace(film=12.0, heat_capacity=1000.0)
     test = tb.cyclic_test(strain=[1.0], cycles=2)

@@ -288,6 +288,27 @@ def test_core_when_all_is_steady() -> None:
     assert_allclose(across, 1.0 / (8.0 * math.pi * k * 48.0), rtol=tol.KERNEL_STEADY)
 
 
+def test_edges_of_shims_on_a_wide_core_are_those_on_a_half_plane() -> None:
+    """Shims as thick as the layers: 4 p/pi^3 times the sum of 1/n^3 over odd n, over 2 pi r h k."""
+    core = tb.load_bearing("shen-lhdr-specimen").materials.lead
+    assert core is not None
+    radius, height, pitch = 1e6, 48.0, 10.0
+    found = way._to_edges(core, height, 0.5 * pitch, 0.5 * pitch, radius)[0]
+    steady = found * 2.0 * math.pi * radius * height * core.conductivity * 1e-3
+    wanted = 4.0 * pitch / math.pi**3 * 7.0 / 8.0 * special.zeta(3.0)
+    assert_allclose(steady, wanted, rtol=1e-4)  # of 60 terms
+
+
+def test_thick_rubber_at_the_wall_is_a_half_space() -> None:
+    """2 pi r h sqrt(k c s), which no far side of the layer limits."""
+    rubber = tb.load_bearing("lrb-example").materials.rubber
+    radius, layer = 90.0, 1e6
+    found = way._rubber_at_wall(rubber, layer, radius)
+    k, heat = way._numbers(rubber)
+    wanted = 2.0 * math.pi * radius * layer * np.sqrt(k * heat * way.FREQUENCIES)
+    assert_allclose(found, wanted, rtol=1e-3)  # of 400 modes
+
+
 def test_fin_is_that_of_finite_volumes() -> None:
     """The ring of 400 volumes whose inner face is heated, at every frequency."""
     materials = tb.load_bearing("lrb-example").materials

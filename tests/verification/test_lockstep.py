@@ -11,7 +11,7 @@ from tests import tolerances as tol
 from tests.verification.models import assembled, changed
 from tests.verification.structures import ground_of, real_bearing
 from thermobearing.bearing.library import list_bearings, load_bearing
-from thermobearing.bearing.model import Bearing, Scragging
+from thermobearing.bearing.model import Bearing, Scragging, TemperatureLaw
 from thermobearing.core import types
 from thermobearing.core.lanes.memory import WIDTH, aligned, side_by_side
 from thermobearing.core.lockstep import march_lanes
@@ -128,6 +128,16 @@ def test_other_curvatures_in_lockstep(shape: float) -> None:
     """Unloading along a straight line, and along a tanh (s > 1)."""
     bearing = changed(load_bearing(HDR), hysteresis={"shape": shape})
     assert_alike(bearing, variants(bearing))
+
+
+def test_a_temperature_table_in_lockstep() -> None:
+    """Lanes from -30 degC on, so that each part of the table and both its ends have some."""
+    law = TemperatureLaw(
+        temperatures=[-25.0, -20.0, -15.0], elastic=[1.4, 1.2, 1.0], hysteretic=[2.0, 1.3, 1.0]
+    )
+    none = {"elastic_temperature_coefficient": 0.0, "hysteretic_temperature_coefficient": 0.0}
+    bearing = changed(load_bearing(HDR), hysteresis=none)
+    assert_alike(bearing, variants(bearing.model_copy(update={"temperature_law": law})))
 
 
 def test_company_does_not_matter() -> None:
