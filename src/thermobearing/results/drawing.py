@@ -420,13 +420,19 @@ def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> N
 
 
 def mark_tested(ax: Axes, largest: float, name: str) -> None:
-    """Draw a line at the largest tested value of what the vertical axis shows, if finite."""
+    """Draw a line at the largest tested value of what the vertical axis shows, if finite.
+
+    Its name stands above the line, or below it where data lie just above.
+    """
     if np.isfinite(largest):
+        low, high = ax.get_ylim()
+        drawn = np.concatenate([np.ravel(line.get_ydata()) for line in ax.lines] + [np.empty(0)])
+        near = ((drawn > largest) & (drawn < largest + 0.15 * (high - low))).any()
         ax.axhline(largest, **LIMIT)
         look: Look = {
             "fontsize": SMALL - 0.5,
             "color": LIMIT["color"],
             "bbox": BOX | {"alpha": 0.6},
         }
-        look |= {"va": "bottom", "ha": "left", "zorder": 1.9}  # below lines and marks
+        look |= {"va": "top" if near else "bottom", "ha": "left", "zorder": 1.9}  # below lines
         ax.text(0.01, largest, name, transform=ax.get_yaxis_transform(), **look)
