@@ -122,16 +122,16 @@ def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int =
     random = np.random.default_rng(seed)
     dates = BEGINS - np.timedelta64(LEAD_IN, "h") + np.arange(LEAD_IN + hours)
     place = _hour_of_year(dates)
-    air = _seasonal(known)[place]
+    temperature = _seasonal(known)[place]
     for deviation, memory in (
         (_through_year(known.weather_deviation), known.weather_memory),
         (np.full(YEAR, known.season_deviation), known.season_memory),
     ):
-        air += deviation[place] * _autoregressive(len(dates), memory, random)
+        temperature += deviation[place] * _autoregressive(len(dates), memory, random)
     if known.cold_spells is not None:
-        air += _mean_of_spells(known.cold_spells)[place]
-        air -= _spells(known.cold_spells, place, random)
-    return Hourly(air[LEAD_IN:], BEGINS, name=known.name)
+        temperature += _mean_of_spells(known.cold_spells)[place]
+        temperature -= _spells(known.cold_spells, place, random)
+    return Hourly(temperature[LEAD_IN:], BEGINS, name=known.name)
 
 
 def _hours(years: int) -> int:

@@ -104,8 +104,8 @@ class Hourly:
                 f"{len(self) - 1}",
                 self.name,
             )
-        air = np.take(self.temperature, np.arange(first, hour + 1), mode="wrap")
-        return Ambient(HOUR * np.arange(back + 1.0), air)
+        temperature = np.take(self.temperature, np.arange(first, hour + 1), mode="wrap")
+        return Ambient(HOUR * np.arange(back + 1.0), temperature)
 
     def hours_at(self, shares: Floats, history: float = 0.0) -> Ints:
         """Return equally probable hours of an earthquake, from uniform numbers.

@@ -73,10 +73,10 @@ def read_weather(path: str | Path) -> Hourly:
             str(path),
         )
     hours = np.arange(np.floor((time[-1] - time[0]) / HOUR + 1e-6) + 1.0)
-    air = np.interp(time[0] + HOUR * hours, time, values)
+    temperature = np.interp(time[0] + HOUR * hours, time, values)
     even = len(hours) == len(time) and bool(np.allclose(gaps, HOUR, rtol=1e-6))
     notes = () if even else ("readings were interpolated linearly to full hours from the first",)
-    return Hourly(air, found.begins, False, path.stem, notes)
+    return Hourly(temperature, found.begins, False, path.stem, notes)
 
 
 def read_air(path: str | Path) -> Ambient:

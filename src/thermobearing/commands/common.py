@@ -89,7 +89,7 @@ def _as_options(text: str) -> str:
 
 
 def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
-    """Report a failure once, on stderr, and as JSON if asked for."""
+    """Report a failure once, on stderr, and as JSON on request."""
     typer.echo(f"thermobearing: {message}", err=True)
     if as_json:
         _echo_json({"outcome": outcome, "exit_status": status, "message": message})

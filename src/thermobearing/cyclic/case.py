@@ -187,8 +187,8 @@ def end_state(
     faults, data = settle_start({"initial_result": result}, ("initial_result",))
     if data is None:
         raise InputError(faults or "result: give one", "end_state()")
-    air = [] if ambient is None else [ambient]
-    return left_by(data, as_bearing(bearing), air, "end_state()")
+    known = [] if ambient is None else [ambient]
+    return left_by(data, as_bearing(bearing), known, "end_state()")
 
 
 def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> SpecimenState:
@@ -221,12 +221,12 @@ def _same_run(data: xr.Dataset, ambient: list[float], bearing: str) -> int:
     runs = np.arange(data["ambient"].size)
     if "bearing" in data.coords:
         runs = runs[data["bearing"].values == bearing]
-    air = data["ambient"].values[runs]
+    ambients = data["ambient"].values[runs]
     if len(runs) == 1:
         return int(runs[0])
-    match: Any = runs[air == ambient[0]] if len(ambient) == 1 else []
+    match: Any = runs[ambients == ambient[0]] if len(ambient) == 1 else []
     if len(match) != 1:
-        raise InputError(f"has {len(runs)} runs, at {air} degC; start at one of them only")
+        raise InputError(f"has {len(runs)} runs, at {ambients} degC; start at one of them only")
     return int(match[0])
 
 

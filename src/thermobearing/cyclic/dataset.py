@@ -36,7 +36,7 @@ from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
 from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import find_cycles
-from thermobearing.results.ranges import Row, asked_of_tests, outside_tests, reached_by
+from thermobearing.results.ranges import Row, compare_with_tests, outside_tests, reached_by
 from thermobearing.results.writing import as_attribute
 
 # Histories that may be kept besides: variable, dimension.
@@ -155,9 +155,9 @@ def _build_dataset(
         "layer_force_mismatch_max": (each, np.array([run.mismatch for run in runs])),
     }
     data |= _memories(runs)
-    air = [climate.at(0.0) for climate in climates[: len(runs)]]
+    ambient = [climate.at(0.0) for climate in climates[: len(runs)]]
     coordinates: dict[str, Any] = {
-        "ambient": (each, np.array(air)),
+        "ambient": (each, np.array(ambient)),
         "layer": ("layer", np.arange(1, stack.layers + 1)),
         "cell": ("cell", np.arange(1, len(stack.depth) + 1)),
         "depth": ("cell", stack.depth, depth_attributes(bool(attributes["half_stack"]))),
@@ -260,7 +260,7 @@ def _compared_rows(
             ambient=(float(climate.temperature.min()), float(climate.temperature.max())),
             lead=books["lead_temperature"] if case.bearing.lead else None,
         )
-        found["tested_range"] += asked_of_tests(name, reached, calibration_ranges(case.bearing))
+        found["tested_range"] += compare_with_tests(name, reached, calibration_ranges(case.bearing))
     return found
 
 

@@ -217,9 +217,9 @@ class Figures(drawing.Figures):
     def _run_titles(self) -> list[str]:
         """Return the ambient temperatures, and what ended the runs that did not complete."""
         rows, found = self._result.tested_range.to_dict("records"), []
-        for air, end in zip(self._ambient, self._data["outcome"].values, strict=True):
-            title = f"ambient {drawing.degrees(air)}"
-            if "ambient" in limits_passed(rows, [run_name(air)])[0].split():
+        for ambient, end in zip(self._ambient, self._data["outcome"].values, strict=True):
+            title = f"ambient {drawing.degrees(ambient)}"
+            if "ambient" in limits_passed(rows, [run_name(ambient)])[0].split():
                 title += " (outside calibration range)"
             ended = "" if end == "completed" else f" ({str(end).replace('_', ' ')})"
             found.append(title + ended)

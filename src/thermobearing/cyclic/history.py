@@ -178,7 +178,7 @@ class History:
 
 
 def room_for(constants: Constants, count: int, groups: tuple[str, ...]) -> Kept:
-    """Return rows for the books and the chosen groups; the other groups have no columns."""
+    """Return rows for the energy balance and the chosen groups; other groups have no columns."""
     layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
     wide = {name: layers if name in groups else 0 for name in Kept._fields}
     return Kept(
@@ -281,8 +281,8 @@ def _run_segment(
     for first in range(0, len(segment.x), CHUNK):
         part = slice(first, first + CHUNK)
         dt = np.ascontiguousarray(segment.dt[part])
-        air = ambient.means(run.state.books[0].clock, dt)
-        path = Path(segment.x[part], dt, air, keep[part], segment.within)
+        means = ambient.means(run.state.books[0].clock, dt)
+        path = Path(segment.x[part], dt, means, keep[part], segment.within)
         room = run.rows.part(run.kept, len(run.segment))
         found = march(constants, work, run.state, spare, path, room)
         done, kept, outcome, softened, mismatch = found

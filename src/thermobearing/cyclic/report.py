@@ -167,15 +167,17 @@ def _question(result: Result, case: Case) -> str:
 
 def _answer(result: Result) -> list[str]:
     cycles, data = result.cycles, result.dataset
-    ended = [float(air) for air in data["ambient"].values[data["outcome"].values != "completed"]]
+    ended = [
+        float(ambient) for ambient in data["ambient"].values[data["outcome"].values != "completed"]
+    ]
     early = early_end("The analysis", f" at {degrees(ended)}" if ended else "", result)
     if len(cycles):
         largest = float(cycles["amplitude_strain"].max())
         rows = cycles[cycles["amplitude_strain"] >= 0.999 * largest]
         return [*early, _governing(result, rows, largest), _changes(result, rows)]
     peaks = joined(
-        f"{number(force)} kN at {percent(strain)} ({degrees([air])})"
-        for air, force, strain in _peaks(result)
+        f"{number(force)} kN at {percent(strain)} ({degrees([ambient])})"
+        for ambient, force, strain in _peaks(result)
     )
     heated = f"; the test warms {warmed}" if (warmed := _warmest(result)) else ""
     return [*early, f"No cycle was closed; the largest force and shear strain are {peaks}{heated}."]
@@ -196,10 +198,10 @@ def _governing(result: Result, rows: pd.DataFrame, largest: float) -> str:
         f"{KJ * row['energy_kN_mm']:.2f} kJ a cycle)"
         for row in last.to_dict("records")
     ]
-    air, force, _ = max(_peaks(result), key=lambda peak: peak[1])
+    ambient, force, _ = max(_peaks(result), key=lambda peak: peak[1])
     return (
         f"At {percent(largest)} shear strain the equivalent shear modulus G_e of the last cycle is "
-        f"{joined(each)}; the largest force is {number(force)} kN, at {degrees([air])}."
+        f"{joined(each)}; the largest force is {number(force)} kN, at {degrees([ambient])}."
     )
 
 
@@ -219,9 +221,10 @@ def _changes(result: Result, rows: pd.DataFrame) -> str:
     if (last["cycle"] > first["cycle"]).any():
         softer = last["G_eq_MPa"] / first["G_eq_MPa"]
         fall = change(float(softer.min()), "higher", "lower")
-        air = degrees([softer.index.tolist()[int(softer.argmin())]])
+        ambient = degrees([softer.index.tolist()[int(softer.argmin())]])
         heated.append(
-            f"the modulus of the last cycle of that strain is {fall} than that of its first ({air})"
+            f"the modulus of the last cycle of that strain is {fall} than that of its first "
+            f"({ambient})"
         )
     found += [", and ".join(heated)] if heated else []
     sentence = "; ".join(found)
@@ -235,8 +238,8 @@ def _warmest(result: Result) -> str:
     lead = rises["part"] == "lead"
     for name, mine in (("rubber", rises[~lead]), ("lead", rises[lead])):
         if len(mine):
-            rise, air = max(zip(mine["rise_K"], mine["ambient_degC"], strict=True))
-            found.append(f"the {name} by up to {rise:.1f} K ({degrees([air])})")
+            rise, ambient = max(zip(mine["rise_K"], mine["ambient_degC"], strict=True))
+            found.append(f"the {name} by up to {rise:.1f} K ({degrees([ambient])})")
     return joined(found)
 
 
@@ -245,8 +248,8 @@ def _input_tables(result: Result, case: Case) -> dict[str, Table]:
     own = sources.get(result.dataset.attrs["bearing"])
     found = {"test": _table_of_test(case["test"]), **bearing_tables(case["bearing"], own)}
     starts = ("ambient", "ambient_series", "initial", "initial_lead")
-    air = {key: case[key] for key in starts if key in case}
-    found["air"] = input_table("Temperatures", air, otherwise="input")
+    temperatures = {key: case[key] for key in starts if key in case}
+    found["temperatures"] = input_table("Temperatures", temperatures, otherwise="input")
     if "rig" in case:
         found["rig"] = rig_table(case["rig"], sources.get(case["rig"].get("name")))
     found["analysis"] = analysis_table(case["analysis"], Analysis())
@@ -291,8 +294,10 @@ def _figures(result: Result) -> dict[str, ReportFigure]:
     plots = {"loops": _loops_plot, "layer_temperatures": _temperature_plot}
     plots["profiles"] = _profile_plot
     peaks = "; ".join(
-        f"at {degrees([float(air)])} up to {np.nanmax(np.abs(stress)):.2f} MPa and {strain:.0%}"
-        for (air, _, strain), stress in zip(_peaks(result), result["stress"].values, strict=True)
+        f"at {degrees([float(ambient)])} up to {np.nanmax(np.abs(stress)):.2f} MPa and {strain:.0%}"
+        for (ambient, _, strain), stress in zip(
+            _peaks(result), result["stress"].values, strict=True
+        )
     )
     spoken = {"loops": f"Hysteresis loops: {peaks}.".replace("%", " %")}
     return {
@@ -308,9 +313,11 @@ def _figures(result: Result) -> dict[str, ReportFigure]:
 
 
 def _runs(result: Result) -> list[tuple[int, str, str]]:
-    air = np.asarray(result["ambient"].values, dtype=float)
-    colours = drawing.ambient_colours(air)
-    return [(k, degrees([float(t)]), c) for k, (t, c) in enumerate(zip(air, colours, strict=True))]
+    ambient = np.asarray(result["ambient"].values, dtype=float)
+    colours = drawing.ambient_colours(ambient)
+    return [
+        (k, degrees([float(t)]), c) for k, (t, c) in enumerate(zip(ambient, colours, strict=True))
+    ]
 
 
 def _loops_plot(result: Result) -> Plot:

@@ -51,14 +51,14 @@ class Result(DatasetResult):
     """Outcome of an analysis at one or several ambient temperatures.
 
     Its `dataset` has named dimensions and a unit on every variable; `result["force"]` is
-    `result.dataset["force"]`. It is labelled when it is first asked for, which takes as long as a
+    `result.dataset["force"]`. It is labelled at its first use, which takes as long as a
     short run. `compared` holds the results of the same test by other models, by name, this one
     first; it is empty unless they were run.
 
     Parameters
     ----------
     dataset : xarray.Dataset or callable
-        The dataset, or what makes it when it is first asked for.
+        The dataset, or the function that creates it at its first use.
 
     Examples
     --------
@@ -293,8 +293,8 @@ class Result(DatasetResult):
         for name, other in self.compared.items():
             outcomes = zip(other["ambient"].values, other["outcome"].values, strict=True)
             found += [
-                f"{name} at {air:g} degC ended early: {end}; its errors are those until then"
-                for air, end in outcomes
+                f"{name} at {ambient:g} degC ended early: {end}; its errors are those until then"
+                for ambient, end in outcomes
                 if end != "completed"
             ]
         return found

@@ -112,9 +112,9 @@ def temperature_factors(
     numbers = _chosen_cycles(cycles)
     temperatures, strains = one_or_several(temperatures), one_or_several(strains)
     _check(bearings, reference_temperature, temperatures, strains, period)
-    air = list(dict.fromkeys([float(reference_temperature), *(float(t) for t in temperatures)]))
+    ambient = list(dict.fromkeys([float(reference_temperature), *(float(t) for t in temperatures)]))
     parts = [
-        [_measured(item, air, strain, period, numbers, options) for strain in strains]
+        [_measured(item, ambient, strain, period, numbers, options) for strain in strains]
         for item in bearings
     ]
     tested = [row for _, rows in parts[0] for row in rows]
@@ -190,7 +190,7 @@ def _check(
 
 def _measured(
     bearing: Bearing,
-    air: list[float],
+    ambient: list[float],
     strain: float,
     period: float,
     numbers: tuple[int, ...],
@@ -199,7 +199,7 @@ def _measured(
     """Return values at one strain, by basis, temperature and quantity, and its tested range."""
     step = {"step": "cycles", "strain": float(strain), "wave": "sine", "period": float(period)}
     test = CyclicTest(dt=min(0.01, period / 200.0), steps=[step | {"count": max(numbers)}])
-    result = run(bearing, test, air, keep=["rubber"], **options)
+    result = run(bearing, test, ambient, keep=["rubber"], **options)
     if result.outcome != "completed":
         raise InputError(
             f"{bearing.name}: the model ended with {result.outcome} at {strain:.0%}: "
@@ -238,7 +238,7 @@ def _measured(
         for name, unit in QUANTITIES.items()
     ]
     tested = result.tested_range.to_dict("records")
-    names = {run_name(t): _place(strain, t) for t in air}
+    names = {run_name(t): _place(strain, t) for t in ambient}
     return pd.DataFrame(rows), [{**row, "run": names[row["run"]]} for row in tested]
 
 
@@ -250,7 +250,7 @@ def _place(strain: float, temperature: float) -> str:
 def _with_tested(table: pd.DataFrame, tested: list[Row]) -> pd.DataFrame:
     """Return a table with what its first bearing was not tested at; those rows in `attrs`."""
     pairs = zip(table["strain"], table["ambient_degC"], strict=True)
-    runs = [_place(float(strain), float(air)) for strain, air in pairs]
+    runs = [_place(float(strain), float(ambient)) for strain, ambient in pairs]
     table["beyond_tested"] = limits_passed(tested, runs)
     table.attrs["tested_range"] = tested
     return table

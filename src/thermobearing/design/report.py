@@ -67,13 +67,13 @@ def _bounds_pieces(saved: SavedResult) -> Pieces:
     words = [bearing_words(one["bearing"]) for one in inputs.values()]
     motions = dict.fromkeys(str(r["motion"]) for table in summary["rows"].values() for r in table)
     first: Summary = next(iter(inputs.values()))
-    airs = degrees([float(str(air).split()[0]) for air in first["ambient"]])
+    temperatures = degrees([float(str(value).split()[0]) for value in first["ambient"]])
     return content.build_pieces(
         "bounds",
         f"Bounding analyses on {summary['structure']}",
         f"Compare a bounding analysis, which uses a lower and an upper bilinear model of "
-        f"{joined(words)}, with the coupled model at {airs}, on {summary['structure']} under "
-        f"{joined(motions)}.",
+        f"{joined(words)}, with the coupled model at {temperatures}, on {summary['structure']} "
+        f"under {joined(motions)}.",
         bounds_sentences(summary),
         inputs=_bounds_inputs(inputs),
         tables={"demands": demands_table(summary)},
@@ -102,10 +102,11 @@ def _bounds_inputs(inputs: Summary) -> dict[str, Table]:
 
 def _assumptions(first: Mapping[str, Any], bearings: list[Mapping[str, Any]]) -> list[str]:
     """Return how the bounds are made, and what holds for the coupled runs."""
-    airs = [float(str(air).split()[0]) for air in first["ambient"]]
+    temperatures = [float(str(value).split()[0]) for value in first["ambient"]]
     found = (
-        f"The bounds are bilinear models of the bearing soaked at {degrees([max(airs)])} (lower) "
-        f"and {degrees([min(airs)])} (upper): equal peak force and loop area in the third cycle at "
+        "The bounds are bilinear models of the bearing soaked at "
+        f"{degrees([max(temperatures)])} (lower) and {degrees([min(temperatures)])} (upper): equal "
+        "peak force and loop area in the third cycle at "
         f"{percent(float(first['strain']))} shear strain."
     )
     analysis = first["analysis"]
@@ -127,7 +128,7 @@ def _factors_pieces(saved: SavedResult) -> Pieces:
     """Return the document of `lambda`."""
     summary = saved.summary
     name, table = str(summary["bearing"]), summary["inputs"]["bearing"]
-    airs = sorted({float(row["ambient_degC"]) for row in summary["factors"]})
+    temperatures = sorted({float(row["ambient_degC"]) for row in summary["factors"]})
     strains = sorted({float(row["strain"]) for row in summary["factors"]})
     reference = degrees([summary["reference_degC"]])
     rows = summary.get("tested_range", [])
@@ -135,7 +136,7 @@ def _factors_pieces(saved: SavedResult) -> Pieces:
         "lambda",
         f"Temperature factors of {name}",
         f"Determine the temperature factors of stiffness, strength and energy of "
-        f"{bearing_words(table)}, relative to {reference}, at {degrees(airs)} and "
+        f"{bearing_words(table)}, relative to {reference}, at {degrees(temperatures)} and "
         f"{joined(percent(s) for s in strains)} shear strain ({summary['motion']}, cycles "
         f"{summary['cycles']}).",
         _factors_answer(summary),
@@ -144,8 +145,8 @@ def _factors_pieces(saved: SavedResult) -> Pieces:
         figures=content.saved_figures(saved, FACTORS_CAPTIONS),
         checks=content.limit_checks(rows, content.TESTS, f"{content.TESTED_RANGE} of {name}"),
         assumptions=[
-            f"Every test begins with the whole bearing at the ambient temperature; factors are "
-            f"relative to {reference}.",
+            "Every test begins with all parts of the bearing at the ambient temperature; factors "
+            f"are relative to {reference}.",
             *model_assumptions({}, [table]),
         ],
         **content.saved_parts(saved, "thermobearing.design.run_factors(...) in Python"),

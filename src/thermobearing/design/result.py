@@ -39,7 +39,7 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.quantities.tables import Table
 from thermobearing.results import directory as files
 from thermobearing.results.base import Result
-from thermobearing.results.ranges import Row, asked_of_tests, one_per_cause, outside_tests
+from thermobearing.results.ranges import Row, compare_with_tests, one_per_cause, outside_tests
 from thermobearing.results.writing import write_csv
 
 USABLE = ("converged", "two_sizes")  # outcomes of a design
@@ -124,7 +124,7 @@ class Design(Result):
         for item in self.equal:
             reached = {"strain": item.displacement / item.bearing.total_rubber_thickness}
             run = f"{item.bearing.name}, {item.displacement:.0f} mm"
-            rows += asked_of_tests(run, reached, calibration_ranges(item.bearing))
+            rows += compare_with_tests(run, reached, calibration_ranges(item.bearing))
         return pd.DataFrame(rows + list(self.temperatures.attrs.get("tested_range", [])))
 
     @property

@@ -70,7 +70,7 @@ def demands_table(summary: Summary) -> Table:
 def factor_tables(summary: Summary) -> dict[str, Table]:
     """Return factors with a column for each temperature, and bounds."""
     rows = summary["factors"]
-    airs = sorted({float(row["ambient_degC"]) for row in rows})
+    temperatures = sorted({float(row["ambient_degC"]) for row in rows})
     bands = any(pd.notna(row.get("factor_low")) for row in rows)
     lines: dict[tuple[Any, ...], dict[float, Any]] = {}
     values: dict[tuple[Any, ...], float] = {}
@@ -83,11 +83,13 @@ def factor_tables(summary: Summary) -> dict[str, Table]:
     reference = degrees([summary["reference_degC"]])
     columns = [quantity("strain", form="g"), *map(Quantity, ("Cycle", "Quantity", "Unit"))]
     columns.append(Quantity(f"Value at {reference}", form=".3g"))
-    columns += [Quantity(f"Factor at {degrees([air])}", form=".2f") for air in airs]
+    columns += [
+        Quantity(f"Factor at {degrees([temperature])}", form=".2f") for temperature in temperatures
+    ]
     cells: list[list[Any]] = []
     marked: set[tuple[int, int]] = set()
     for at, (key, found) in enumerate(lines.items()):
-        each = [found.get(air) for air in airs]
+        each = [found.get(temperature) for temperature in temperatures]
         cells.append([*key, values.get(key), *(one and _cell(one) for one in each)])
         marked |= {
             (at, 5 + place)

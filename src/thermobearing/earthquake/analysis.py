@@ -304,4 +304,4 @@ def refuse_incomparable(case: EarthquakeCase) -> None:
     if options.stack == "half":
         faults.append('analysis.stack = "half": earlier models with one cell need "auto"')
     if faults:
-        raise InputError([f"{fault} (asked for by --compare)" for fault in faults], case.command)
+        raise InputError([f"{fault} (required by --compare)" for fault in faults], case.command)

@@ -30,7 +30,7 @@ from thermobearing.quantities.register import quantity
 from thermobearing.results.ranges import (
     Ends,
     Row,
-    asked_of_tests,
+    compare_with_tests,
     one_per_cause,
     outside_tests,
     reached_by,
@@ -83,25 +83,25 @@ def _labelled_ends(
     data: dict[str, Any] = {}
     for key, dimension in dims.items():
         parts = [np.atleast_1d(end.get(key, np.nan)) for end in ends]
-        whole = padded(parts, (max(len(part) for part in parts),), float)
+        stacked = padded(parts, (max(len(part) for part in parts),), float)
         name = handover.PREFIX + key if key in memory else key
         about = quantity(name).attributes
         if dimension is None:
-            data[name] = (("run",), whole[:, 0], about)
-        elif whole.size:
-            data[name] = (("run", dimension), whole, about)
+            data[name] = (("run",), stacked[:, 0], about)
+        elif stacked.size:
+            data[name] = (("run", dimension), stacked, about)
     return data
 
 
 def padded(parts: Sequence[Floats], shape: tuple[int, ...], dtype: Any = np.float32) -> Any:
     """Return tables of several runs as one, of that shape each, with NaN where a table ends."""
-    whole = np.empty((len(parts), *shape), dtype=dtype)
+    stacked = np.empty((len(parts), *shape), dtype=dtype)
     for run, part in enumerate(parts):
         inside = tuple(slice(0, size) for size in part.shape)
         if part.shape != shape:
-            whole[run] = np.nan
-        whole[run][inside] = part
-    return whole
+            stacked[run] = np.nan
+        stacked[run][inside] = part
+    return stacked
 
 
 Traces = Sequence[Mapping[str, Floats]]
@@ -115,8 +115,8 @@ def _collect_warnings(
     traces: Traces,
 ) -> dict[str, Any]:
     """Return warnings, and how far runs use the rig and the tested ranges, as attributes."""
-    rig = _asked_of_rig(case, tasks, traces)
-    found, asked = beyond(case.rig, rig), []
+    rig = _rig_rows(case, tasks, traces)
+    found, compared = beyond(case.rig, rig), []
     if tasks:
         found += implausible_structure(case.structure, tasks[0].prepared)
     causes: list[tuple[str, str]] = []
@@ -126,9 +126,9 @@ def _collect_warnings(
         rows: list[Row] = []
         for k, lines in mine.items():
             name = _name(tasks[k], bearing.name)
-            rows += asked_of_tests(name, reached(tasks[k], histories[k], lines), ranges)
+            rows += compare_with_tests(name, reached(tasks[k], histories[k], lines), ranges)
         said += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
-        asked += rows
+        compared += rows
         if not isinstance(bearing, BilinearBearing) and case.analysis.model not in BLIND:
             runs = [
                 (_name(tasks[k]), traces[k]["time"], histories[k].layers(line))
@@ -141,7 +141,7 @@ def _collect_warnings(
     installed = [one.device.bearing for task in tasks for one in task.lines]
     factors = exposures(installed, case.analysis.exposure)
     found = describe_all(factors) + found
-    row_tables = {"rig": rig, "tested_range": asked, **exposure_attribute(factors)}
+    row_tables = {"rig": rig, "tested_range": compared, **exposure_attribute(factors)}
     attributes = {name: as_attribute(rows) for name, rows in row_tables.items() if rows}
     return {"warnings": as_attribute(found)} | attributes
 
@@ -187,7 +187,7 @@ def _name(task: "Task", bearing: str = "") -> str:
     return run_name(bearing, task.shaking.motion.name, task.ambient, task.mode)
 
 
-def _asked_of_rig(case: EarthquakeCase, tasks: Sequence["Task"], traces: Traces) -> list[Row]:
+def _rig_rows(case: EarthquakeCase, tasks: Sequence["Task"], traces: Traces) -> list[Row]:
     """Return how far each run uses the rig, with the speed on the clock of the specimen."""
     found = []
     names = ("bearing_force", "bearing_displacement", "bearing_speed")
@@ -251,7 +251,7 @@ def label_analysis(
         values = np.array([row[known.variable] for row in numbers])
         data[known.variable] = (("run",), values, known.attributes)
     data |= _labelled_ends(tasks, histories)
-    air = np.array([task.ambient for task in tasks])
+    ambient = np.array([task.ambient for task in tasks])
     names = [(task.device.bearing.name, task.shaking.motion.name, task.mode) for task in tasks]
     bearings, motions, modes = np.array(names, dtype=str).reshape(-1, 3).T
     dataset = xr.Dataset(
@@ -259,7 +259,7 @@ def label_analysis(
         coords={
             "bearing": ("run", bearings),
             "motion": ("run", motions),
-            "ambient": ("run", air, quantity("ambient_degC").attributes),
+            "ambient": ("run", ambient, quantity("ambient_degC").attributes),
             "mode": ("run", modes),
             "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
             "body": np.array([body.name for body in case.structure.bodies if tasks], dtype=str),
@@ -400,5 +400,5 @@ def _initial_periods(task: "Task") -> Floats:
 
 
 def _interrupted(case: EarthquakeCase, histories: Sequence[StructureHistory]) -> bool:
-    whole = len(case.bearings) * len(case.motions) * case.climates * len(case.modes)
-    return len(histories) < whole or any(h.outcome == INTERRUPTED for h in histories)
+    wanted = len(case.bearings) * len(case.motions) * case.climates * len(case.modes)
+    return len(histories) < wanted or any(h.outcome == INTERRUPTED for h in histories)

@@ -52,7 +52,7 @@ DAMPING = {
 
 
 def input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
-    """Return the inputs as tables: structure, bearings, motions, air, laboratory, model."""
+    """Return the inputs as tables, by name."""
     sources = case.get("sources", {})
     found = {
         "structure": structure_table(case["structure"], sources.get(case["structure"]["name"])),
@@ -62,8 +62,8 @@ def input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
         found |= bearing_tables(bearing, sources.get(str(bearing["name"])))
     if case.get("lines"):
         found["lines"] = _lines_table(case)
-    air = {key: case[key] for key in ("ambient", "weather", "duration") if key in case}
-    found["air"] = input_table("Ambient temperature and duration", air, otherwise="input")
+    climate = {key: case[key] for key in ("ambient", "weather", "duration") if key in case}
+    found["climate"] = input_table("Ambient temperature and duration", climate, otherwise="input")
     if "laboratory" in case:
         lab = {"laboratory": case["laboratory"]}
         found["laboratory"] = input_table("Laboratory", lab, otherwise="input, or default")
@@ -127,9 +127,9 @@ def _lines_table(case: Case) -> Table:
     for line in case["lines"]:
         bearing = line.get("bearing")
         name = str(bearing["name"]) if bearing else "as of the analysis"
-        air = line.get("weather") or "as of the analysis"
-        air = quantity(line["ambient"]) if "ambient" in line else Path(air).name
-        rows.append((str(line["line"]), name, air))
+        ambient = line.get("weather") or "as of the analysis"
+        ambient = quantity(line["ambient"]) if "ambient" in line else Path(ambient).name
+        rows.append((str(line["line"]), name, ambient))
     columns = [Quantity("Line"), Quantity("Bearing"), Quantity("Ambient temperature")]
     return Table("Bearing lines of their own", columns, rows)
 
@@ -141,12 +141,12 @@ def _question(result: EarthquakeResult, case: Case) -> str:
     motions = list(dict.fromkeys(str(name) for name in result["motion"].values))
     shown = joined(motions) if len(motions) <= 6 else counted(len(motions), "motion")
     if case.get("weather"):
-        air = f"after the weather of {Path(case['weather']).name}"
+        climate = f"after the weather of {Path(case['weather']).name}"
     else:
-        air = f"at ambient {degrees(list(dict.fromkeys(result['ambient'].values.tolist())))}"
+        climate = f"at ambient {degrees(list(dict.fromkeys(result['ambient'].values.tolist())))}"
     which = "motions" if len(motions) > 1 else "motion"
     demands = "the displacements and forces of the bearings and the demand on the piers"
-    shaking = f"in the ground {which} {shown}, {air}"
+    shaking = f"in the ground {which} {shown}, {climate}"
     if case["command"] == "hybrid":
         modes = joined(MODES[mode] for mode in dict.fromkeys(result.modes) if mode in MODES)
         return (
@@ -164,7 +164,7 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
     damping = f"Viscous damping: {kind}, {DAMPING[kind]}." if kind in DAMPING else ""
     if kind == "none":
         damping = "Without viscous damping only bearings and hinges dissipate energy."
-    air = "weather" not in case
+    constant = "weather" not in case
     found = [
         "Bodies are rigid; they move in one horizontal direction and rock; foundations rest on "
         "linear springs. Second-order effects of gravity are not in the model.",
@@ -176,7 +176,7 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
         f"Mass: {analysis['mass']}. Time integration: {analysis['method'].replace('-', ' ')}, "
         f"steps of at most {quantity(analysis['dt'])}.",
         "Every bearing starts at the ambient temperature throughout, which then stays constant."
-        if air
+        if constant
         else "Bearings start with the temperatures that result from the weather before the motion.",
     ]
     if "initial_state" in case:
@@ -478,8 +478,8 @@ class _Plots(EarthquakeFigures):
                 self.groups.setdefault(name, []).append(run)
 
     def _label(self, run: int) -> str:
-        air = degrees([float(self._table["ambient_degC"][run])])
-        return f"{air}, {self._result.modes[run]}" if len(self._run_modes) > 1 else air
+        ambient = degrees([float(self._table["ambient_degC"][run])])
+        return f"{ambient}, {self._result.modes[run]}" if len(self._run_modes) > 1 else ambient
 
     def _plot(
         self,

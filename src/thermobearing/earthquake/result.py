@@ -151,7 +151,9 @@ class EarthquakeResult(DatasetResult):
     def run_names(self) -> list[str]:
         """Name of each run in sentences and tables."""
         labels = zip(*(self.dataset[name].values for name in LABELS), strict=True)
-        return [run_name(str(b), str(m), float(air), str(mode)) for b, m, air, mode in labels]
+        return [
+            run_name(str(b), str(m), float(ambient), str(mode)) for b, m, ambient, mode in labels
+        ]
 
     @property
     def table(self) -> pd.DataFrame:

@@ -267,15 +267,15 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
     weather = None if case.weather is None else read_air(case.weather)
     tasks = []
     for device in devices:
-        airs = case.ambient if weather is None else [float(weather.temperature[-1])]
+        ambients = case.ambient if weather is None else [float(weather.temperature[-1])]
         climates = []
-        for air in airs:
-            start = partial(one_line, case, air=air, weather=weather)
-            climates.append((air, prepared_lines(case, device, own, start)))
+        for ambient in ambients:
+            start = partial(one_line, case, ambient=ambient, weather=weather)
+            climates.append((ambient, prepared_lines(case, device, own, start)))
         for shaking in shakings:
             tasks += [
-                Task(prepared, device, shaking, air, lines, case, mode)
-                for air, lines in climates
+                Task(prepared, device, shaking, ambient, lines, case, mode)
+                for ambient, lines in climates
                 for mode in case.modes
             ]
     return tasks
@@ -310,15 +310,19 @@ def prepared_lines(
     return tuple(found)
 
 
-def one_line(case: EarthquakeCase, device: Device, air: float, weather: Ambient | None) -> OneLine:
+def one_line(
+    case: EarthquakeCase, device: Device, ambient: float, weather: Ambient | None
+) -> OneLine:
     """Return a line as an earlier test or its weather left it, or at the ambient temperature."""
     left = case.initial_state
     if left is not None:
-        return OneLine(device, np.array(left.temperature), left.lead_temperature, air)
+        return OneLine(device, np.array(left.temperature), left.lead_temperature, ambient)
     if weather is not None:
-        return OneLine(device, *soaked(device, weather), air)
+        return OneLine(device, *soaked(device, weather), ambient)
     cells = len(device.constants.cells.capacity)
-    return OneLine(device, BLIND if device.stack is None else np.full(cells, air), None, air)
+    return OneLine(
+        device, BLIND if device.stack is None else np.full(cells, ambient), None, ambient
+    )
 
 
 def run_earthquake(
@@ -350,7 +354,7 @@ def run_earthquake(
 
 
 class _HourMap(NamedTuple):
-    """An hour of rest: `kept @ before + early * air + late * air an hour later`."""
+    """An hour of rest: `kept @ before + early * ambient + late * ambient an hour later`."""
 
     kept: Floats  # [n, n]
     early: Floats  # [n]
@@ -372,8 +376,10 @@ def _hour_map(constants: Constants) -> _HourMap:
     size = len(constants.cells.capacity) + _has_lead(constants) + len(constants.lead_modes)
     nothing, still = np.zeros(size), Ambient(np.array([0.0, HOUR]), np.zeros(2))
     kept = np.column_stack([_after_an_hour(constants, unit, still) for unit in np.eye(size)])
-    ends = [Ambient(np.array([0.0, HOUR]), np.array(air)) for air in ([1.0, 0.0], [0.0, 1.0])]
-    early, late = (_after_an_hour(constants, nothing, air) for air in ends)
+    ends = [
+        Ambient(np.array([0.0, HOUR]), np.array(ambient)) for ambient in ([1.0, 0.0], [0.0, 1.0])
+    ]
+    early, late = (_after_an_hour(constants, nothing, ambient) for ambient in ends)
     return _HourMap(np.ascontiguousarray(kept), early, late)
 
 
@@ -381,7 +387,7 @@ def _has_lead(constants: Constants) -> bool:
     return constants.lead.cores > 0.0
 
 
-def _after_an_hour(constants: Constants, before: Floats, air: Ambient) -> Floats:
+def _after_an_hour(constants: Constants, before: Floats, ambient: Ambient) -> Floats:
     """Return temperatures after an hour at rest [degC]: cells, lead, terms of lead."""
     cells = len(constants.cells.capacity)
     state = new_state(constants, before[:cells])
@@ -394,7 +400,7 @@ def _after_an_hour(constants: Constants, before: Floats, air: Ambient) -> Floats
     segment = build_segments(CyclicTest(dt=10.0, steps=[rest]), 1.0)[0]
     nothing = np.zeros(len(segment.x), dtype=bool)
     segment, nothing, _ = cut_rests(constants, segment, nothing, 0.0)
-    path = Path(segment.x, segment.dt, air.means(0.0, segment.dt), nothing, 0.0)
+    path = Path(segment.x, segment.dt, ambient.means(0.0, segment.dt), nothing, 0.0)
     march(constants, new_workspace(constants), state, spare, path, room_for(constants, 1, ()))
     return _vector(constants, state)
 
@@ -417,11 +423,11 @@ def soaked_hours(device: Device, weather: Hourly, hours: Ints | None = None) -> 
         return Soaked(np.zeros((len(wanted), 1)), None)
     constants = device.constants
     before = SPIN_UP if weather.recurs else 0
-    air = np.take(weather.temperature, np.arange(-before, len(weather)), mode="wrap")
+    ambient = np.take(weather.temperature, np.arange(-before, len(weather)), mode="wrap")
     places, back = np.unique(wanted + before, return_inverse=True)
-    hour, now = _hour_map(constants), _uniform(constants, air[0])
+    hour, now = _hour_map(constants), _uniform(constants, ambient[0])
     kept, found = np.ascontiguousarray(hour.kept.T), np.empty((len(places), len(now)))
-    hours_at_rest(kept, hour.early, hour.late, air, places, now, np.empty_like(now), found)
+    hours_at_rest(kept, hour.early, hour.late, ambient, places, now, np.empty_like(now), found)
     found = found[back]
     cells = len(constants.cells.capacity)
     lead = found[:, cells].copy() if _has_lead(constants) else None
@@ -429,9 +435,9 @@ def soaked_hours(device: Device, weather: Hourly, hours: Ints | None = None) -> 
 
 
 def history_weights(constants: Constants, hours: int) -> Floats:
-    """Return weights [n, hours + 1]: temperatures are weights times the air at full hours.
+    """Return weights [n, hours + 1] on the ambient temperature at full hours.
 
-    Rows are cells, lead and the memory of lead of a bearing that is at first as warm as the air.
+    Rows are cells, lead and the memory of lead of a bearing that starts at the ambient temperature.
     """
     hour = _hour_map(constants)
     begin = _uniform(constants, 1.0)
@@ -446,19 +452,19 @@ def history_weights(constants: Constants, hours: int) -> Floats:
 
 
 def soaked_history(
-    constants: Constants, weights: Floats, air: Floats
+    constants: Constants, weights: Floats, ambient: Floats
 ) -> tuple[Floats, float | None]:
     """Return temperatures of cells and lead at the end of some hours, as `soaked`.
 
-    `weights` are from `history_weights`; `air` is at the full hours [degC], the end included.
+    `weights` are from `history_weights`; `ambient` is at the full hours [degC], the end included.
     """
-    found = weights @ air
+    found = weights @ ambient
     cells = len(constants.cells.capacity)
     return found[:cells].copy(), float(found[cells]) if _has_lead(constants) else None
 
 
-def _uniform(constants: Constants, air: float) -> Floats:
-    return _vector(constants, new_state(constants, np.full(len(constants.cells.capacity), air)))
+def _uniform(constants: Constants, ambient: float) -> Floats:
+    return _vector(constants, new_state(constants, np.full(len(constants.cells.capacity), ambient)))
 
 
 def bearing_weather(

@@ -102,7 +102,7 @@ def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
         "modes": make_table(ratios, compared, "Real time over pseudo-dynamic", keys=3),
         "loops": _loops_table(result),
         "periods": _periods_table(result),
-        "bearing_books": balance_table(result, bearing=True),
+        "bearing_balance": balance_table(result, bearing=True),
     }
     return {name: table for name, table in found.items() if len(table)}
 

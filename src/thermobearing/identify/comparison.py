@@ -32,7 +32,7 @@ class Comparison:
     rubber : total rubber thickness [mm].
     prediction : the model at the samples of the test; None if it ended early.
     outcome : of the model's run, as of a cyclic test.
-    asked : rows of `results.ranges.compared`, for the calibration range of the bearing.
+    compared : rows of `results.ranges.compared`, for the calibration range of the bearing.
     """
 
     record: TestRecord
@@ -41,7 +41,7 @@ class Comparison:
     rubber: float
     prediction: Prediction | None
     outcome: str = COMPLETED
-    asked: list[Row] = field(default_factory=list)
+    compared: list[Row] = field(default_factory=list)
 
     @cached_property
     def R2(self) -> float:

@@ -124,7 +124,7 @@ class ComparisonFigures(drawing.Figures):
         ends = [
             row["largest"] / row["asked"] * record.peak_displacement
             for item, _ in self._of(record)
-            for row in item.asked
+            for row in item.compared
             if row["limit"] == "strain" and row["passed"] and row["asked"] > row["largest"]
         ]
         return min(ends, default=np.inf)

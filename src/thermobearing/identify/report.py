@@ -351,10 +351,10 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
     tested = bearing.get("tested_range") or {}
     if "strain" in tested:
         strains = " to ".join(dict.fromkeys(percent(end) for end in tested["strain"]))
-        air = " to ".join(dict.fromkeys(quantity(end) for end in tested["ambient"]))
+        ambients = " to ".join(dict.fromkeys(quantity(end) for end in tested["ambient"]))
         found.append(
             f"The bearing is valid for shear strains of {strains} at ambient temperatures of "
-            f"{air}; the table of its calibration range lists all limits."
+            f"{ambients}; the table of its calibration range lists all limits."
         )
     return found
 

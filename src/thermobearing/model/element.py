@@ -199,11 +199,11 @@ class BearingElement:
             raise InputError(
                 f"set_trial(): dt = {dt!r}: must be more than 0 s and below {HUGEST:g}"
             )
-        air = self._ambient
+        around = self._ambient
         if ambient is not None:
-            air = float(check_temperature(ambient, "set_trial(): ambient"))
+            around = float(check_temperature(ambient, "set_trial(): ambient"))
         force, tangent, outcome = step(
-            self._constants, self._work, self._committed, x, dt, air, self._trial
+            self._constants, self._work, self._committed, x, dt, around, self._trial
         )
         self._failed = "" if outcome in (COMPLETED, SOFTENED) else NAMES[outcome]
         return Trial(force, tangent, NAMES[outcome])

@@ -203,11 +203,11 @@ def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
     match block:
         case Paragraph():
             runs = split_runs(block.text)
-            return [{"kind": "paragraph", "box": block.kind, "runs": runs, "whole": True}]
+            return [{"kind": "paragraph", "box": block.kind, "runs": runs, "unbroken": True}]
         case Bullets():
             items = [split_runs(item) for item in block.items]
-            whole = sum(map(len, block.items)) < LONG_BOX
-            return [{"kind": "bullets", "box": block.kind, "items": items, "whole": whole}]
+            unbroken = sum(map(len, block.items)) < LONG_BOX
+            return [{"kind": "bullets", "box": block.kind, "items": items, "unbroken": unbroken}]
         case TableBlock():
             return _table(block.table)
         case FigureBlock():

@@ -1,4 +1,4 @@
-"""A result directory: checked before anything is computed, written as a whole or not at all.
+"""A result directory: checked before anything is computed, written completely or not at all.
 
 Everything is written into a hidden sibling directory, locked while its process lives, that takes
 the place of the final one at the end: a full disk, an interruption or a crash leaves either the

@@ -260,8 +260,8 @@ def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 
         grid = ax.get_gridspec()
         wide = parent_figure(ax).get_figwidth() / (grid.ncols if grid else 1) - MARGIN
         room = max(int(wide * 72.0 / (LETTER * NORMAL)), SHORTEST_LINE)
-        whole = title.replace(" °C", f"{UNBROKEN}°C")
-        label = textwrap.fill(whole, room).replace(UNBROKEN, " ")
+        unbroken = title.replace(" °C", f"{UNBROKEN}°C")
+        label = textwrap.fill(unbroken, room).replace(UNBROKEN, " ")
         ax.set_title(label, fontsize=NORMAL, loc="left", pad=pad)
 
 
@@ -327,10 +327,10 @@ def thin(values: Floats, bins: int) -> Ints:
     size = max(1, len(values) // max(bins, 1))
     if size <= 2:
         return np.arange(len(values))
-    whole = len(values) // size * size
-    shaped = values[:whole].reshape(-1, size)
-    start = np.arange(0, whole, size)
-    rest = np.arange(whole, len(values))
+    binned = len(values) // size * size
+    shaped = values[:binned].reshape(-1, size)
+    start = np.arange(0, binned, size)
+    rest = np.arange(binned, len(values))
     picked = [[0], start + shaped.argmin(axis=1), start + shaped.argmax(axis=1), rest]
     return np.unique(np.concatenate([*picked, [len(values) - 1]])).astype(np.int64)
 

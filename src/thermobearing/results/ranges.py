@@ -34,7 +34,7 @@ TESTED = {  # of a bearing: unit in rows; title, factor and unit in sentences
 
 def compared(
     run: str,
-    asked: Mapping[str, float | Ends],
+    reached: Mapping[str, float | Ends],
     limits: Mapping[str, Ends],
     units: Mapping[str, str],
     *,
@@ -42,13 +42,13 @@ def compared(
 ) -> list[Row]:
     """Compare a run with limits: one row for each limit whose quantity it has.
 
-    `asked` has the value of each quantity, or its lowest and highest (NaN: none), `limits` the
+    `reached` has the value of each quantity, or its lowest and highest (NaN: none), `limits` the
     lowest and largest value that is allowed. Beyond `slack`, a part of the range (of its width or
     upper end), the limit is passed; the row has the end that is farther out.
     """
     rows = []
     for name, (low, high) in limits.items():
-        given = asked.get(name, np.nan)
+        given = reached.get(name, np.nan)
         ends = given if isinstance(given, tuple) else (given, given)
         if not np.isfinite(ends).all():
             continue
@@ -118,7 +118,7 @@ def largest_speed(time: Floats, displacement: Floats) -> float:
     return float((moved / np.maximum(time[lag:] - time[:-lag], np.finfo(float).tiny)).max())
 
 
-def asked_of_tests(
+def compare_with_tests(
     run: str, reached: Mapping[str, float | Ends], ranges: Mapping[str, Ends] | None
 ) -> list[Row]:
     """Return the rows of `compared` for the tested range of a bearing; none without a range."""
@@ -186,10 +186,10 @@ def ring_note(rise: float) -> str:
     )
 
 
-def one_per_cause(told: Iterable[tuple[str, str]]) -> list[str]:
+def one_per_cause(sentences: Iterable[tuple[str, str]]) -> list[str]:
     """Return one warning for each cause, whichever bearings or parts it concerns."""
     found: dict[str, list[str]] = {}
-    for who, words in told:
+    for who, words in sentences:
         found.setdefault(re.split(r"-?\d", words, maxsplit=1)[0], []).append(f"{who}: {words}")
     return ["; ".join(same) for same in found.values()]
 

@@ -95,15 +95,16 @@ def _question(case: Case) -> str:
 def _words_of_part(part: Case) -> str:
     kind = str(part["part"])
     name = str(part.get("name") or kind)
-    air = f" at {quantity(part['ambient'])}" if "ambient" in part else ""
+    ambient = f" at {quantity(part['ambient'])}" if "ambient" in part else ""
     if kind == "cyclic":
-        return words_of_test({"name": name, "steps": part["steps"]}) + air
+        return words_of_test({"name": name, "steps": part["steps"]}) + ambient
     if kind == "rest":
         if "duration" in part:
-            return f"{name}: rest of {quantity(part['duration'])}{air}"
-        return f"{name}: rest until within {quantity(part['within'])} of the air{air}"
+            return f"{name}: rest of {quantity(part['duration'])}{ambient}"
+        within = f"within {quantity(part['within'])} of the ambient temperature"
+        return f"{name}: rest until {within}{ambient}"
     motion = Path(part["motion"]["name"]).name
-    return f"{name}: hybrid test of {part['structure']['name']} under {motion}{air}"
+    return f"{name}: hybrid test of {part['structure']['name']} under {motion}{ambient}"
 
 
 def _answer(result: SequenceResult) -> list[str]:

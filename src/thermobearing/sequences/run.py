@@ -92,13 +92,13 @@ def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> Specimen
     The actuator moves at the speed UNLOADING; the unloading is not part of the results.
     """
     part = case.parts[number]
-    air = case.ambient if part.ambient is None else part.ambient
+    ambient = case.ambient if part.ambient is None else part.ambient
     constants = build_model(case.bearing, case.analysis, backbone=bilinear_parameters).constants
-    element = BearingElement.from_constants(constants, air, initial=state)
+    element = BearingElement.from_constants(constants, ambient, initial=state)
     start, dt = state.at, 1.0
 
     def _force(x: float) -> float:
-        return element.set_trial(x, dt, air).force
+        return element.set_trial(x, dt, ambient).force
 
     def _other_side(x: float) -> float:
         """Return a displacement at which the force has the other sign; x where there is none."""
@@ -118,14 +118,14 @@ def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> Specimen
     end = brentq(_force, start, beyond, xtol=1e-9)
     dt = max(abs(end - start) / UNLOADING / PIECES, 1e-3)
     for piece in range(1, PIECES):
-        element.set_trial(start + (end - start) * piece / PIECES, dt, air)
+        element.set_trial(start + (end - start) * piece / PIECES, dt, ambient)
         element.commit()
     at = start + (end - start) * (PIECES - 1) / PIECES
     beyond = start + 2.0 * (end - start)
     if _force(at) * _force(beyond) > 0.0:  # a faster motion: the force is zero elsewhere
         beyond = _other_side(at)
     end = brentq(_force, at, beyond, xtol=1e-12)
-    element.set_trial(end, dt, air)
+    element.set_trial(end, dt, ambient)
     element.commit()
     left, lead = element.state, state.lead_temperature is not None
     warm = float(left.books[0].lead_temperature) if lead else float("nan")

@@ -76,8 +76,10 @@ def _parquet_bytes(table: pd.DataFrame, labels: Labels, notes: Mapping[str, Any]
         arrays.append(arrow.array(values, type=kind, from_pandas=kind == arrow.float64()))
     sealed = json.dumps({**notes, "sha256": EMPTY.decode()}).encode()
     stream = arrow.BufferOutputStream()
-    whole = arrow.Table.from_arrays(arrays, schema=arrow.schema(fields, metadata={NOTES: sealed}))
-    parquet.write_table(whole, stream, compression="zstd", compression_level=LEVEL)
+    sealed_table = arrow.Table.from_arrays(
+        arrays, schema=arrow.schema(fields, metadata={NOTES: sealed})
+    )
+    parquet.write_table(sealed_table, stream, compression="zstd", compression_level=LEVEL)
     before, _, after = _around_digest(bytes(stream.getvalue()))
     return before + _digest(before, after) + after
 
@@ -102,8 +104,8 @@ def _read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -
             found.append(parquet.ParquetFile(path).read(columns=names))
         except (OSError, arrow.ArrowException) as error:
             raise InputError(f"cannot be read: {error}", str(path)) from None
-    whole = arrow.concat_tables([one.replace_schema_metadata(None) for one in found])
-    return pd.DataFrame(whole.to_pandas())
+    joined = arrow.concat_tables([one.replace_schema_metadata(None) for one in found])
+    return pd.DataFrame(joined.to_pandas())
 
 
 def _read_labels(path: Path) -> dict[str, tuple[str, str]]:
@@ -328,17 +330,17 @@ def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | 
             "input": digest,
             "versions": _versions(),
         }
-        whole = {
+        files = {
             STUDY: study.to_toml().encode(),
             PLAN: planned,
             MANIFEST: (json.dumps(manifest, indent=2) + "\n").encode(),
         }
         if study.factors.motion.matched is not None:
-            whole[MADE] = matched_motions_bytes(study)
+            files[MADE] = matched_motions_bytes(study)
 
         def _fill(folder: Path) -> None:
             (folder / SHARDS).mkdir()
-            for name, content in whole.items():
+            for name, content in files.items():
                 (folder / name).write_bytes(content)
 
         try:
@@ -378,13 +380,13 @@ def _read_manifest(directory: Path) -> dict[str, Any]:
         raise InputError(f"is not the directory of a study: it has no {MANIFEST}", str(directory))
     try:
         found = json.loads(read_bytes(path, LARGEST_FILE))
-        whole = found["kind"] == "study" and found["format"] in (1, FORMAT)
+        valid = found["kind"] == "study" and found["format"] in (1, FORMAT)
         numbers = [int(found[name]) for name in ("runs", "shard_size")]
-        whole = whole and min(numbers) > 0 and isinstance(found["versions"], dict)
-        whole = whole and isinstance(found["input"], str)
+        valid = valid and min(numbers) > 0 and isinstance(found["versions"], dict)
+        valid = valid and isinstance(found["input"], str)
     except (ValueError, TypeError, KeyError):
-        whole = False
-    if not whole:
+        valid = False
+    if not valid:
         raise InputError(
             "is damaged or of another version; start the study in a new directory", str(path)
         )

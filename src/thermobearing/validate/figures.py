@@ -121,10 +121,12 @@ class CrossValidationFigures(drawing.Figures):
         figure, (ax,) = drawing.panels(1, 1, size, title)
         for place, symbol in enumerate(symbols):
             values = table[symbol].to_numpy(float)
-            whole = abs(values[0]) or 1.0  # some may be zero
-            error = np.nan_to_num(table[f"{symbol}_stderr"].to_numpy(float)[0] / whole, posinf=0.0)
+            reference = abs(values[0]) or 1.0  # some may be zero
+            error = np.nan_to_num(
+                table[f"{symbol}_stderr"].to_numpy(float)[0] / reference, posinf=0.0
+            )
             ax.errorbar(place, 0.0, 100.0 * error, color=TEST, capsize=6, linewidth=2.0)
-            off = 100.0 * (values[1:] - values[0]) / whole
+            off = 100.0 * (values[1:] - values[0]) / reference
             at = place + np.linspace(-0.25, 0.25, len(off))
             ax.plot(at, off, "o", color=FOLD, markersize=4)
             for x, y, fold in zip(at, off, table["fold"][1:], strict=True):

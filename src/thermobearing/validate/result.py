@@ -136,7 +136,7 @@ class Validation(Result):
     @property
     def tested_range(self) -> pd.DataFrame:
         """Use of the calibration range of each bearing by each test, where it is given."""
-        return pd.DataFrame([row for item in self.comparisons for row in item.asked])
+        return pd.DataFrame([row for item in self.comparisons for row in item.compared])
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -147,7 +147,7 @@ class Validation(Result):
             for name, error in item.errors.items():
                 row[f"{name}_error"] = error
                 row[f"{name}_verdict"] = _verdict(self.limits, name, error)
-            row["beyond_tested"] = " ".join(r["limit"] for r in item.asked if r["passed"])
+            row["beyond_tested"] = " ".join(r["limit"] for r in item.compared if r["passed"])
             ratios = item.largest.ratios if item.largest else {}
             rows.append(row | {f"{name}_ratio": ratios.get(name, NAN) for name in RATIOS})
         return pd.DataFrame(rows)

@@ -30,7 +30,7 @@ from thermobearing.identify.result import Identification
 from thermobearing.identify.run import run_identify
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions
-from thermobearing.results.ranges import asked_of_tests, outside_tests
+from thermobearing.results.ranges import compare_with_tests, outside_tests
 from thermobearing.validate.result import QUANTITIES, CrossValidation, Validation
 
 ASSUMED = ("assumed", "rubber")  # checks whose warnings a comparison repeats
@@ -130,7 +130,7 @@ def _judge(
             for record in records
         ]
         said += describe_all(exposures([bearing], None))
-        rows = [row for item in mine for row in item.asked]
+        rows = [row for item in mine for row in item.compared]
         said += outside_tests(bearing.name, rows, calibration_ranges(bearing))
         found += mine
     went_in = {one.name: {"table": to_table(one), "sources": one.sources} for one in bearings}
@@ -177,8 +177,8 @@ def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Compariso
     rubber = bearing.total_rubber_thickness
     reached = reached_values(record, rubber, record.ambient, lead)
     name = f"{bearing.name}, {model}, {record.name}, {record.ambient:g} degC"
-    asked = asked_of_tests(name, reached, calibration_ranges(bearing))
-    return Comparison(record, bearing.name, model, rubber, found, forward.ended, asked)
+    compared = compare_with_tests(name, reached, calibration_ranges(bearing))
+    return Comparison(record, bearing.name, model, rubber, found, forward.ended, compared)
 
 
 def cross_validate(

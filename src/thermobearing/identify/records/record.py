@@ -297,6 +297,6 @@ def reached_values(
     the lowest and highest temperature of the lead [degC].
     """
     time, x = record.time, record.displacement
-    air, warm = (ambient, ambient), None if lead is None else np.array(lead)
+    ends, warm = (ambient, ambient), None if lead is None else np.array(lead)
     speed = largest_speed(time, x)
-    return reached_by(time, x, speed, rubber=rubber, ambient=air, lead=warm)
+    return reached_by(time, x, speed, rubber=rubber, ambient=ends, lead=warm)

@@ -176,7 +176,7 @@ class Treatment:
     drifts: dict[str, Drift]  # by signal, if it has one, removed or not
     cycles: list[Cycle]  # of `steady`
     steady: TestRecord  # all samples, rests at their mean and spikes bridged, for the checks
-    cleaned: TestRecord  # all samples, rests at their mean; spikes and drift removed if asked for
+    cleaned: TestRecord  # all samples, rests at their mean; spikes and drift removed on request
 
     def to_fit(self, left_out: Flags) -> tuple[TestRecord, Flags]:
         """Return the record for a calibration, and the samples whose force has no weight."""

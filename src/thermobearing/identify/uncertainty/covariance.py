@@ -183,14 +183,14 @@ def _other_tests(
     if not groups:  # everything is known exactly
         return
     by_key = {group.keys[0]: group for group in groups}
-    air, turns, scale = (by_key[key] for key in OF_TESTS)
+    thermometer, turns, scale = (by_key[key] for key in OF_TESTS)
     known = [record.ambient_uncertainty for record in records]
-    steps = [air.step(0.0) if u is None else u for u in known]
+    steps = [thermometer.step(0.0) if u is None else u for u in known]
     for ambient in dict.fromkeys(record.ambient for record in records):
         off = [u if r.ambient == ambient else 0.0 for r, u in zip(records, steps, strict=True)]
-        update = {"name": f"{air.name} of {ambient:.4g} degC", "absolute": max(off)}
+        update = {"name": f"{thermometer.name} of {ambient:.4g} degC", "absolute": max(off)}
         warmer = [replace(r, ambient=r.ambient + u) for r, u in zip(records, off, strict=True)]
-        yield air.model_copy(update=update), warmer
+        yield thermometer.model_copy(update=update), warmer
     shorter = []  # their turns less far out, by the uncertainty from the noise
     for record in records:
         x, less = record.displacement, record.displacement.copy()

@@ -28,7 +28,7 @@ from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.records.record import reached_values
 from thermobearing.identify.result import Identification
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
-from thermobearing.results.ranges import asked_of_tests, limits_passed, outside_tests
+from thermobearing.results.ranges import compare_with_tests, limits_passed, outside_tests
 from thermobearing.tables.text import read_text
 
 WALKERS_PER = 3  # walkers for each parameter
@@ -143,9 +143,9 @@ def forecast(
         band, name = _predictive_band(found, samples, one, seed=seed), f"predicted at {one:g} degC"
         thickness = found.bearing.total_rubber_thickness
         reached = reached_values(found.records[0], thickness, one, band.lead)
-        asked = list(asked_of_tests(name, reached, tested))
-        bands.append(replace(band, beyond_tested=limits_passed(asked, [name])[0]))
-        rows += asked
+        compared = list(compare_with_tests(name, reached, tested))
+        bands.append(replace(band, beyond_tested=limits_passed(compared, [name])[0]))
+        rows += compared
     said = outside_tests(found.bearing.name, rows, tested)
     return Forecast(samples, tuple(bands), tuple(said))
 

@@ -221,7 +221,7 @@ def _with_case(
     case: dict[str, Any], factors: Factors, motions: list[GroundMotion], folder: Path
 ) -> tuple[EarthquakeCase, Factors]:
     """Return the common case of all runs, and factors with complete structures."""
-    air = factors.ambient.levels[0] if factors.ambient.levels else 0.0
+    ambient = factors.ambient.levels[0] if factors.ambient.levels else 0.0
     bearings = [
         one.bearing if isinstance(one, Posterior) else one for one in factors.bearing.levels
     ]
@@ -232,7 +232,7 @@ def _with_case(
     first = {
         "bearings": bearings[:1],
         "motions": [factors.motion.levels[0] if plain and factors.motion.levels else STAND_IN],
-        "ambient": [with_unit(air, "degC")],
+        "ambient": [with_unit(ambient, "degC")],
     }
     made = [
         make_earthquake_case({**case, **first, "structure": one}, "case", folder)

@@ -443,8 +443,8 @@ def _shared_digest(study: Study) -> bytes:
     for key in ("keep", "keep_every"):
         table["analysis"].pop(key)
     weather = study.factors.ambient.read_weather()
-    air = [] if weather is None else [weather.temperature, weather.recurs]
-    return _digest(_digest(table), *air, study.factors.ambient.history)
+    hourly = [] if weather is None else [weather.temperature, weather.recurs]
+    return _digest(_digest(table), *hourly, study.factors.ambient.history)
 
 
 def _run_ids(

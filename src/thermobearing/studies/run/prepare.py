@@ -136,22 +136,22 @@ class Preparer:
         device = self._device(place, changes["bearing"], shared, plain)
         prepared = self._structure(structure, changes["structure"], shared, plain)
         shaking = self._shaking(motion, shared, plain, float(row["scale"]))
-        air = float(row[AMBIENT])
+        ambient = float(row[AMBIENT])
         case = shared.model_copy(
             update={
                 "structure": prepared.structure,
                 "bearings": [device.bearing],
                 "motions": [self.levels.listed[motion]],
-                "ambient": [air],
+                "ambient": [ambient],
             }
         )
         line = (
-            partial(self._soaked_line, int(row[HOUR]), air, case)
+            partial(self._soaked_line, int(row[HOUR]), ambient, case)
             if HOUR in row
-            else partial(one_line, case, air=air, weather=None)
+            else partial(one_line, case, ambient=ambient, weather=None)
         )
         lines = prepared_lines(case, device, self._own(case, plain), line)
-        return Task(prepared, device, shaking, air, lines, case, case.modes[0])
+        return Task(prepared, device, shaking, ambient, lines, case, case.modes[0])
 
     def _case(self, changes: Changes, row: Mapping[str, Any]) -> EarthquakeCase:
         case = with_numbers(self.study.case, changes) if changes else self.study.case
@@ -218,19 +218,21 @@ class Preparer:
         assert found is not None
         return found
 
-    def _soaked_line(self, hour: int, air: float, case: EarthquakeCase, device: Device) -> OneLine:
+    def _soaked_line(
+        self, hour: int, ambient: float, case: EarthquakeCase, device: Device
+    ) -> OneLine:
         """Return the bearings of a line with their temperatures at an hour of the weather."""
         if not isinstance(device.bearing, Bearing):
-            return one_line(case, device, air, None)
+            return one_line(case, device, ambient, None)
         if self._own_heat:
             assert self._history is not None
-            return one_line(case, device, air, self._weather.before(hour, self._history))
+            return one_line(case, device, ambient, self._weather.before(hour, self._history))
         key = _thermal_key(device, case)
         hours, soaked = self._known.soaked.get(key, (np.zeros(0, dtype=np.int64), None))
         place = int(np.searchsorted(hours, hour))
         if soaked is not None and place < len(hours) and hours[place] == hour:
-            return OneLine(device, *soaked.at(place), air)
-        return OneLine(device, *self._soaked(key, device, np.array([hour])).at(0), air)
+            return OneLine(device, *soaked.at(place), ambient)
+        return OneLine(device, *self._soaked(key, device, np.array([hour])).at(0), ambient)
 
     def _soaked(self, key: Key, device: Device, hours: Ints) -> Soaked:
         """Return temperatures at some hours, after the history or all weather before."""

@@ -242,9 +242,9 @@ def in_classes(table: pd.DataFrame, by: str) -> tuple[pd.DataFrame, str]:
     if by != AMBIENT or table[AMBIENT].nunique() <= MOST_TEMPERATURES:
         return table, by
     ordered = table.sort_values(AMBIENT, kind="stable")
-    air = ordered[AMBIENT].to_numpy(dtype=float)
-    place = equal_classes(air, CLASSES)
-    ends = [air[place == k][[0, -1]] for k in range(CLASSES)]
+    ambient = ordered[AMBIENT].to_numpy(dtype=float)
+    place = equal_classes(ambient, CLASSES)
+    ends = [ambient[place == k][[0, -1]] for k in range(CLASSES)]
     names = [f"{a:.0f} to {b:.0f} °C".replace("-", "\N{MINUS SIGN}") for a, b in ends]
     return ordered.assign(**{CLASS: np.array(names, dtype=object)[place]}), CLASS
 
