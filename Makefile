@@ -46,8 +46,9 @@ $(LINKER): $(PROGRAM)
 	$(BIN)/python -m pip install --quiet -e ".[kernels]"
 	touch $@
 
+# For some platforms only: make kernels KERNELS="linux-x86_64-v3 wasm32"
 kernels: $(LINKER)
-	$(BIN)/python -m kernels
+	$(BIN)/python -m kernels $(KERNELS)
 
 dist: kernels
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .

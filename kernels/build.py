@@ -107,17 +107,17 @@ def _exported(face: Compiled) -> str:
     text = "\n".join(
         line for line in text.splitlines() if not line.startswith(("target ", "source_filename"))
     )
-    names = set(re.findall(r"^define [^@]*@(\"[^\"]+\"|[\w.$]+)\(", text, flags=re.MULTILINE))
     module = llvm.parse_assembly(text)
-    for function in module.functions:
-        if not function.is_declaration:
-            function.linkage = "internal"
-    assert face.function in {name.strip('"') for name in names}
+    module.get_function(face.function).name = inner = f"{face.symbol}_with_status"
+    for k, function in enumerate(one for one in module.functions if not one.is_declaration):
+        function.linkage = "internal"
+        if function.name != inner:  # numba's names count what was compiled before
+            function.name = f"{face.symbol}_{k}"
     return f"""{module}
 define void @{face.symbol}(ptr %table) {{
   %result = alloca ptr
   %problem = alloca ptr
-  %status = call i32 @"{face.function}"(ptr %result, ptr %problem, ptr %table)
+  %status = call i32 @{inner}(ptr %result, ptr %problem, ptr %table)
   ret void
 }}
 """
