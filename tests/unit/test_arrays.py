@@ -102,8 +102,9 @@ def test_arrays_that_are_no_motion(change: dict[str, Any], said: str) -> None:
 
 def test_a_motion_in_another_unit_is_refused() -> None:
     """In m/s2 instead of mm/s2: 3 mm/s2 are no earthquake."""
-    with pytest.raises(tb.InputError, match="its acceleration is in mm/s2"):
+    with pytest.raises(tb.InputError, match="its acceleration is in mm/s2") as caught:
         tb.bridge(motion=GroundMotion("mine", 0.01, 1e-3 * SHORT), **QUICK)
+    assert "trust_unit" not in str(caught.value)  # an option of files, which a case does not have
 
 
 def test_a_history_is_run_as_its_file_is(tmp_path: Path) -> None:

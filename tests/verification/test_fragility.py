@@ -349,6 +349,9 @@ def test_climate_is_the_mean_of_its_temperatures() -> None:
     rate = annual_rate(climate, hazard).rate
     exact = 0.25 * closed_form(1.6, 0.4, 1e-2, 2.0) + 0.75 * closed_form(2.0, 0.3, 1e-2, 2.0)
     assert rate == pytest.approx(exact, rel=tolerances.HAZARD)
+    below = [norm.cdf(np.log(climate.median / at) / b) for at, b in ((1.6, 0.4), (2.0, 0.3))]
+    assert 0.25 * below[0] + 0.75 * below[1] == pytest.approx(0.5, rel=tolerances.HAZARD)
+    assert np.isnan(climate.dispersion)
 
 
 def test_shares_of_time_keep_the_mean() -> None:

@@ -10,8 +10,9 @@ from thermobearing.cyclic.comparison import comparison_table
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
-from thermobearing.report.content import MARKED, beyond_mark
+from thermobearing.report.content import beyond_mark
 from thermobearing.results.metrics import CycleMeasures
+from thermobearing.results.ranges import MARKED
 from thermobearing.results.selection import layer_groups, layer_names
 
 MEASURES = ("G_eq_MPa", "K_eq_kN_mm", "h_eq", "energy_kN_mm")

@@ -10,8 +10,8 @@ from thermobearing.design.bounds import BOUNDS_NOTE
 from thermobearing.design.peaks import JUDGED
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
-from thermobearing.report.content import MARKED
 from thermobearing.report.words import counted, degrees, printed_unit, tidy
+from thermobearing.results.ranges import MARKED
 
 Summary = Mapping[str, Any]
 LINES = Quantity("Lines", name="group")

@@ -29,7 +29,7 @@ from thermobearing.report.pieces import (
 )
 from thermobearing.report.words import counted, degrees, joined, number, percent, quantity, tidy
 from thermobearing.results.directory import IDENTIFIED
-from thermobearing.results.ranges import parted
+from thermobearing.results.ranges import MARKED, parted
 from thermobearing.results.saved import SavedResult
 
 Row = Mapping[Any, Any]
@@ -42,7 +42,6 @@ CONDITIONS += ["thermocouples"]
 BRIEF = ["symbol", "unit", "estimate", "standard_error", "interval_lower", "interval_upper"]
 BRIEF += ["determined"]
 CYCLE_MEASURES = ("G_eq_error", "h_eq_error", "energy_error", "force_max_error")
-MARKED = " Marked: outside the calibration range of the bearing."
 
 
 def figure_captions(command: str) -> dict[str, str]:
@@ -223,7 +222,7 @@ def errors_table(caption: str, tests: Sequence[Row]) -> Table:
     beyond = frame.get("beyond_tested", pd.Series("", index=frame.index)).fillna("")
     marks = ["ambient" in str(names).split() for names in beyond]
     note = "Largest error over the cycles (model / test - 1)."
-    note += MARKED if any(marks) else ""
+    note += f" {MARKED}." if any(marks) else ""
     keys = [name for name in ("role", "test") if name in frame]
     keys += [name for name in ("bearing", "model") if frame[name].nunique() > 1]
     columns = [*keys, "ambient_degC", "R2", *(f"{name}_error" for name in names), "beyond_a_limit"]
@@ -236,7 +235,7 @@ def posterior_table(posterior: Row) -> Table:
     rows = posterior.get("peak_force", [])
     marks = ["ambient" in str(row.get("beyond_tested") or "").split() for row in rows]
     note = f"From {posterior.get('samples')} samples of the posterior ({posterior.get('source')}), "
-    note += "in posterior.csv." + (MARKED if any(marks) else "")
+    note += "in posterior.csv." + (f" {MARKED}." if any(marks) else "")
     names = ("ambient_degC", "best_kN", "lower_kN", "upper_kN")
     how: dict[str, Any] = {"keys": 0, "marked": {"ambient_degC": marks}, "note": note}
     return make_table(pd.DataFrame(rows), names, "Predicted peak force", **how)

@@ -1,6 +1,6 @@
 """Content that the reports of all analyses share: inputs, limits, validity, identity.
 
-`build_pieces` puts it together; the `report.py` of a room adds question, answer, tables, figures
+`build_pieces` puts it together; the `report.py` of a package adds question, answer, tables, figures
 and assumptions.
 """
 
@@ -63,8 +63,8 @@ def build_pieces(
 ) -> Pieces:
     """Return the content of the report of a result.
 
-    A room gives question, answer, tables, figures, inputs and assumptions; the rest follows from
-    the warnings, checks and residuals of the result. A room whose results are files passes
+    A package gives question, answer, tables, figures, inputs and assumptions; the rest follows from
+    the warnings, checks and residuals of the result. A package whose results are files passes
     ``**saved_parts(saved, command)``, one whose results are datasets
     ``**result_parts(result, case, command)``.
 
@@ -135,7 +135,6 @@ def saved_identity(saved: SavedResult, otherwise: str) -> dict[str, str]:
 # Largest residual of the energy balance, of the largest energy in it: rounding comes to 1e-10, what
 # is more is a fault of the computation.
 BOOKS_CLOSE = 1e-6
-MARKED = "Marked: outside the calibration range of the bearing"
 TESTED_RANGE = "calibration range"  # how the source of those limits begins
 RIG = {"force": "force", "stroke": "stroke", "speed": "speed"}
 TESTS = {name: title for name, (_, title, _, _) in TESTED.items()}

@@ -18,6 +18,7 @@ Row = dict[Any, Any]
 # Of a tested range (its width, or its upper end where that is more), beyond either end: what the
 # nominal and the measured value of one test differ by.
 SLACK = 0.02
+MARKED = "Marked: outside the calibration range of the bearing"
 WARM_LEAD = 40.0  # rise of lead from which the adjacent rubber is mentioned [K]
 REST = 600.0  # between two loadings, after which cycles are counted from zero [s]
 NOT_GIVEN = "calibration range not given"

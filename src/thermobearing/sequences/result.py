@@ -1,5 +1,6 @@
 """Result of a sequence: results of its parts, a table, a figure."""
 
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,13 +16,12 @@ from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import FIGURES, PARTS, RESOLVED, TABLE
-from thermobearing.results.ranges import TESTED, one_per_cause
+from thermobearing.results.ranges import MARKED, TESTED, one_per_cause
 from thermobearing.results.saved import read_dataset
 from thermobearing.results.writing import write_csv
 from thermobearing.sequences.case import HybridPart, SequenceCase, load_sequence_case
 
 PartResult = CyclicResult | EarthquakeResult
-MARKED = "Marked: outside the calibration range of the bearing"
 COLUMNS: tuple[str | Quantity, ...] = (
     *("part", "kind", "ambient_degC"),
     quantity("duration_s", head="Duration"),
@@ -108,7 +108,7 @@ class SequenceResult(Result):
             frame["lead_degC"] = data["lead_temperature"].values[0, rows]
         return pd.DataFrame(frame)
 
-    @property
+    @cached_property
     def table(self) -> pd.DataFrame:
         """One row per part: temperatures at start and end, largest responses, outcome."""
         rows = []

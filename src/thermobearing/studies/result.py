@@ -22,13 +22,12 @@ from thermobearing.climate.readers import read_weather
 from thermobearing.earthquake.run import bearing_weather
 from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.tables import Table
-from thermobearing.results.base import Result
+from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import RESOLVED, TABLE
 from thermobearing.results.writing import write_csv
 from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.definition.designs import AMBIENT, HOUR, THINGS, list_columns
 from thermobearing.studies.definition.record import COLUMNS, INTENSITY_UNITS, Posterior, Study
-from thermobearing.studies.run.shard import COMPLETED
 from thermobearing.studies.statistics.demand import (
     OUTCOME,
     WORST,

@@ -20,7 +20,7 @@ from thermobearing.core.records import Floats, Ints
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import Segment, run_segments
 from thermobearing.identify.records.cycles import TURN, dead_band, turning_points
-from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.records.record import PAUSE, TestRecord
 from thermobearing.model.constants import with_parameters
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.outcomes import INTERRUPTED
@@ -28,7 +28,6 @@ from thermobearing.model.outcomes import INTERRUPTED
 FIRST_STEP = 0.002  # of the largest displacement, after a turn
 GROWTH = 0.15  # of the way since the turn: step along a leg
 LONGEST_STEP = 0.05  # of the largest displacement
-PAUSE = 1.0  # a longer gap between samples is divided into growing steps [s]
 PAUSE_FIRST, PAUSE_GROWTH, PAUSE_STEPS = 0.05, 1.2, 40
 
 

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 
 from thermobearing.border.errors import printable
 from thermobearing.core.records import Floats, Ints
-from thermobearing.identify.fit.forward import PAUSE
 from thermobearing.identify.records.checks import CheckReport
 from thermobearing.identify.records.cycles import loop_middles
+from thermobearing.identify.records.record import PAUSE
 from thermobearing.identify.records.treatment import UNITS
 from thermobearing.results import drawing
 from thermobearing.results.time_axis import DrawnAxis, Stretch

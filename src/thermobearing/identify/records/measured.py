@@ -11,10 +11,9 @@ from matplotlib.figure import Figure
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, printable
-from thermobearing.identify.fit.forward import PAUSE
 from thermobearing.identify.records.checks import check_plausibility
 from thermobearing.identify.records.cycles import full_cycles
-from thermobearing.identify.records.record import TestRecord, build_record
+from thermobearing.identify.records.record import PAUSE, TestRecord, build_record
 from thermobearing.identify.records.treatment import describe_treatment, treat
 from thermobearing.results import drawing
 from thermobearing.results.directory import FIGURES, VALIDATED_CYCLES, write_directory

@@ -30,6 +30,7 @@ ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
 TOGETHER = 0.05  # of the largest displacement: largest deviation of a proportional strain
 WEIGHTS = ["weight", "first_cycle_weight", "cycle_balance"]
 SETTINGS = [*WEIGHTS, "despike", "detrend", "ambient_uncertainty"]  # of a sidecar
+PAUSE = 1.0  # a longer gap between samples is a rest, divided into growing steps [s]
 STEADY = 3.0  # largest range of an ambient temperature that a mean represents [K]
 
 

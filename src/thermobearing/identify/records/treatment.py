@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.core.records import Floats, Ints
-from thermobearing.identify.fit.forward import PAUSE
 from thermobearing.identify.records.cycles import (
     NORMAL,
     Cycle,
@@ -30,7 +29,7 @@ from thermobearing.identify.records.cycles import (
     split_runs,
     turning_points,
 )
-from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.records.record import PAUSE, TestRecord
 
 Flags = NDArray[np.bool_]
 UNITS = {"displacement": "mm", "force": "kN"}

@@ -29,6 +29,7 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_task
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.results.base import COMPLETED
 from thermobearing.results.directory import check_target, locked
 from thermobearing.results.screen import print_facts, say, show_table
 from thermobearing.studies.definition.case import load_study, make_study
@@ -38,12 +39,11 @@ from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.processes import call_on_processes
 from thermobearing.studies.run.shard import (
-    COMPLETED,
     RESULT_COLUMNS,
     BrokenError,
     Work,
-    carried_out,
-    carry_out,
+    compute_shard,
+    compute_shard_in_process,
     on_dask,
     packed,
     run_shard,
@@ -188,9 +188,9 @@ def forecast(study: Study, jobs: int | None = None) -> Forecast:
     preparer = Preparer(study)
     preparer.foresee(some)
     kept = study.keep.histories
-    carried_out(preparer, some.head(1))  # compiles, and prepares what runs share
+    compute_shard(preparer, some.head(1))  # compiles, and prepares what runs share
     begin = time.perf_counter()
-    done = carried_out(preparer, some, histories=kept != "none")
+    done = compute_shard(preparer, some, histories=kept != "none")
     took = (time.perf_counter() - begin) / len(some)
     assert done is not None
     each = [
@@ -366,7 +366,7 @@ def _do_missing(
     with closing(
         on_dask(shared, works, address)
         if executor == "dask"
-        else call_on_processes(carry_out, shared, works, jobs)
+        else call_on_processes(compute_shard_in_process, shared, works, jobs)
     ) as finished:
         for work, shard in finished:
             if shard is None:  # stopped
@@ -399,7 +399,7 @@ def _keep_worst(store: Store, study: Study, runs: pd.DataFrame) -> None:
     table = store.table(["run", "outcome", *RANKED], done)
     worst = worst_runs(table, study.keep.worst)
     (work,) = _works(study, runs.iloc[sorted(worst)], [(0, slice(None))])
-    again = carry_out((packed(study), True), work)
+    again = compute_shard_in_process((packed(study), True), work)
     assert again is not None
     store.write_histories(WORST, again.histories)
     store.log(f"histories of the worst {len(worst)} runs written")

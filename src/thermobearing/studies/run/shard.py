@@ -40,13 +40,13 @@ from thermobearing.earthquake.measures import (
 )
 from thermobearing.earthquake.run import Task, judged, lines_to_shake, run_task
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.results.base import COMPLETED
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
 from thermobearing.structure.run import SENTENCES, StructureHistory
 from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.prepare import Preparer, Warm
 from thermobearing.studies.run.processes import AHEAD, KEPT, is_stopped
 
-COMPLETED: Final = "completed"
 BAD_INPUT: Final = "bad_input"  # a drawn number that gives no valid bearing or structure
 BROKEN: Final = "broken"  # an error of this program
 ALL_SENTENCES: Final = RUN_SENTENCES | SENTENCES
@@ -297,12 +297,12 @@ def run_shard(study: Study, plan_rows: pd.DataFrame) -> pd.DataFrame:
     """Return the columns of the plan of some runs, and `RESULT_COLUMNS`."""
     preparer = Preparer(study)
     preparer.foresee(plan_rows)
-    done = carried_out(preparer, plan_rows)
+    done = compute_shard(preparer, plan_rows)
     assert done is not None
     return done.table
 
 
-def carried_out(
+def compute_shard(
     preparer: Preparer, plan_rows: pd.DataFrame, *, histories: bool = False
 ) -> Done | None:
     """Return the results of a shard; None if this process was stopped."""
@@ -364,7 +364,7 @@ def packed(study: Study) -> bytes:
     return pickle.dumps(study.model_copy(update={"factors": factors}))
 
 
-def carry_out(shared: tuple[bytes, bool], work: Work) -> Done | None:
+def compute_shard_in_process(shared: tuple[bytes, bool], work: Work) -> Done | None:
     """Compute a shard in a process, which keeps its preparer between shards.
 
     `shared`: the study from `packed`, and whether histories are kept.
@@ -374,7 +374,7 @@ def carry_out(shared: tuple[bytes, bool], work: Work) -> Done | None:
     if getattr(_OWN, "mark", None) != mark:
         _OWN.preparer, _OWN.mark = Preparer(pickle.loads(study)), mark
     _OWN.preparer.take(work.warm)
-    return carried_out(_OWN.preparer, work.rows, histories=histories)
+    return compute_shard(_OWN.preparer, work.rows, histories=histories)
 
 
 EXTRA = 'needs distributed: pip install "thermobearing[cluster]"'
@@ -444,7 +444,7 @@ def _on_client(
 
     def _send(work: Work) -> None:
         _check()
-        future = client.submit(carry_out, study, work, pure=False)
+        future = client.submit(compute_shard_in_process, study, work, pure=False)
         running[future] = work
         future.add_done_callback(ready.put)
 

@@ -23,8 +23,9 @@ from scipy.special import ndtr, stdtrit
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.core.records import Floats, Ints
 from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
+from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.designs import AMBIENT
-from thermobearing.studies.run.shard import BAD_INPUT, BROKEN, COMPLETED
+from thermobearing.studies.run.shard import BAD_INPUT, BROKEN
 
 SAMPLES = 500  # of a bootstrap, by default
 LEVEL = 0.95  # confidence of bands, by default

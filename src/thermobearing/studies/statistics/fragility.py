@@ -30,10 +30,11 @@ from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, get_a
 
 import numpy as np
 import pandas as pd
+from scipy.optimize import brentq
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
-from thermobearing.studies.run.shard import COMPLETED
+from thermobearing.results.base import COMPLETED
 from thermobearing.studies.statistics.demand import (
     LEVEL,
     SAMPLES,
@@ -196,7 +197,7 @@ class Fragility:
 
     @property
     def estimate(self) -> Estimate:
-        """The curve; that of the first temperature of several."""
+        """The curve, or the first of several that are combined."""
         return self.parts[0][1]
 
     @property
@@ -211,13 +212,20 @@ class Fragility:
 
     @property
     def median(self) -> float:
-        """Intensity at which half of the runs exceed the capacity (of those without collapse)."""
-        return float(np.exp(self.estimate.best.place[0])) if self.estimate.known else np.nan
+        """Intensity with a probability of one half; NaN where a curve has no lognormal form."""
+        if not all(one.known for _, one in self.parts):
+            return np.nan
+        medians = [float(np.exp(one.best.place[0])) for _, one in self.parts]
+        low, high = min(medians), max(medians)
+        if low == high:
+            return low
+        return float(brentq(lambda at: self.probability(at)[0] - 0.5, low, high))
 
     @property
     def dispersion(self) -> float:
-        """Standard deviation of the logarithm of the capacity, in intensity."""
-        return float(1.0 / self.estimate.best.slope[0]) if self.estimate.known else np.nan
+        """Standard deviation of the logarithm of the capacity, in intensity; NaN for a climate."""
+        known = self.estimate.known and len(self.parts) == 1
+        return float(1.0 / self.estimate.best.slope[0]) if known else np.nan
 
     def probability(self, intensity: Any) -> Floats:
         """Return the probability of exceedance at intensities.
@@ -251,7 +259,7 @@ class Fragility:
         return self.ends(self.family(intensity))
 
     def row(self) -> dict[str, Any]:
-        """Return the parameters of a lognormal curve with their bands, as a row of a table."""
+        """Return the parameters of one lognormal curve with their bands, as a row of a table."""
         others = self.estimate.others
         low = high = least = most = np.nan
         if self.outcome in (COMPLETED, NONE_BEYOND):

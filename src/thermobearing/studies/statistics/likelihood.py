@@ -33,7 +33,7 @@ from scipy.special import expit, log_expit, log_ndtr, ndtr, ndtri
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats, Ints
-from thermobearing.studies.run.shard import COMPLETED
+from thermobearing.results.base import COMPLETED
 from thermobearing.studies.statistics.demand import Draw, equal_classes, widened
 
 Bools = NDArray[np.bool_]
