@@ -100,6 +100,10 @@ def test_arrays_that_are_no_motion(change: dict[str, Any], said: str) -> None:
         motion_from_arrays(**given)
 
 
+def test_two_samples_have_a_step() -> None:
+    assert motion_from_arrays([0.0, 300.0], unit="gal", time=[0.0, 0.02]).dt == pytest.approx(0.02)
+
+
 def test_a_motion_in_another_unit_is_refused() -> None:
     """In m/s2 instead of mm/s2: 3 mm/s2 are no earthquake."""
     with pytest.raises(tb.InputError, match="its acceleration is in mm/s2") as caught:
