@@ -97,6 +97,7 @@ def test_every_test_is_held_out_once(
 
 
 def test_parameters_by_fold(folded: CrossValidation) -> None:
+    assert (folded.outcome, folded.sentence) == ("completed", "")
     table = folded.parameters.set_index("fold")
     assert table.index.tolist() == [0, 1, 2, 3, 4, 5]
     assert table["tests"].tolist() == [5, 4, 4, 4, 4, 4]
