@@ -27,7 +27,7 @@ from reproduction.runs import DATA
 from reproduction.tables import printed_tables
 from thermobearing.border.errors import InputError
 from thermobearing.report.pieces import Heading
-from thermobearing.report.template import arranged
+from thermobearing.report.template import _arranged
 
 FEW = [
     Claim(
@@ -103,7 +103,7 @@ def test_the_document_has_every_claim(few: None, tmp_path: Path) -> None:
     assert pieces.figures["fig_0_01"].caption == "a caption"
     assert "1 reproduced, 1 contradicted" in pieces.answer[0]
     assert any("nothing" in warning for warning in pieces.warnings)
-    blocks = arranged(pieces, DATA / "report.md")
+    blocks = _arranged(pieces, DATA / "report.md")
     headings = {block.text for block in blocks if isinstance(block, Heading)}
     assert {"How to read it", "Expressions and functions"} <= headings
     (page,) = found.write_report(found.save(tmp_path / "out"), pdf=False)

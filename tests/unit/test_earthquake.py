@@ -28,7 +28,7 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.earthquake import run
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
 from thermobearing.earthquake.dataset import label_analysis
-from thermobearing.earthquake.run import build_device, run_earthquake, soaked
+from thermobearing.earthquake.run import _soaked, build_device, run_earthquake
 
 SMALL: dict[str, Any] = {
     "command": "bridge",
@@ -167,11 +167,11 @@ def test_weather_is_the_same_heat_model() -> None:
     case = small(bearings=["shen-lhdr-bridge"])
     device = build_device(case, case.bearings[0])
     steady = Ambient.series([0.0, 3600.0], [-12.0, -12.0])
-    cells, lead = soaked(device, steady)
+    cells, lead = _soaked(device, steady)
     assert np.allclose(cells, -12.0, atol=1e-9)
     assert lead == pytest.approx(-12.0)
     drop = Ambient.series([0.0, 1.0, 7200.0], [0.0, -20.0, -20.0])
-    cells, lead = soaked(device, drop)
+    cells, lead = _soaked(device, drop)
     test = tb.CyclicTest(dt=10.0, steps=[{"step": "rest", "duration": 7200.0}])
     bearing = tb.load_bearing("shen-lhdr-bridge")
     rest = tb.run(bearing, test, ambient=-20.0, initial=0.0)

@@ -12,7 +12,7 @@ import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.earthquake.analysis import compare_models, refuse_incomparable
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.tables import comparison_table, underestimates, verdict
+from thermobearing.earthquake.tables import _underestimates, comparison_table, verdict
 from thermobearing.model.earlier import models_that_fit
 
 HDR, LHDR = "shen-hdr-specimen", "shen-lhdr-specimen"
@@ -74,7 +74,7 @@ def test_errors_are_those_of_the_same_run(results: Any) -> None:
 )
 def test_underestimated(found: list[float], lower: bool) -> None:
     expected = np.array([0.0, 2.0, 3.0])
-    assert underestimates(np.array(found) + 20.0, expected + 20.0) == lower
+    assert _underestimates(np.array(found) + 20.0, expected + 20.0) == lower
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from thermobearing.cyclic.protocol import Cycles
 from thermobearing.motions.readers import read_motion
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
-from thermobearing.results.screen import laid_out, say, show_table
+from thermobearing.results.screen import _laid_out, say, show_table
 
 
 def commands(group: Any, *words: str) -> Iterator[tuple[tuple[str, ...], Any]]:
@@ -242,7 +242,7 @@ FRAMES = re.compile(r"[\x1b\u2500-\u257f…]")  # colours, boxes, what was cut
 
 @pytest.mark.parametrize("width", [1, 20, 27, 40, 80, None])
 def test_blocks_hold_every_number_once_and_the_keys_in_each(width: int | None) -> None:
-    blocks = laid_out(HEADS, ROWS, 2, width)
+    blocks = _laid_out(HEADS, ROWS, 2, width)
     for line, row in enumerate(ROWS, -len(ROWS)):
         shown = [block[line] for block in blocks]
         for key in row[:2]:

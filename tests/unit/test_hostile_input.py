@@ -32,7 +32,7 @@ from thermobearing.identify.records.record import load_test, record_from_arrays
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.motions.targets import standard_spectrum
-from thermobearing.results.directory import seal
+from thermobearing.results.directory import _seal
 from thermobearing.results.metrics import measure_history
 from thermobearing.structure.model import load_structure
 from thermobearing.studies.definition.case import load_study
@@ -330,11 +330,11 @@ def test_a_result_that_was_changed_and_sealed_again(tmp_path: Path) -> None:
     file = path / "result.nc"
     whole = xr.load_dataset(file)
     write_dataset(whole.drop_vars("softened_steps"), file)
-    seal(file)
+    _seal(file)
     with pytest.raises(tb.InputError, match="inconsistent"):
         tb.make_report(path, pdf=False)
     file.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(3000))
-    seal(file)
+    _seal(file)
     with pytest.raises(tb.InputError, match="cannot be read"):
         tb.load_result(path)
 

@@ -45,8 +45,8 @@ from thermobearing.identify.records.cycles import compute_measures, full_cycles,
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
 from thermobearing.identify.result import _fit_warnings
 from thermobearing.identify.uncertainty.covariance import (
+    _effective_samples,
     _test_warnings,
-    effective_samples,
     estimate,
 )
 
@@ -504,4 +504,4 @@ def test_effective_samples_of_correlated_noise() -> None:
     x = rng.normal(size=n)
     for i in range(1, n):
         x[i] += rho * x[i - 1]
-    assert_allclose(effective_samples(x), n * (1.0 - rho) / (1.0 + rho), rtol=0.2)
+    assert_allclose(_effective_samples(x), n * (1.0 - rho) / (1.0 + rho), rtol=0.2)

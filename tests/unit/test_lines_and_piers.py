@@ -17,9 +17,9 @@ from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.measures import COLUMNS
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import build_tasks, judged
-from thermobearing.earthquake.tables import governing_runs, parts_table
+from thermobearing.earthquake.tables import _parts_table, governing_runs
 from thermobearing.structure import model
-from thermobearing.structure.matrices import coordinates
+from thermobearing.structure.matrices import _coordinates
 from thermobearing.structure.result import implausible_structure
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.run.shard import run_shard
@@ -111,7 +111,7 @@ def test_the_document_is_about_all_lines(study: tb.EarthquakeResult) -> None:
 
 
 def test_many_rows_become_the_largest_of_all_runs(study: tb.EarthquakeResult) -> None:
-    table = parts_table(study, "line", most=1)
+    table = _parts_table(study, "line", most=1)
     place = [column.name for column in table.columns].index("rubber_max_degC")
     assert [(row[0], row[place]) for row in table.rows] == [
         (row["line"], row["rubber_max_degC"]) for row in study.lines.to_dict("records")
@@ -120,7 +120,7 @@ def test_many_rows_become_the_largest_of_all_runs(study: tb.EarthquakeResult) ->
     for name in twice:
         if str(name).startswith("line_"):
             twice[name][..., 1] = twice[name][..., 0]
-    assert [row[0] for row in parts_table(type(study)(twice), "line").rows] == ["on A, on A too"]
+    assert [row[0] for row in _parts_table(type(study)(twice), "line").rows] == ["on A, on A too"]
 
 
 def test_a_study_of_runs_counts_the_governing_line(tmp_path: Path) -> None:
@@ -313,7 +313,7 @@ def test_a_fixed_base_is_that_of_stiff_springs() -> None:
 def test_what_has_no_foundation_has_none_to_hold() -> None:
     with pytest.raises(tb.InputError, match="true or false"):
         make_earthquake_case({"fixed_base": "yes"}, "test")
-    assert coordinates(model.fixed_base(tb.load_structure("pier-p1")))[0] == "deck x"
+    assert _coordinates(model.fixed_base(tb.load_structure("pier-p1")))[0] == "deck x"
 
 
 def test_air_of_lines_is_added_to_that_of_the_run() -> None:

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from thermobearing.design.case import make_design_case
-from thermobearing.design.peaks import coldest_sentences, combined, envelope, few_motions, judged
+from thermobearing.design.peaks import _combined, coldest_sentences, envelope, few_motions, judged
 from thermobearing.design.run import _at_every_air, _one_turn, run_bounds
 from thermobearing.design.sizing import Check
 from thermobearing.earthquake.case import Motion
@@ -22,13 +22,13 @@ LIMITS = [
 
 def test_the_mean_is_over_a_group_and_the_largest_of_the_groups() -> None:
     motions = [Motion(name=name) for name in (*THREE, "jra-i-i-1")]
-    assert combined([1.0, 2.0, 6.0, 4.0], motions, "largest") == 6.0
-    assert combined([1.0, 2.0, 6.0, 3.5], motions, "mean") == 3.5
-    assert combined([1.0, 2.0, 9.0, 3.5], motions, "mean") == 4.0
+    assert _combined([1.0, 2.0, 6.0, 4.0], motions, "largest") == 6.0
+    assert _combined([1.0, 2.0, 6.0, 3.5], motions, "mean") == 3.5
+    assert _combined([1.0, 2.0, 9.0, 3.5], motions, "mean") == 4.0
     mine = [Motion(name="a.csv", group="one"), Motion(name="b.csv"), Motion(name="c.csv")]
-    assert combined([5.0, 1.0, 3.0], mine, "mean") == 5.0
+    assert _combined([5.0, 1.0, 3.0], mine, "mean") == 5.0
     two = [Motion(name=name) for name in THREE[:2]]  # too few for a mean
-    assert combined([2.0, 4.0], two, "mean") == 4.0
+    assert _combined([2.0, 4.0], two, "mean") == 4.0
     assert few_motions(motions, "largest") == []
     (said,) = few_motions(motions, "mean")
     assert "jra-i-i (1 motion)" in said

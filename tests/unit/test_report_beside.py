@@ -11,7 +11,7 @@ import thermobearing as tb
 from tests.unit.inputs import command
 from tests.unit.report_words import assert_well_formed, numbers_in
 from thermobearing.border.errors import InputError
-from thermobearing.report.template import arranged
+from thermobearing.report.template import _arranged
 from thermobearing.reporting import build_pieces
 from thermobearing.results.drawing import save_figures
 
@@ -65,7 +65,7 @@ def test_a_structure_has_words_of_its_own(tmp_path: Path) -> None:
     assert command("structures", "show", "pier-p1", "-o", out, "-q").exit_code == 0
     pieces = build_pieces(tb.load_result(out), out)
     assert_well_formed(pieces)
-    headings = [block.text for block in arranged(pieces) if type(block).__name__ == "Heading"]
+    headings = [block.text for block in _arranged(pieces) if type(block).__name__ == "Heading"]
     assert "Validity" not in headings  # no parameters of a bearing are in it
     first = json.loads((out / "summary.json").read_text())["modes"][0]
     assert f"is {first['period_s']:.3g} s, with a damping of 2.8 %" in pieces.answer[0]

@@ -12,7 +12,7 @@ from thermobearing.cyclic.reported import model_assumptions
 from thermobearing.cyclic.result import Result
 from thermobearing.report.content import value_and_unit
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
-from thermobearing.report.template import arranged
+from thermobearing.report.template import _arranged
 
 
 def short_test(strain: list[float], cycles: int = 2) -> tb.CyclicTest:
@@ -32,7 +32,7 @@ def pieces(result: Result) -> Pieces:
 
 def test_question_and_answer(result: tb.Result, pieces: Pieces) -> None:
     assert_well_formed(pieces)
-    arranged(pieces)
+    _arranged(pieces)
     assert "shen-lhdr-specimen" in pieces.question
     assert "100 and 300 %" in pieces.question
     cycles = result.cycles
@@ -180,4 +180,4 @@ def test_no_cycle() -> None:
     ramp = build_pieces(tb.run("shen-hdr-specimen", tb.CyclicTest(dt=0.02, steps=steps), ambient=0))
     assert_well_formed(ramp)
     assert "No cycle was closed" in ramp.answer[0]
-    arranged(ramp)
+    _arranged(ramp)

@@ -12,7 +12,7 @@ from thermobearing.earthquake.case import load_earthquake_case
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Pieces
-from thermobearing.report.template import arranged
+from thermobearing.report.template import _arranged
 from thermobearing.structure.model import fixed_base, load_structure
 
 BEARINGS = ["shen-bilinear-bridge", "shen-lhdr-bridge"]
@@ -32,7 +32,7 @@ def pieces(study: EarthquakeResult) -> Pieces:
 
 def test_question_and_answer(study: EarthquakeResult, pieces: Pieces) -> None:
     assert_well_formed(pieces)
-    arranged(pieces)
+    _arranged(pieces)
     assert "jra-ii-i-1 and jra-ii-i-2" in pieces.question
     assert "23 and −20 °C" in pieces.question
     table = study.table
@@ -135,7 +135,7 @@ def test_hybrid_says_its_laboratory() -> None:
         )
     )
     assert_well_formed(hybrid)
-    arranged(hybrid)
+    _arranged(hybrid)
     assert "in real time and pseudo-dynamic" in hybrid.question
     assert "modes" in hybrid.tables
     assert any("1:6" in text for text in hybrid.assumptions)

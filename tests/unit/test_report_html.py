@@ -35,7 +35,7 @@ from thermobearing.report.pieces import (
     Trace,
     checks_table,
 )
-from thermobearing.report.template import arranged
+from thermobearing.report.template import _arranged
 
 DATA = data_path("report-page")
 
@@ -368,7 +368,7 @@ PIECES = Pieces(
 def blocks_of(text, tmp_path, pieces=PIECES):
     path = tmp_path / "mine.md"
     path.write_text(text)
-    return arranged(pieces, path)
+    return _arranged(pieces, path)
 
 
 def test_pieces_called_by_name_are_not_told_again(tmp_path):
@@ -458,7 +458,7 @@ def test_checks_are_listed_by_severity(tmp_path):
     checks = [Check(str(k), 1.0, 2.0, "kN", "-", verdict) for k, verdict in enumerate(verdicts)]
     blocks = blocks_of("{{ checks }}\n", tmp_path, replace(PIECES, checks=checks))
     assert [row[0] for row in blocks[0].table.rows] == ["2", "4", "1", "0", "3"]
-    document = arranged(replace(PIECES, checks=checks))
+    document = _arranged(replace(PIECES, checks=checks))
     (first,) = [b for b in document if isinstance(b, TableBlock) and b.name == "exceeded"]
     assert [row[0] for row in first.table.rows] == ["2", "4"]
     (actions,) = [b for b in document if isinstance(b, Bullets) and len(b.items) == 2]

@@ -24,13 +24,13 @@ from thermobearing.report.pdf import (
     TURNED,
     UPRIGHT,
     _document_date,
-    fitted,
-    laid_out,
+    _fitted,
+    _laid_out,
     pdf_bytes,
 )
 from thermobearing.report.pieces import Pieces, ReportFigure, column_letters
 from thermobearing.report.template import document
-from thermobearing.report.workbook import History, _history_tables, sheet_name, workbook_bytes
+from thermobearing.report.workbook import History, _history_tables, _sheet_name, workbook_bytes
 
 BLOCK = {"Project": EVIL, "Document": "B12-7", "Revision": "C", "Date": "2026-04-01"}
 A4 = (595, 842)  # [pt]
@@ -157,7 +157,7 @@ def test_wide_tables_are_made_smaller_turned_or_parted_but_never_cut(
 def test_long_words_are_broken_and_numbers_are_not() -> None:
     digest, number = "0123456789abcdef" * 8, 10**23
     table = Table("x", list(map(Quantity, "abc")), [("hash", f"{digest} x", number)])
-    (part,) = fitted(column_letters(table, table.texts()), 1)
+    (part,) = _fitted(column_letters(table, table.texts()), 1)
     assert part.broken(digest, 1).replace(SEAM, "") == digest
     assert SEAM in part.broken(digest, 1)
     assert part.broken("a short one", 1) == "a short one"
@@ -166,7 +166,7 @@ def test_long_words_are_broken_and_numbers_are_not() -> None:
 
 def test_wide_figures_stand_on_turned_pages_with_their_headings() -> None:
     pieces = dataclasses.replace(PIECES, tables={}, figures={"wide": ReportFigure("Wide", wide)})
-    blocks = laid_out(document(pieces, {}), None)["blocks"]
+    blocks = _laid_out(document(pieces, {}), None)["blocks"]
     assert not [block for block in blocks if block["kind"] == "turned"]  # it is not drawn yet
     assert A4[::-1] in {
         tuple(round(v) for v in p.mediabox[2:]) for p in opened(written(pieces)).pages
@@ -176,7 +176,7 @@ def test_wide_figures_stand_on_turned_pages_with_their_headings() -> None:
 def test_headings_skip_no_level(tmp_path: Path) -> None:
     template = tmp_path / "mine.md"
     template.write_text("## First\nwords\n### Second\nwords")
-    blocks = laid_out(document(PIECES, {}, template=template), None)["blocks"]
+    blocks = _laid_out(document(PIECES, {}, template=template), None)["blocks"]
     assert [block["level"] for block in blocks if block["kind"] == "heading"] == [1, 2]
     assert pdf_bytes(document(PIECES, {}, template=template)).startswith(b"%PDF")
 
@@ -329,7 +329,7 @@ def test_tables_longer_than_a_sheet_go_on_in_another(monkeypatch: Any) -> None:
     ],
 )
 def test_names_of_sheets_are_such_as_excel_takes(wanted: str, name: str) -> None:
-    assert sheet_name(wanted, {"peaks"}) == name
+    assert _sheet_name(wanted, {"peaks"}) == name
 
 
 @pytest.mark.parametrize(

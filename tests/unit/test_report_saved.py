@@ -19,7 +19,7 @@ from thermobearing.motions import report as motions_report
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.run import examine_motion
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
-from thermobearing.report.template import arranged
+from thermobearing.report.template import _arranged
 from thermobearing.results.drawing import save_figures
 from thermobearing.results.saved import SavedResult
 from thermobearing.validate import report as validate_report
@@ -54,7 +54,7 @@ def fit(fitted: SavedResult) -> Pieces:
 
 def test_fit_form(fit: Pieces) -> None:
     assert_well_formed(fit)
-    arranged(fit)
+    _arranged(fit)
 
 
 def test_fit_numbers(fitted: SavedResult, fit: Pieces) -> None:
@@ -130,7 +130,7 @@ def test_checks_of_tests(record: tb.TestRecord, tmp_path) -> None:
     saved = save_checks([tb.check_test(record)], tmp_path / "check", figures=False)
     looked = identify_report.build_pieces(loaded(saved))
     assert_well_formed(looked)
-    arranged(looked)
+    _arranged(looked)
     assert "can be used" in looked.answer[0]
 
 
@@ -143,7 +143,7 @@ def test_validation(record: tb.TestRecord, tmp_path) -> None:
     saved = loaded(found.save(tmp_path / "out", figures=False))
     pieces = validate_report.build_pieces(saved)
     assert_well_formed(pieces)
-    arranged(pieces)
+    _arranged(pieces)
     assert pieces.answer[0].startswith("The model exceeds a limit; largest errors K_eq −")
     worst = found.table["K_eq_error"][0]
     assert f"{100 * worst:.1f} %".replace("-", "−") in pieces.answer[0]
@@ -159,7 +159,7 @@ def test_factors(tmp_path) -> None:
     saved = loaded(report.save(tmp_path / "out", figures=False))
     pieces = design_report.build_pieces(saved)
     assert_well_formed(pieces)
-    arranged(pieces)
+    _arranged(pieces)
     table = report.table.query("quantity == 'K_eq' and ambient_degC == -20 and basis == 'first'")
     assert f"first K_eq x {table['factor'].iloc[0]:.2f}" in pieces.answer[0]
     factors = pieces.tables["factors"]
@@ -176,7 +176,7 @@ def test_bounds(tmp_path) -> None:
     saved = loaded(report.save(tmp_path / "out", figures=False))
     pieces = design_report.build_pieces(saved)
     assert_well_formed(pieces)
-    arranged(pieces)
+    _arranged(pieces)
     table = report.table
     unsafe = int((table["verdict"] == "unsafe").sum())
     assert f"Of {len(table)} demands, {unsafe} are unsafe" in pieces.answer[0]
@@ -190,7 +190,7 @@ def test_design(tmp_path) -> None:
     saved = loaded(design.save(tmp_path / "out", figures=False))
     pieces = design_report.build_pieces(saved)
     assert_well_formed(pieces)
-    arranged(pieces)
+    _arranged(pieces)
     assert design.bearings[0].name in pieces.answer[0]
     strain = next(check for check in pieces.checks if check.what == "shear strain")
     assert strain.value == pytest.approx(100.0 * design.checks[0].value)
@@ -204,7 +204,7 @@ def test_design_of_several_lines(tmp_path) -> None:
     design = run_design(case, templates=[tb.load_bearing("shen-hdr-bridge")])
     pieces = design_report.build_pieces(loaded(design.save(tmp_path / "out")))
     assert_well_formed(pieces)
-    arranged(pieces)
+    _arranged(pieces)
     for name, turn in zip(["on A", "on B"], design.taken, strict=True):
         assert f"for {name}, G8-{turn.size.side:g}" in pieces.answer[0]
     named = [check.what for check in pieces.checks]
@@ -221,7 +221,7 @@ def test_motion(tmp_path) -> None:
     saved = loaded(result.save(tmp_path / "out", figures=False))
     pieces = motions_report.build_pieces(saved)
     assert_well_formed(pieces)
-    arranged(pieces)
+    _arranged(pieces)
     assert f"{saved.summary['pga_gal']:.0f} gal" in pieces.answer[0]
     measures = {row[0]: row for row in pieces.tables["measures"].rows}
     assert measures["Peak ground acceleration"][1:] == (f"{saved.summary['pga_gal']:.1f}", "gal")

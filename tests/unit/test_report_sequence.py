@@ -6,7 +6,7 @@ import pytest
 import thermobearing as tb
 from tests.unit.report_words import as_data, assert_well_formed, numbers_in
 from thermobearing.report.pieces import EXCEEDED, Pieces
-from thermobearing.report.template import arranged
+from thermobearing.report.template import _arranged
 from thermobearing.sequences.case import make_sequence_case
 from thermobearing.sequences.report import build_pieces
 from thermobearing.sequences.result import SequenceResult
@@ -35,7 +35,7 @@ def pieces(result: SequenceResult) -> Pieces:
 
 def test_form(pieces: Pieces) -> None:
     assert_well_formed(pieces)
-    arranged(pieces)
+    _arranged(pieces)
 
 
 def test_question_and_answer(result: SequenceResult, pieces: Pieces) -> None:

@@ -53,7 +53,7 @@ def test_same_as_soaking_from_far_enough_back(name: str) -> None:
     hours = np.array([5000, 1500, 4000])
     found = run.soaked_hours(device, WEATHER, hours)
     for place, hour in enumerate(hours):
-        temperature, lead = run.soaked(device, WEATHER.before(int(hour), 720))
+        temperature, lead = run._soaked(device, WEATHER.before(int(hour), 720))
         assert_allclose(found.temperature[place], temperature, atol=tol.TEN_MINUTES)
         if lead is not None:
             assert_allclose(found.at(place)[1], lead, atol=tol.TEN_MINUTES_OF_LEAD)

@@ -428,7 +428,7 @@ def test_a_history_before_the_earthquake(heat: bool) -> None:
     runs, done = tasks(study(DRAWS, bearing=LHDR, ambient=air, **more))
     weather = generate_weather("cold-town", 1, 0)
     for k, task in enumerate(done):
-        cells, lead = run.soaked(task.device, weather.before(int(runs["hour"][k]), 48.0))
+        cells, lead = run._soaked(task.device, weather.before(int(runs["hour"][k]), 48.0))
         assert_allclose(task.lines[0].temperature, cells, atol=tol.TEN_MINUTES)
         assert task.lines[0].lead == pytest.approx(lead, abs=tol.TEN_MINUTES_OF_LEAD)
 

@@ -20,7 +20,7 @@ from thermobearing.earthquake.run import run_task
 from thermobearing.loading import load_result
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import plan
-from thermobearing.studies.report import build_pieces, input_tables, result_tables
+from thermobearing.studies.report import _input_tables, build_pieces, result_tables
 from thermobearing.studies.result import (
     Question,
     SiteHazard,
@@ -113,7 +113,7 @@ def test_very_many_motions_and_numbers_are_told_in_short() -> None:
     whole = made_up()
     runs = np.arange(whole.runs)
     table = whole.table.assign(motion=[f"m{k % 40}" for k in runs], scale=1.0 + runs % 20)
-    told = input_tables(StudyResult(table, whole.study, {}))["factors"]
+    told = _input_tables(StudyResult(table, whole.study, {}))["factors"]
     rows = {row[0]: row[2] for row in told.rows}
     assert rows["motion"].endswith("m10, m11 and 28 more")
     assert rows["scale"] == "1 to 20, 20 values"

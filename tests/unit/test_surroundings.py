@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
-from thermobearing.earthquake.report import input_tables
+from thermobearing.earthquake.report import _input_tables
 from thermobearing.earthquake.run import build_device
 from thermobearing.model.options import ModelOptions, Side, build_model, outdoors
 from thermobearing.model.stack import EndFace, film_at_face, through_side
@@ -183,7 +183,7 @@ def test_report_and_result_tell_the_exchange(night: str) -> None:
     import tomllib
 
     case = tomllib.loads(result.dataset.attrs["case"])
-    rows = {row[0]: row for row in input_tables(result, case)["analysis"].rows}
+    rows = {row[0]: row for row in _input_tables(result, case)["analysis"].rows}
     assert "ISO 6946" in str(rows["Film coefficient of the upper face"])
     assert "Shen (2023)" in str(rows["Cover rubber of the side"])
     plain = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", ambient=0, duration=0.05)

@@ -16,7 +16,7 @@ from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.errors import InputError
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_factors
-from thermobearing.earthquake.dataset import reached
+from thermobearing.earthquake.dataset import _reached
 from thermobearing.earthquake.run import Device
 from thermobearing.identify.uncertainty.posterior import forecast
 from thermobearing.results.ranges import REST, compared, cycles_in_a_row, largest_speed
@@ -280,7 +280,7 @@ def test_of_several_lines_the_one_that_goes_farthest_counts() -> None:
     device = Device(bearing=bearing, constants=constants, stack=stack)
     task: Any = SimpleNamespace(lines=[SimpleNamespace(device=device, ambient=20.0)] * 2)
     history: Any = SimpleNamespace(bearing=lambda line: lines[line])
-    found = reached(task, history, [0, 1])
+    found = _reached(task, history, [0, 1])
     assert found["strain"] == pytest.approx(3.0)
     assert found["strain_rate"] == pytest.approx(6.0 * np.pi, rel=0.01)
     assert (found["ambient"], found["lead_temperature"]) == ((20.0, 20.0), (19.0, 21.0))

@@ -12,7 +12,7 @@ from thermobearing.climate.generator import generate_weather
 from thermobearing.studies.definition.case import load_study, make_study
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.run.prepare import Preparer
-from thermobearing.studies.run.shard import measure_all
+from thermobearing.studies.run.shard import _measure_all
 
 DEMANDS = ("pier_rotation_max_rad", "bearing_displacement_max_mm", "bearing_force_max_kN")
 
@@ -33,7 +33,7 @@ def cold_town(name: str, **factors: Any) -> Any:
     found = {demand: [] for demand in DEMANDS}
     for row in rows:
         given = prepared.make_task(row)
-        numbers = next(measure_all([given])).numbers
+        numbers = next(_measure_all([given])).numbers
         middles = np.concatenate(given.device.stack.middles())
         row["rubber_degC"] = given.reported.temperature[middles].mean()
         assert numbers["outcome"] == "completed"

@@ -14,7 +14,7 @@ from tests.conftest import Recorder
 from tests.unit.inputs import Row, assert_told, by_name, command, summary, write_toml
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.cyclic.equivalent import backbone
-from thermobearing.design.bounds import DEMANDS, bounds_study, verdict
+from thermobearing.design.bounds import DEMANDS, _verdict, bounds_study
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_design
 from thermobearing.design.sizing import (
@@ -187,9 +187,9 @@ def test_bounds_study_says_where_bounds_are_unsafe() -> None:
     ratio = table["envelope_over_coupled"]
     expected = table[["lower_bound", "upper_bound"]].max(axis=1) / table["coupled_max"]
     assert_allclose(ratio, expected)
-    assert list(table["verdict"]) == [verdict(value) for value in ratio]
+    assert list(table["verdict"]) == [_verdict(value) for value in ratio]
     assert "unsafe" in set(table["verdict"])  # strain under jra-ii-i-2
-    assert [verdict(v) for v in (0.9, 1.0, 1.4)] == ["unsafe", "good", "wasteful"]
+    assert [_verdict(v) for v in (0.9, 1.0, 1.4)] == ["unsafe", "good", "wasteful"]
 
 
 def test_design_from_python_is_that_of_the_command(tmp_path: Path) -> None:

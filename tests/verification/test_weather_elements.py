@@ -14,7 +14,7 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.cyclic.history import build_segments, cut_rests, run_segments
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.earthquake.case import make_earthquake_case, settle_surroundings
-from thermobearing.earthquake.run import Device, build_device, soaked
+from thermobearing.earthquake.run import Device, _soaked, build_device
 from thermobearing.model.lead_ends import longest_rest_step
 from thermobearing.model.options import ModelOptions, build_model
 
@@ -54,7 +54,7 @@ def cooling(device: Device, hours: Any) -> Any:
     assert stack is not None
     rubber = stack.thickness * np.array([part == "rubber" for part in stack.part])
     fall = [Ambient.series([0.0, 1e-3, HOUR * h], [1.0, 0.0, 0.0]) for h in hours]
-    return np.array([soaked(device, air)[0] @ rubber for air in fall]) / rubber.sum()
+    return np.array([_soaked(device, air)[0] @ rubber for air in fall]) / rubber.sum()
 
 
 @pytest.mark.parametrize(

@@ -142,7 +142,7 @@ def _compared(
                 "coupled_max": float(values.max()),
                 "coupled_at_degC": float(values.index[int(values.argmax())]),
                 "envelope_over_coupled": ratio,
-                "verdict": verdict(ratio),
+                "verdict": _verdict(ratio),
                 **{f"coupled_{t:g}_degC": float(values[t]) for t in ambient},
                 "beyond_tested": left[motion],
             }
@@ -174,7 +174,7 @@ def least_safe(table: pd.DataFrame) -> pd.DataFrame:
     return kept
 
 
-def verdict(ratio: float) -> str:
+def _verdict(ratio: float) -> str:
     """Return what a ratio of the envelope to the coupled model means."""
     if ratio < UNSAFE:
         return "unsafe"

@@ -76,7 +76,7 @@ def _mean_group(motion: Motion) -> str:
     return motion.group or (built_in[1] if built_in else "motions")
 
 
-def combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule) -> float:
+def _combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule) -> float:
     """Return the peak of several motions by a rule."""
     found = np.asarray(values, dtype=float)
     if rule == "largest":
@@ -106,7 +106,7 @@ def counted(
     """Return the peak of each bearing line or pier by a rule."""
     own = PARTS.get(name, name)
     values = np.asarray(data[own if own in data else name])[runs].reshape(len(motions), -1)
-    return np.array([combined(column.tolist(), motions, rule) for column in values.T])
+    return np.array([_combined(column.tolist(), motions, rule) for column in values.T])
 
 
 def judged(
@@ -151,7 +151,7 @@ def of_group(name: str, group: str = "") -> str:
     return f"{name} ({group})" if group else name
 
 
-def whose(table: pd.DataFrame) -> list[str]:
+def _whose(table: pd.DataFrame) -> list[str]:
     """Return the key columns of `judged` except the temperature."""
     return [name for name in ("bearing", "group") if name in table]
 
@@ -159,13 +159,13 @@ def whose(table: pd.DataFrame) -> list[str]:
 def envelope(table: pd.DataFrame) -> pd.DataFrame:
     """Return the largest of every peak over the temperatures, and where it occurs."""
     rows = []
-    for key, mine in table.groupby(whose(table), sort=False) if len(table) else ():
+    for key, mine in table.groupby(_whose(table), sort=False) if len(table) else ():
         airs = mine["ambient_degC"].tolist()
         for column in (name for name in JUDGED.values() if name in mine):
             values = mine[column].to_numpy(dtype=float)
             if np.isfinite(values).any():
                 worst = int(np.nanargmax(values))
-                row = dict(zip(whose(table), key, strict=True)) | {"peak": column}
+                row = dict(zip(_whose(table), key, strict=True)) | {"peak": column}
                 rows.append(row | {"largest": float(values[worst]), "at_degC": airs[worst]})
     return pd.DataFrame(rows)
 
@@ -173,7 +173,7 @@ def envelope(table: pd.DataFrame) -> pd.DataFrame:
 def coldest_sentences(table: pd.DataFrame) -> list[str]:
     """Return the verdict of the coldest day, and the envelope, in words."""
     said = []
-    for key, mine in table.groupby(whose(table), sort=False) if len(table) else ():
+    for key, mine in table.groupby(_whose(table), sort=False) if len(table) else ():
         rows = mine.to_dict("records")
         cold = min(rows, key=lambda row: row["ambient_degC"])
         far, force = (max(rows, key=lambda row: row[k]) for k in ("displacement_mm", "force_kN"))

@@ -103,7 +103,7 @@ class Turn:
     study: EarthquakeResult
 
 
-def sized(
+def _sized(
     case: DesignCase, place: int, number: int, assumed: float
 ) -> tuple[Round, BilinearBearing]:
     """Return the round of a group before its analysis, and its bilinear bearing."""
@@ -135,7 +135,7 @@ def _one_turn(case: DesignCase, number: int, assumed: Sequence[float]) -> Turn:
     """Size every group for its displacement and analyse the bridge."""
     groups = case.groups
     rounds, bearings = zip(
-        *(sized(case, k, number, float(u)) for k, u in enumerate(assumed)), strict=True
+        *(_sized(case, k, number, float(u)) for k, u in enumerate(assumed)), strict=True
     )
     study = run_earthquake(_round_analysis(case, bearings, [turn.stiffness for turn in rounds]))
     names = [line.name for line in case.structure.bearings]

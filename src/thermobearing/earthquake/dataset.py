@@ -126,7 +126,7 @@ def _collect_warnings(
         rows: list[Row] = []
         for k, lines in mine.items():
             name = _name(tasks[k], bearing.name)
-            rows += compare_with_tests(name, reached(tasks[k], histories[k], lines), ranges)
+            rows += compare_with_tests(name, _reached(tasks[k], histories[k], lines), ranges)
         said += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
         compared += rows
         if not isinstance(bearing, BilinearBearing) and case.analysis.model not in BLIND:
@@ -158,7 +158,7 @@ def _bearings(
     return found
 
 
-def reached(
+def _reached(
     task: "Task", history: StructureHistory, lines: Sequence[int]
 ) -> dict[str, float | Ends]:
     """Return how far a run goes in the tested range, the farthest of some lines."""

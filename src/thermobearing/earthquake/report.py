@@ -51,7 +51,7 @@ DAMPING = {
 }
 
 
-def input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
+def _input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
     """Return the inputs as tables, by name."""
     sources = case.get("sources", {})
     found = {
@@ -228,7 +228,7 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
         _question(result, case),
         _answer(result),
         judged=result.runs > 0,
-        inputs=input_tables(result, case),
+        inputs=_input_tables(result, case),
         tables=result.tables() if result.runs else {},
         figures=_report_figures(result),
         checks=_report_checks(result, case),

@@ -148,7 +148,7 @@ def build_shaking(case: EarthquakeCase, number: int, motion: GroundMotion) -> Sh
     return Shaking(motion, dt, ground)
 
 
-def soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
+def _soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
     """Return the temperatures of cells and lead at the end of a weather, the bearing at rest.
 
     At first it is uniform at the first ambient temperature. The heat model is that of motion, in
@@ -318,7 +318,7 @@ def one_line(
     if left is not None:
         return OneLine(device, np.array(left.temperature), left.lead_temperature, ambient)
     if weather is not None:
-        return OneLine(device, *soaked(device, weather), ambient)
+        return OneLine(device, *_soaked(device, weather), ambient)
     cells = len(device.constants.cells.capacity)
     return OneLine(
         device, BLIND if device.stack is None else np.full(cells, ambient), None, ambient

@@ -97,8 +97,8 @@ def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
         "governing": _governing_table(result),
         "peaks": _peaks_table(result),
         "cold": _cold_table(result),
-        "lines": parts_table(result, "line"),
-        "piers": parts_table(result, "pier"),
+        "lines": _parts_table(result, "line"),
+        "piers": _parts_table(result, "pier"),
         "modes": make_table(ratios, compared, "Real time over pseudo-dynamic", keys=3),
         "loops": _loops_table(result),
         "periods": _periods_table(result),
@@ -115,7 +115,7 @@ def console_tables(result: "EarthquakeResult") -> list[Table]:
     found = make_tables(result)
     for part in PARTS:
         if f"{part}s" in found:
-            found[f"{part}s"] = parts_table(result, part, most=MOST_ROWS)
+            found[f"{part}s"] = _parts_table(result, part, most=MOST_ROWS)
     bearings = list(dict.fromkeys(result.table["bearing"]))
     each = [result.sel(bearing=name) for name in bearings] if result.runs > len(bearings) else []
     peaks = [_peaks_table(one, CONSOLE, heads=SHORT) for one in each or [result]]
@@ -246,7 +246,7 @@ def _cold_table(result: "EarthquakeResult") -> Table:
     return make_table(frame, [*same, *columns], caption, keys=len(same))
 
 
-def parts_table(result: "EarthquakeResult", part: str, most: int | None = None) -> Table:
+def _parts_table(result: "EarthquakeResult", part: str, most: int | None = None) -> Table:
     """Return a row for each run and bearing line, or pier; lines that are equal share a row.
 
     Of more than `most` rows, the largest of all runs. Empty with one line or pier of all.
@@ -423,21 +423,23 @@ def _errors(
             row |= temperature_differences(place, those[place][:length], values[:length])
     inner = those[INNER][:length], places[INNER][:length]
     row[f"{INNER} rise K"] = _rise(inner[0]) - _rise(inner[1])
-    row[UNDERESTIMATES] = underestimates(*inner)
+    row[UNDERESTIMATES] = _underestimates(*inner)
     force = [r["bearing_force"].values[k, :length] for r, k in ((other, its), (truth, run))]
     row |= force_differences(force[0].astype(float), force[1].astype(float))
     row |= {label: more(found[column], expected[column]) for label, column in COMPARED.items()}
     return row
 
 
-def underestimates(found: Floats, expected: Floats) -> bool:
+def _underestimates(found: Floats, expected: Floats) -> bool:
     """Return whether both the largest rise of a temperature and its mean over the run are lower.
 
     Examples
     --------
     >>> late = np.array([0.0, 0.0, 3.0])
-    >>> underestimates(late - [0.0, 0.0, 1.0], late), underestimates(late + [0.0, 4.0, -1.0], late)
-    (True, False)
+    >>> _underestimates(late - [0.0, 0.0, 1.0], late)
+    True
+    >>> _underestimates(late + [0.0, 4.0, -1.0], late)
+    False
     """
     return _rise(found) < _rise(expected) and float(np.mean(found - expected)) < 0.0
 

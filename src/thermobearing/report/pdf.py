@@ -62,7 +62,7 @@ def pdf_bytes(document: Document) -> bytes:
     day = _document_date(document)
     with tempfile.TemporaryDirectory(prefix="thermobearing-") as name:
         folder = Path(name)
-        content = laid_out(spoken, folder) | {"date": [day.year, day.month, day.day]}
+        content = _laid_out(spoken, folder) | {"date": [day.year, day.month, day.day]}
         text = json.dumps(_each_text(content, lambda text: _speakable(text, missing)))
         (folder / "document.json").write_text(text, encoding="utf-8")
         (folder / SOURCE).write_bytes(data_path("reports", SOURCE).read_bytes())
@@ -127,7 +127,7 @@ def _speakable(text: str, missing: set[str]) -> str:
 def _letters(document: Document) -> set[str]:
     """Return the letters of a document that are not plain ones."""
     found: set[str] = set()
-    _each_text(laid_out(document, None), lambda text: found.update(text) or text)  # type: ignore[func-returns-value]
+    _each_text(_laid_out(document, None), lambda text: found.update(text) or text)  # type: ignore[func-returns-value]
     return {m for m in found if not (m.isascii() or m.isspace() or category(m) in HIDDEN)}
 
 
@@ -171,7 +171,7 @@ GAIN = 1.15  # by which it must be larger there
 UNTESTED = "outside the calibration range"
 
 
-def laid_out(document: Document, folder: Path | None) -> Data:
+def _laid_out(document: Document, folder: Path | None) -> Data:
     """Return what the typst source reads; pictures are written into a folder, if there is one."""
     blocks: list[Data] = []
     level = 0
@@ -305,7 +305,7 @@ def _table(table: Table) -> list[Data]:
     """Return a table as text, in parts that fit a page in width, each with the key columns."""
     cells, columns = table.texts(), table.columns
     numbers = table.numeric()
-    parts = fitted(column_letters(table, cells), table.keys)
+    parts = _fitted(column_letters(table, cells), table.keys)
     note = table.note or (f"Marked: {UNTESTED}." if table.marked else "")
     found = []
     for number, part in enumerate(parts, 1):
@@ -331,7 +331,7 @@ def _table(table: Table) -> list[Data]:
     return found
 
 
-def fitted(letters: Sequence[tuple[int, int]], keys: int) -> list[Part]:
+def _fitted(letters: Sequence[tuple[int, int]], keys: int) -> list[Part]:
     """Return columns in parts that fit a page, as large as can be.
 
     `letters` are those that each column needs and would like, see `column_letters`; `keys` leading

@@ -57,10 +57,10 @@ def document(
     template: str | Path | None = None,
 ) -> Document:
     """Return the document of a result, ready to be written in any format."""
-    return Document(pieces.title, block, logo, arranged(pieces, template), pieces.identity)
+    return Document(pieces.title, block, logo, _arranged(pieces, template), pieces.identity)
 
 
-def arranged(pieces: Pieces, path: str | Path | None = None) -> list[Block]:
+def _arranged(pieces: Pieces, path: str | Path | None = None) -> list[Block]:
     """Return the pieces of a result in the order of a template, of the package if none is given."""
     own = data_path("reports", f"{pieces.command}.md")
     file = Path(path or (own if own.is_file() else data_path("reports", "any.md")))

@@ -80,13 +80,13 @@ def _front(pieces: Pieces) -> Table:
         "Warning": pieces.warnings,
         "Assumption": pieces.assumptions,
     }
-    rows = [(word, plain(text)) for word, said in texts.items() for text in said if text]
+    rows = [(word, _plain(text)) for word, said in texts.items() for text in said if text]
     return Table(
         pieces.title, [Quantity("What"), Quantity("Text")], [*rows, *pieces.identity.items()]
     )
 
 
-def plain(text: str) -> str:
+def _plain(text: str) -> str:
     """Return a sentence without the signs of its Markdown."""
     return "".join(run["text"] for run in split_runs(text))
 
@@ -122,7 +122,7 @@ def _add_sheet(book: Any, name: str, table: Table, names: set[str]) -> None:
     from openpyxl.utils import get_column_letter
 
     columns = table.columns[:COLUMNS]
-    sheet = book.create_sheet(sheet_name(name, names))
+    sheet = book.create_sheet(_sheet_name(name, names))
     sheet.freeze_panes = f"{get_column_letter(min(table.keys, len(columns)) + 1)}4"
     for place, column in enumerate(columns):
         texts = [column.title, *(column.text(row[place]) for row in table.rows[:200])]
@@ -146,7 +146,7 @@ def _add_sheet(book: Any, name: str, table: Table, names: set[str]) -> None:
         )
 
 
-def sheet_name(wanted: str, names: set[str]) -> str:
+def _sheet_name(wanted: str, names: set[str]) -> str:
     """Return a name that Excel takes and that no sheet has yet."""
     plain = re.sub(r"[\[\]:*?/\\]+|[_\s]+", " ", printable(wanted)).strip(" '") or "Sheet"
     name, number = plain[:NAME], 1

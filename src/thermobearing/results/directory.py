@@ -145,7 +145,7 @@ def _digest(file: Path, size: int) -> bytes:
     return found.hexdigest().encode()
 
 
-def seal(file: Path) -> None:
+def _seal(file: Path) -> None:
     """Append the digest of what a file holds."""
     digest = _digest(file, file.stat().st_size)
     with file.open("ab") as stream:
@@ -240,7 +240,7 @@ def write_directory(
             try:
                 fill(partial)
                 if (partial / DATASET).exists():
-                    seal(partial / DATASET)
+                    _seal(partial / DATASET)
                 _put_in_place(partial, final, lambda: check_target(directory, overwrite=overwrite))
             finally:  # incomplete, or the replaced result
                 shutil.rmtree(partial, ignore_errors=True)

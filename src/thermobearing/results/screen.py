@@ -45,7 +45,7 @@ def show_table(table: Table) -> None:
     styles = ["red" if k in table.failed else "" for k in range(len(cells))]
     if table.caption:
         say(f"\n{table.caption}")
-    for number, block in enumerate(laid_out(heads, cells, table.keys, _screen_width())):
+    for number, block in enumerate(_laid_out(heads, cells, table.keys, _screen_width())):
         if number:
             say("")
         looks = ["bold"] * (len(block) - len(cells)) + styles
@@ -65,7 +65,7 @@ def _screen_width() -> int | None:
     return int(columns) if columns.isdecimal() and int(columns) > 0 else None
 
 
-def laid_out(heads: Row, rows: Sequence[Row], keys: int, width: int | None) -> list[list[str]]:
+def _laid_out(heads: Row, rows: Sequence[Row], keys: int, width: int | None) -> list[list[str]]:
     """Return the lines of each block of a table, no longer than `width` if possible.
 
     Each block begins with the heads, in several lines where one makes the table too wide.

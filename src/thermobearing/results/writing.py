@@ -47,7 +47,7 @@ def json_line(value: Any) -> str:
     return json.dumps(without_nan(value), allow_nan=False)
 
 
-def command_line() -> str | None:
+def _command_line() -> str | None:
     """Return the command that was typed; None in a program of the user."""
     if Path(sys.argv[0]).stem != "thermobearing":
         return None
@@ -56,7 +56,7 @@ def command_line() -> str | None:
 
 def write_summary(folder: Path, content: dict[str, Any]) -> None:
     """Write summary.json into a folder; with the command line where no case is written."""
-    if content.get("command") in WITHOUT_CASE and (typed := command_line()):
+    if content.get("command") in WITHOUT_CASE and (typed := _command_line()):
         content = content | {"command_line": typed}
     text = json.dumps(without_nan(content), indent=2, allow_nan=False, ensure_ascii=False)
     # A file name that is no text keeps its bytes as lone surrogates; JSON has an escape for them.

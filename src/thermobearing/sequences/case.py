@@ -187,7 +187,7 @@ class SequenceCase(Strict):
             faults, steps = survey(test, rubber, at)
             found += [f"parts[{number}].{text}" for text in faults]
             known, total = known or bool(moving), total + steps
-            at = 0.0 if self.between == "unloaded" else end_state_at(test, rubber, at)
+            at = 0.0 if self.between == "unloaded" else _end_state_at(test, rubber, at)
         cells = len(self.analysis.build_stack(self.bearing).part)
         return found or too_much(total, cells, total / self.analysis.keep_every * 3 * cells)
 
@@ -204,7 +204,7 @@ class SequenceCase(Strict):
         return [*found, *case.faults(), *case.length_faults([case.motions[0].load()])]
 
 
-def end_state_at(test: CyclicTest, rubber: float, at: float) -> float:
+def _end_state_at(test: CyclicTest, rubber: float, at: float) -> float:
     """Return the displacement after a test that begins at `at` [mm]."""
     for step in test.steps:
         if isinstance(step, Ramp):

@@ -56,7 +56,7 @@ class Modes:
         return 2.0 * np.pi / self.frequencies
 
 
-def coordinates(structure: Structure) -> list[str]:
+def _coordinates(structure: Structure) -> list[str]:
     """Return the names of the coordinates, body by body."""
     names = []
     for body in structure.bodies:
@@ -66,7 +66,7 @@ def coordinates(structure: Structure) -> list[str]:
 
 def unit(structure: Structure, name: str) -> Floats:
     """Return the row of a coordinate by its name."""
-    names = coordinates(structure)
+    names = _coordinates(structure)
     row = np.zeros(len(names))
     row[names.index(name)] = 1.0
     return row
@@ -75,7 +75,7 @@ def unit(structure: Structure, name: str) -> Floats:
 def _rotation_row(structure: Structure, name: str) -> Floats:
     """Return the absolute rotation of a body, or of its carrier, per coordinate."""
     if name == GROUND:
-        return np.zeros(len(coordinates(structure)))
+        return np.zeros(len(_coordinates(structure)))
     body = structure.body(name)
     if body.rotates:
         return unit(structure, f"{name} rotation")
@@ -85,7 +85,7 @@ def _rotation_row(structure: Structure, name: str) -> Floats:
 def displacement_row(structure: Structure, name: str, height: float) -> Floats:
     """Return the sideways motion of a body at a height [mm], relative to the ground."""
     if name == GROUND:
-        return np.zeros(len(coordinates(structure)))
+        return np.zeros(len(_coordinates(structure)))
     body = structure.body(name)
     if body.on is None:
         base = unit(structure, f"{name} x")
@@ -111,7 +111,7 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
     carried has only its inertia about its base, without coupling, and the ground pushes
     the moving ones.
     """
-    names = coordinates(structure)
+    names = _coordinates(structure)
     n = len(names)
     mass, load, springs = np.zeros((n, n)), np.zeros(n), np.zeros((n, n))
     for item in structure.masses:

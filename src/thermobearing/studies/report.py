@@ -49,7 +49,7 @@ def build_pieces(result: Any) -> Pieces:
         title=f"Study {result.study.name}",
         question=_scope(result),
         answer=answer(result),
-        inputs=input_tables(result),
+        inputs=_input_tables(result),
         tables=result_tables(result) | {"worst": worst_table(result, result.worst())},
         figures=_figures(result),
         validity_unknown=UNKNOWN,
@@ -128,7 +128,7 @@ def _temperature(name: Any) -> str:
     return f"{number(float(name))} °C" if isinstance(name, int | float) else str(name)
 
 
-def input_tables(result: StudyResult) -> dict[str, Table]:
+def _input_tables(result: StudyResult) -> dict[str, Table]:
     """Return the factors that vary, and the design."""
     rows, units = [], _units(result)
     for name in result.factors:

@@ -322,7 +322,7 @@ class Uncertainty:
     misfit: list[str] = field(default_factory=list)  # likely causes of residuals that are not noise
 
 
-def effective_samples(residuals: Floats) -> float:
+def _effective_samples(residuals: Floats) -> float:
     """Return the number of independent samples that a correlated series is worth.
 
     It is n / (1 + 2 sum rho_k), the sum up to the first lag at which rho is not positive.
@@ -367,7 +367,7 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
         assumed=assumed,
         inside=linear.inside,
         samples=len(linear.weights),
-        effective_samples=sum(effective_samples(part) for part in linear.parts),
+        effective_samples=sum(_effective_samples(part) for part in linear.parts),
         rms=float(np.sqrt(np.mean(linear.residuals**2))),
     )
     warnings, misfit = _warnings(problem, found), _misfit(problem, found)

@@ -95,7 +95,7 @@ class Measured(NamedTuple):
     traces: Mapping[str, Any] | None = None
 
 
-def measure_all(
+def _measure_all(
     tasks: Sequence[Task], *, every: int = 0, lockstep: bool = False
 ) -> Iterator[Measured]:
     """Run tasks; keep every n-th step of their histories (0: none).
@@ -341,7 +341,7 @@ def _measured(tasks: list[Task], every: int, lockstep: bool) -> list[Measured]:
     """Return the result or the error of each task; fewer if this process was stopped."""
     done: list[Measured] = []
     try:
-        for found in measure_all(tasks, every=every, lockstep=lockstep):
+        for found in _measure_all(tasks, every=every, lockstep=lockstep):
             done.append(found)
             if is_stopped():
                 break

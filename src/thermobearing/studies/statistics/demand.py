@@ -174,7 +174,7 @@ def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Co
     """
     if failed not in get_args(Failed):
         raise InputError(f'failed must be "left-out" or "collapse", not {failed!r}')
-    values = numbers(table, demand)
+    values = _numbers(table, demand)
     completed = np.ones(len(table), dtype=bool)
     pier = ~completed  # runs whose pier exceeded its limits; all else in them was computed
     if OUTCOME in table:
@@ -205,7 +205,7 @@ def column(table: pd.DataFrame, name: str) -> list[Any]:
     return table[name].tolist()
 
 
-def numbers(table: pd.DataFrame, name: str) -> Floats:
+def _numbers(table: pd.DataFrame, name: str) -> Floats:
     """Return a column of numbers; InputError if it does not exist or has other values."""
     values = column(table, name)
     try:
@@ -216,7 +216,7 @@ def numbers(table: pd.DataFrame, name: str) -> Floats:
 
 def positive(table: pd.DataFrame, name: str) -> Floats:
     """Return a column whose logarithm is used; InputError for a number that is not positive."""
-    values = numbers(table, name)
+    values = _numbers(table, name)
     wrong = values[~(np.isfinite(values) & (values > 0.0))]
     if len(wrong):
         raise InputError(f'column "{name}" has {wrong[0]:g}; it must be greater than 0')
@@ -267,7 +267,7 @@ def demand_against(
     """
     check_level(level)
     runs = counted(table, demand, failed)
-    at = numbers(table, across)
+    at = _numbers(table, across)
     values, place = np.unique(at, return_inverse=True)
     if len(values) > MOST_LEVELS:
         place = equal_classes(at, TEMPERATURE_CLASSES)
@@ -331,5 +331,5 @@ def worst_runs(table: pd.DataFrame, count: int = WORST, by: str | None = None) -
     completed = table[table[OUTCOME] == COMPLETED]
     if len(completed) == 0:
         return []
-    order = np.argsort(-numbers(completed, by or ranked_by(completed)), kind="stable")
+    order = np.argsort(-_numbers(completed, by or ranked_by(completed)), kind="stable")
     return [int(run) for run in completed["run"].iloc[order[:count]]]
