@@ -54,7 +54,7 @@ def test_dates_and_months() -> None:
         (lambda: STEPS.hours_at([1.0]), "less than 1"),
         (lambda: STEPS.hours_at([0.5], history=4), "has 4 hours; a history of 4 h needs more"),
         (lambda: STEPS.months, "has no dates"),
-        (lambda: generator.load_climate("cold-twon"), 'did you mean "cold-town"?'),
+        (lambda: generator._load_climate("cold-twon"), 'did you mean "cold-town"?'),
         (lambda: tb.generate_weather("cold-town", years=0), "years = 0"),
         (lambda: tb.generate_weather("cold-town", seed=-1), "seed = -1"),
         (lambda: tb.generate_weather("cold-town", seed=0.5), "seed = 0.5"),
@@ -77,7 +77,7 @@ def test_same_seed_same_weather() -> None:
 
 
 def test_monthly_means_of_the_seasons_are_as_told() -> None:
-    climate = generator.load_climate("cold-town")
+    climate = generator._load_climate("cold-town")
     curve = generator._seasonal(climate)
     means = [curve[month == generator.MONTH_OF].mean() for month in range(12)]
     assert_allclose(means, climate.monthly_mean, atol=tol.MEAN)
@@ -131,7 +131,7 @@ def test_spells_take_what_they_are_expected_to() -> None:
 
 def test_weather_of_a_climate_has_its_monthly_means() -> None:
     """Of 100 years, spells and all; the standard error of a January is 0.2 K."""
-    climate = generator.load_climate("cold-town")
+    climate = generator._load_climate("cold-town")
     weather = tb.generate_weather(climate, years=100, seed=8)
     means = [weather.temperature[weather.months == m].mean() for m in range(1, 13)]
     assert_allclose(means, climate.monthly_mean, atol=tol.MONTHLY_MEAN)

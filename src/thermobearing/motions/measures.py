@@ -57,7 +57,7 @@ def significant_interval(
     return float(times[0]), float(times[1])
 
 
-def _bracketed_duration(motion: GroundMotion, threshold: float = BRACKET) -> float:
+def bracketed_duration(motion: GroundMotion, threshold: float = BRACKET) -> float:
     """Return the time from the first to the last sample beyond a threshold [mm/s2], or 0."""
     beyond = np.flatnonzero(np.abs(motion.acceleration) > threshold)
     return float((beyond[-1] - beyond[0]) * motion.dt) if len(beyond) else 0.0
@@ -76,6 +76,6 @@ def measure_motion(motion: GroundMotion) -> MotionMeasures:
         end_displacement=float(displacement[-1]),
         arias_intensity=float(_arias_growth(motion)[-1]),
         significant_duration=end - start,
-        bracketed_duration=_bracketed_duration(motion),
+        bracketed_duration=bracketed_duration(motion),
         cumulative_absolute_velocity=float(0.5 * motion.dt * (absolute[1:] + absolute[:-1]).sum()),
     )
