@@ -19,8 +19,9 @@ def main(names: list[str]) -> None:
     from kernels.entries import compile_all
     from thermobearing.core.compiled.native import FOLDER
 
-    faces, described = compile_all()
-    build(faces, described, FOLDER, [one for one in TARGETS if not names or one.name in names])
+    targets = [one for one in TARGETS if not names or one.name in names]
+    faces, described = compile_all(lockstep=any(one.suffix != "wasm" for one in targets))
+    build(faces, described, FOLDER, targets)
 
 
 if __name__ == "__main__":

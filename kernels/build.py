@@ -185,7 +185,8 @@ def build(
     llvm.initialize_all_asmprinters()
     single = [face for face in faces if not face.lockstep]
     texts = {
-        wide: combine(faces if wide else single, described["sources"]) for wide in (True, False)
+        wide: combine(faces if wide else single, described["sources"])
+        for wide in {target.suffix != "wasm" for target in targets}
     }
     folder.mkdir(exist_ok=True)
     libraries = {}

@@ -2,9 +2,21 @@
 
 from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.choose import all_lanes, select
-from thermobearing.core.records import Floats, Ints
+from thermobearing.core.records import Floats, Ints, Rows
 from thermobearing.core.step import has_failed, layer_temperature, step
-from thermobearing.core.types import COMPLETED, SOFTENED, Constants, Kept, Path, State, Workspace
+from thermobearing.core.types import (
+    COMPLETED,
+    SOFTENED,
+    Books,
+    Constants,
+    Kept,
+    Path,
+    State,
+    Workspace,
+)
+
+MISSING = 1e-3  # largest relative error of the energy balance; rounding is about 1e-10
+LEAST = 1e-3  # smallest reference energy [kN mm]
 
 
 @compiled
@@ -94,6 +106,35 @@ def march(
     if done % 2 == 1:
         copy_state(start, spare)
     return done, kept, select(broken != COMPLETED, broken, outcome), softened, mismatch
+
+
+@compiled
+def is_possible(
+    temperature: Floats,
+    books: Rows[Books],
+    recoverable_before: float,
+    coldest: float,
+    hottest: float,
+    balanced: bool,
+) -> bool:
+    """Return whether every cell has a possible temperature and the energy balance closes.
+
+    `recoverable_before` is the recoverable energy at the start [kN mm]; `coldest` and `hottest`
+    are in degC. Where the balance is not `balanced`, only temperatures are checked.
+    """
+    for i in range(len(temperature)):
+        if not (temperature[i] >= coldest and temperature[i] <= hottest):
+            return False
+    if not balanced:
+        return True
+    last = books[0]
+    work, released = last.work_in, last.heat_released
+    recoverable = last.recoverable - recoverable_before
+    lost = last.heat_lost_ends + last.heat_lost_sides
+    largest = max(abs(work), abs(recoverable), abs(released), abs(last.heat_stored), abs(lost))
+    scale = MISSING * max(LEAST, largest)
+    unbalanced = abs(work - released - recoverable)
+    return unbalanced <= scale and abs(released - last.heat_stored - lost) <= scale
 
 
 @compiled

@@ -14,6 +14,14 @@ from thermobearing.bearing.model import (
     SmallLoops,
     TemperatureLaw,
 )
+from thermobearing.core.numbers import (
+    PARTS,
+    CoreSizes,
+    LayerLaw,
+    lead_numbers,
+    rubber_numbers,
+    source_rise,
+)
 from thermobearing.core.records import Floats, Rows, filled, rows
 from thermobearing.core.types import (
     EULER,
@@ -23,7 +31,6 @@ from thermobearing.core.types import (
     Cells,
     Constants,
     LawPiece,
-    LayerCells,
     Lead,
     Rubber,
     Viscous,
@@ -109,9 +116,7 @@ Integrator = Literal["exact", "euler"]
 Hardening = Literal["printed", "monotone"]
 HeatSource = Literal["work", "dissipation"]
 LeadEnds = Literal["half-space", "finite-plate"]
-KELVIN_COEFFICIENT_SCALE = 100.0  # Eq. 4.34 divides T - 23 by 100
 SCRAGGED = Scragging(strain=1.0, mullins_decay=1.0, mullins_renewal=1.0)  # without effect
-SIDE_FLUX = 0.785  # of the flux from a core into the plates around it, Eq. 5.4
 SHARING_START, SHARING_FULL = 0.2, -0.2  # see docs/theory.md, "When a layer softens"
 
 
@@ -140,7 +145,6 @@ def build_constants(
     network = half_space(end, side)
     if lead_ends == "finite-plate":
         network = lead_network(bearing, stack, upper, lower)
-    upper_middle, lower_middle = stack.middles()
     return Constants(
         rubber=_rubber(
             bearing,
@@ -152,13 +156,7 @@ def build_constants(
         viscous=_viscous(bearing, heats=scheme != "published"),
         law=_law_pieces(bearing.temperature_law),
         multiplicity=stack.multiplicity,
-        layer_cells=filled(
-            LayerCells,
-            first=stack.first_cell,
-            last=stack.last_cell,
-            upper_middle=upper_middle,
-            lower_middle=lower_middle,
-        ),
+        layer_cells=stack.layers,
         cells=Cells(
             to_previous=rates.to_previous,
             to_next=rates.to_next,
@@ -170,11 +168,10 @@ def build_constants(
         lead_cells=network.cells,
         lead_ports=network.ports,
         lead_modes=network.modes,
-        source_rise=1.0
-        / (
-            bearing.materials.rubber.volumetric_heat
-            * (bearing.area - bearing.lead_area)
-            * bearing.geometry.rubber_thickness
+        source_rise=source_rise(
+            bearing.materials.rubber.volumetric_heat,
+            bearing.area - bearing.lead_area,
+            bearing.geometry.rubber_thickness,
         ),
         side_implicit=rates.side_implicit,
         heat_source=HEAT_FROM_DISSIPATION if heat_source == "dissipation" else HEAT_FROM_WORK,
@@ -222,22 +219,31 @@ def _lead(
     conductivity = steel.conductivity / MM_PER_M
     medium = steel if lead_clock(given, published=published, chosen=clock) == "steel" else material
     diffusivity = medium.conductivity / MM_PER_M / medium.volumetric_heat
-    height = float(stack.beside_lead.sum())
-    one_end = given.core_area * given.surface_ratio * conductivity / given.radius
-    end = np.where(stack.touches_lead_end, stack.fold * given.cores * one_end, 0.0)
-    wall = 2.0 * np.pi * given.surface_ratio * conductivity / SIDE_FLUX
-    steel_beside = np.array([name != "rubber" for name in stack.part]) * stack.beside_lead
-    side = nothing if given.confined else given.cores * wall * steel_beside
+    core = CoreSizes(
+        cores=given.cores,
+        diameter=given.diameter,
+        yield_stress=given.yield_stress,
+        surface_ratio=given.surface_ratio,
+        confined=given.confined,
+        volumetric_heat=material.volumetric_heat,
+        steel_conductivity=conductivity,
+        diffusivity=diffusivity,
+    )
+    end, side = np.zeros((2, len(stack.part)))
+    parts = np.array([PARTS.index(name) for name in stack.part])
+    touching = stack.touches_lead_end
+    found = lead_numbers(core, parts, stack.beside_lead, touching, stack.fold, end, side)
+    strength, capacity, clock_rate, one_end, sides = found
     lead = Lead(
         cores=float(given.cores),
         stiffness=given.stiffness,
-        strength=given.core_strength,
+        strength=strength,
         softening=given.softening,
         reference_temperature=given.reference_temperature,
-        capacity=material.volumetric_heat * given.core_area * height,
-        clock_rate=diffusivity / given.radius**2,
+        capacity=capacity,
+        clock_rate=clock_rate,
         end_conductance=one_end,
-        side_conductance=float(side.sum()),
+        side_conductance=sides,
         fold=float(stack.fold),
         published=published,
     )
@@ -256,22 +262,34 @@ def _rubber(
 ) -> Rubber:
     """Return the constants of one rubber layer (Eq. 4.34-4.37)."""
     h, virgin = bearing.hysteresis, bearing.scragging or SCRAGGED
+    law = LayerLaw(
+        thickness=bearing.geometry.rubber_thickness,
+        post_yield_ratio=h.post_yield_ratio,
+        layer_stiffness=h.layer_stiffness,
+        shape=h.shape,
+        yield_displacement=h.yield_displacement,
+        hardening=h.hardening,
+        elastic_temperature_coefficient=h.elastic_temperature_coefficient,
+        hysteretic_temperature_coefficient=h.hysteretic_temperature_coefficient,
+        scragging_strain=virgin.strain,
+    )
+    elastic, hysteretic, m, n, hardening, unloading, scragging = rubber_numbers(law)
     return Rubber(
         layer_count=float(bearing.geometry.rubber_layers),
-        elastic_stiffness=h.post_yield_ratio * h.layer_stiffness,
-        hysteretic_stiffness=(1.0 - h.post_yield_ratio) * h.layer_stiffness,
-        elastic_exponent=h.elastic_temperature_coefficient / KELVIN_COEFFICIENT_SCALE,
-        hysteretic_exponent=h.hysteretic_temperature_coefficient / KELVIN_COEFFICIENT_SCALE,
+        elastic_stiffness=elastic,
+        hysteretic_stiffness=hysteretic,
+        elastic_exponent=m,
+        hysteretic_exponent=n,
         reference_temperature=h.reference_temperature,
-        hardening=h.hardening / bearing.geometry.rubber_thickness**2,
+        hardening=hardening,
         monotone=monotone,
         yield_displacement=h.yield_displacement,
-        unloading_curvature=(1.0 - h.shape) / ((1.0 + h.shape) * h.yield_displacement**2),
+        unloading_curvature=unloading,
         integrator=EULER if integrator == "euler" else EXACT,
         closed_loops=closed_loops,
         virgin=bearing.scragging is not None,
         scragging_amplitude=virgin.amplitude,
-        scragging_displacement=virgin.strain * bearing.geometry.rubber_thickness,
+        scragging_displacement=scragging,
         mullins_amplitude=virgin.mullins_amplitude,
         mullins_decay=virgin.mullins_decay,
         mullins_renewal=virgin.mullins_renewal,

@@ -3,9 +3,12 @@
 from functools import cache
 from typing import Annotated, Final
 
+import numpy as np
+
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.core.march import is_possible
 from thermobearing.core.types import (
     COMPLETED,
     EULER_UNSTABLE,
@@ -90,16 +93,10 @@ def limits_of_a_step() -> Limits:
     )
 
 
-MISSING = 1e-3  # largest relative error of the energy balance; rounding is about 1e-10
-LEAST = 1e-3  # smallest reference energy [kN mm]
-ENERGIES = (
-    "work_in",
-    "heat_released",
-    "recoverable",
-    "heat_stored",
-    "heat_lost_ends",
-    "heat_lost_sides",
-)
+def possible_temperatures() -> tuple[float, float]:
+    """Return the lowest and highest possible temperature of any cell [degC]."""
+    found = _temperature_limits()
+    return found.absolute_zero, found.steel_melts
 
 
 def is_physical(constants: Constants, state: State, recoverable_before: float = 0.0) -> bool:
@@ -108,17 +105,12 @@ def is_physical(constants: Constants, state: State, recoverable_before: float = 
     `recoverable_before` is the recoverable energy at the start [kN mm]. The published scheme has
     no closed energy balance: there only temperatures are checked.
     """
-    temperature, limits = state.temperature, _temperature_limits()
-    possible = temperature.min() >= limits.absolute_zero
-    if not (possible and temperature.max() <= limits.steel_melts):
-        return False
-    if constants.lead.published or not constants.viscous.heats:
-        return True
-    work, released, recoverable, stored, ends, sides = (
-        float(state.books[name][0]) for name in ENERGIES
+    return bool(
+        is_possible(
+            np.ascontiguousarray(state.temperature),
+            state.books,
+            recoverable_before,
+            *possible_temperatures(),
+            not constants.lead.published and constants.viscous.heats,
+        )
     )
-    recoverable -= recoverable_before
-    lost = ends + sides
-    scale = MISSING * max(LEAST, *map(abs, (work, recoverable, released, stored, lost)))
-    unbalanced = abs(work - released - recoverable)
-    return unbalanced <= scale and abs(released - stored - lost) <= scale

@@ -15,17 +15,31 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from thermobearing.bearing.model import Bearing, Material
+from thermobearing.bearing.model import Bearing
 from thermobearing.border.schema import Strict, in_unit
-from thermobearing.core.records import Floats
+from thermobearing.core.numbers import (
+    LUMP,
+    MASS,
+    PARTS,
+    SHIM,
+    BesideLead,
+    CellHeat,
+    CellRates,
+    Fill,
+    Heights,
+    StackCells,
+    conserve_heat,
+    face_conductance,
+    fill_cells,
+    lay_cells,
+)
+from thermobearing.core.records import Floats, Ints, Rows, rows
+from thermobearing.core.types import LayerCells
 
-Ints = NDArray[np.int64]
 Scheme = Literal["conservative", "published"]
-OUTSIDE_LEAD = ("end_plate", "mass")  # parts that lead cores do not pass through
 
 MM_PER_M = 1e3
 KILO = 1e3
-LUMP = 1e-6  # thickness of the cell that stands for what is behind a face [mm]
 FACE_HELD = 1e-9  # of the resistance to the middle of the outer cell: less lies beyond the face
 
 
@@ -75,10 +89,10 @@ class Stack:
     area: Floats  # [mm2]
     interface: np.ndarray  # bool: a material interface lies below the cell
     lone_shim: np.ndarray  # bool: a shim (or half shim) modelled by a single cell
-    first_cell: Ints  # per modelled layer
-    last_cell: Ints
+    layers: Rows[LayerCells]  # modelled ones
     multiplicity: Floats  # layers of the bearing each modelled layer stands for
-    halved: bool  # the last modelled layer is cut by the symmetry plane
+    beside_lead: Floats  # height of lead next to each cell, for the full bearing [mm]
+    touches_lead_end: NDArray[np.bool_]  # a cell of an end plate next to rubber or sealing plate
     fold: int
     perimeter: float
     side_film: float  # [kN/(s mm K)]
@@ -94,43 +108,47 @@ class Stack:
         return self.fold * self.volumetric_heat * self.area * self.thickness
 
     @property
-    def beside_lead(self) -> Floats:
-        """Height of lead next to each cell, for the full bearing [mm]."""
-        touches = ~np.isin(self.part, OUTSIDE_LEAD)
-        return np.asarray(self.fold * self.thickness * touches)
+    def first_cell(self) -> Ints:
+        """Number of the first cell of each modelled layer."""
+        return self.layers["first"]
 
     @property
-    def touches_lead_end(self) -> NDArray[np.bool_]:
-        """Whether a cell is that of an end plate next to the rubber or sealing plate."""
-        ends = np.isin(self.part, OUTSIDE_LEAD)
-        touches = np.zeros(len(ends), dtype=bool)
-        touches[:-1] |= ends[:-1] & ~ends[1:]
-        touches[1:] |= ends[1:] & ~ends[:-1]
-        return touches
+    def last_cell(self) -> Ints:
+        """One past the last cell of each modelled layer."""
+        return self.layers["last"]
 
     def middles(self) -> tuple[Ints, Ints]:
         """The two cells next to each layer's mid-thickness (the same one, if it lies there)."""
-        count = self.last_cell - self.first_cell
-        upper = self.first_cell + (count - 1) // 2
-        lower = self.first_cell + count // 2
-        if self.halved:  # mid-thickness is the symmetry plane, mirrored cells on either side
-            upper[-1] = lower[-1] = self.last_cell[-1] - 1
-        return upper, lower
+        return self.layers["upper_middle"], self.layers["lower_middle"]
 
 
-def _parts(bearing: Bearing, half: bool) -> list[tuple[str, float, int]]:
-    """(part, thickness, cells) from the upper face down, to the symmetry plane if `half`."""
+def _heights(bearing: Bearing, half: bool, behind: tuple[float, float]) -> Heights:
+    """Return what lies in the stack of a bearing, as plain numbers."""
     g, cells = bearing.geometry, bearing.cells
-    end = ("end_plate", g.end_plate_thickness, cells.end_plate)
-    rubber = ("rubber", g.rubber_thickness, cells.rubber)
-    shim = ("shim", g.shim_thickness, cells.shim)
-    sealing = [("sealing_plate", g.sealing_plate_thickness, cells.sealing_plate)]
-    sealing = sealing if g.sealing_plate_thickness > 0.0 else []
-    middle = [part for _ in range(g.rubber_layers - 1) for part in (rubber, shim)] + [rubber]
-    if not half:
-        return [end, *sealing, *middle, *sealing, end]
-    kept, (name, thickness, count) = middle[: len(middle) // 2], middle[len(middle) // 2]
-    return [end, *sealing, *kept, (name, 0.5 * thickness, (count + 1) // 2)]
+    return Heights(
+        layers=g.rubber_layers,
+        half=half,
+        end_plate=g.end_plate_thickness,
+        sealing_plate=g.sealing_plate_thickness,
+        rubber=g.rubber_thickness,
+        shim=g.shim_thickness,
+        end_plate_cells=cells.end_plate,
+        sealing_plate_cells=cells.sealing_plate,
+        rubber_cells=cells.rubber,
+        shim_cells=cells.shim,
+        mass_above=behind[0] > 0.0,
+        mass_below=behind[1] > 0.0 and not half,
+    )
+
+
+def _room(cells: int, layers: int) -> StackCells:
+    return StackCells(
+        part=np.zeros(cells, dtype=np.int64),
+        thickness=np.zeros(cells),
+        interface=np.zeros(cells, dtype=np.bool_),
+        layers=rows(LayerCells, layers),
+        multiplicity=np.zeros(layers),
+    )
 
 
 def build_stack(
@@ -146,51 +164,42 @@ def build_stack(
     alike; `side_film`: coefficient of the side [W/(m2 K)]; that of the bearing's materials by
     default; `behind`: heat capacity behind the upper and the lower face [kJ/(m2 K)].
     """
-    parts = _parts(bearing, half)
-    lump = [("mass", LUMP, 1)]
-    parts = lump * (behind[0] > 0.0) + parts + lump * (behind[1] > 0.0 and not half)
-    materials: dict[str, Material] = {
-        "end_plate": bearing.materials.steel,
-        "sealing_plate": bearing.materials.steel,
-        "shim": bearing.materials.steel,
-        "rubber": bearing.materials.rubber,
-        "mass": bearing.materials.steel,  # overwritten below
-    }
-    net = bearing.area - bearing.lead_area
-    names = tuple(name for name, _, count in parts for _ in range(count))
-    thickness = np.array([t / count for _, t, count in parts for _ in range(count)])
-    ends = np.cumsum([count for _, _, count in parts])
-    interface = np.zeros(len(names), dtype=bool)
-    interface[ends[:-1] - 1] = True
-    lone = np.array(
-        [name == "shim" and count == 1 for name, _, count in parts for _ in range(count)]
+    heights = _heights(bearing, half, behind)
+    cells = _room(*lay_cells(heights, _room(0, 0)))
+    lay_cells(heights, cells)
+    steel, rubber = bearing.materials.steel, bearing.materials.rubber
+    count = len(cells.part)
+    heat, capacity = CellHeat(cells.thickness, *np.empty((3, count))), np.empty(count)
+    beside = BesideLead(np.empty(count), np.empty(count, dtype=np.bool_))
+    fill = Fill(
+        steel_conductivity=steel.conductivity / MM_PER_M,
+        steel_heat=steel.volumetric_heat,
+        rubber_conductivity=rubber.conductivity / MM_PER_M,
+        rubber_heat=rubber.volumetric_heat,
+        area=bearing.area,
+        lead_area=bearing.lead_area,
+        fold=2 if half else 1,
     )
-    layers = [i for i, (name, _, _) in enumerate(parts) if name == "rubber"]
-    halved = half and parts[-1][0] == "rubber"
-    multiplicity = np.full(len(layers), 2.0 if half else 1.0)
-    if halved:
-        multiplicity[-1] = 1.0
-    conductivity = np.array([materials[n].conductivity / MM_PER_M for n in names])
-    volumetric_heat = np.array([materials[n].volumetric_heat for n in names])
-    lumps = np.flatnonzero([name == "mass" for name in names])
-    conductivity[lumps] = np.inf
+    fill_cells(fill, cells.part, heat, capacity, beside)
+    lumps = np.flatnonzero(cells.part == MASS)
+    starts = np.concatenate([[True], cells.interface[:-1]])
     faces = behind[:1] if half else behind
-    volumetric_heat[lumps] = [KILO / MM_PER_M**2 / LUMP * each for each in faces if each > 0.0]
+    heat.volumetric_heat[lumps] = [KILO / MM_PER_M**2 / LUMP * each for each in faces if each > 0.0]
     if side_film is None:
         side_film = bearing.materials.side_film
     return Stack(
-        part=names,
-        thickness=thickness,
-        conductivity=conductivity,
-        volumetric_heat=volumetric_heat,
-        area=np.array([bearing.area if n in OUTSIDE_LEAD else net for n in names]),
-        interface=interface,
-        lone_shim=lone,
-        first_cell=np.array([ends[i - 1] for i in layers], dtype=np.int64),
-        last_cell=np.array([ends[i] for i in layers], dtype=np.int64),
-        multiplicity=multiplicity,
-        halved=halved,
-        fold=2 if half else 1,
+        part=tuple(PARTS[part] for part in cells.part),
+        thickness=cells.thickness,
+        conductivity=heat.conductivity,
+        volumetric_heat=heat.volumetric_heat,
+        area=heat.area,
+        interface=cells.interface,
+        lone_shim=(cells.part == SHIM) & starts & np.append(starts[1:], True),
+        layers=cells.layers,
+        multiplicity=cells.multiplicity,
+        beside_lead=beside.height,
+        touches_lead_end=beside.touches_end,
+        fold=fill.fold,
         perimeter=bearing.geometry.plan.perimeter,
         side_film=side_film / MM_PER_M**2,
     )
@@ -229,10 +238,8 @@ class Rates:
 
 def _end_conductance(face: EndFace, conductivity: float, thickness: float) -> float:
     """Conductance per area from the outermost cell centre to the ambient [kN/(s mm K)]."""
-    if face.eta is not None:
-        return (face.eta - 1.0) * conductivity / thickness
     film = (face.film or 0.0) / MM_PER_M**2
-    return film / (1.0 + 0.5 * film * thickness / conductivity)
+    return float(face_conductance(face.eta or 0.0, film, float(conductivity), float(thickness)))
 
 
 def film_at_face(face: EndFace, stack: Stack, cell: int) -> float:
@@ -257,18 +264,14 @@ def _end_losses(stack: Stack, upper: EndFace, lower: EndFace | None, capacity: F
 
 def conservative_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> Rates:
     """Finite-volume balance: what leaves one cell enters the next."""
-    resistance = 0.5 * stack.thickness / stack.conductivity
-    face_area = np.minimum(stack.area[:-1], stack.area[1:])
-    conductance = face_area / (resistance[:-1] + resistance[1:])
-    capacity = stack.heat_capacity / stack.fold
-    side = stack.side_film * stack.perimeter * stack.thickness / capacity
-    return Rates(
-        to_previous=np.concatenate([[0.0], conductance / capacity[1:]]),
-        to_next=np.concatenate([conductance / capacity[:-1], [0.0]]),
-        end_loss=_end_losses(stack, upper, lower, capacity),
-        side_loss=side,
-        side_implicit=True,
-    )
+    k, thickness = stack.conductivity, stack.thickness
+    faces = [_end_conductance(upper, k[0], thickness[0]), 0.0]
+    if lower is not None:
+        faces[1] = _end_conductance(lower, k[-1], thickness[-1])
+    heat = CellHeat(thickness, k, stack.volumetric_heat, stack.area)
+    rates = CellRates(*np.empty((4, len(thickness))))
+    conserve_heat(heat, stack.perimeter, stack.side_film, *faces, rates)
+    return Rates(*rates, side_implicit=True)
 
 
 def published_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> Rates:

@@ -20,8 +20,8 @@ import numpy as np
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import HUGEST
 from thermobearing.core.records import Floats
+from thermobearing.results.loop import measure_loop
 
-FIT_FROM, FIT_TO = 0.5, 0.9  # part of the loading branch that gives K_d, of the peak
 # Smallest reference energy of a balance error. Sums of forces of up to 1e4 kN over
 # millimetres are rounded by less than 1e-8 kN mm; temperatures near 100 degC by 1.4e-14 K a
 # step, so that a million steps may lose what warms the bearing by 1e-8 K.
@@ -62,33 +62,6 @@ def relative_residual(
     return missing / max(least, *(abs(energy) for energy in energies))
 
 
-def _force_at_zero(displacement: Floats, force: Floats, upward: bool) -> float:
-    """Return the force at the last zero of the displacement in one direction; NaN without."""
-    # The cycle is closed: its second point follows its last, which may miss zero by a rounding.
-    displacement = np.append(displacement, displacement[1])
-    force = np.append(force, force[1])
-    s = displacement if upward else -displacement
-    crossings = np.flatnonzero((s[:-1] < 0.0) & (s[1:] >= 0.0))
-    if len(crossings) == 0:
-        return float("nan")
-    i = crossings[-1]
-    t = -s[i] / (s[i + 1] - s[i])
-    return float(force[i] + t * (force[i + 1] - force[i]))
-
-
-def _loading_slope(displacement: Floats, force: Floats) -> float:
-    """Least-squares slope of the loading branches between 50 and 90 % of each peak."""
-    slopes = []
-    velocity = np.gradient(displacement)
-    for sign in (1.0, -1.0):
-        d, f = sign * displacement, sign * force
-        peak = d.max()
-        chosen = (d >= FIT_FROM * peak) & (d <= FIT_TO * peak) & (sign * velocity > 0.0)
-        if chosen.sum() >= 2 and np.ptp(d[chosen]) > 0.0:
-            slopes.append(float(np.polyfit(d[chosen], f[chosen], 1)[0]))
-    return float(np.mean(slopes)) if slopes else float("nan")
-
-
 def measure_cycle(
     displacement: Floats,
     force: Floats,
@@ -110,26 +83,12 @@ def measure_cycle(
     fewest = FEWEST_POINTS if work is None else 5
     if len(d) < fewest:
         raise InputError(f"a cycle of {len(d)} points cannot be measured; {fewest} are needed")
-    swing = float(abs(d.max()) + abs(d.min()))
-    if swing == 0.0 or np.ptp(d) == 0.0:
+    if d.min() == d.max():
         raise InputError("a cycle without displacement cannot be measured")
-    stiffness = float(abs(f.max()) + abs(f.min())) / swing
-    energy = loop_energy(d, f) if work is None else work
-    triangle = 0.5 * stiffness * (0.5 * swing) ** 2
-    up, down = _force_at_zero(d, f, True), _force_at_zero(d, f, False)
-    return CycleMeasures(
-        amplitude_mm=0.5 * float(np.ptp(d)),
-        G_eq_MPa=1e3 * stiffness * total_rubber_thickness / area,
-        h_eq=energy / (4.0 * np.pi * triangle) if triangle > 0.0 else float("nan"),
-        energy_kN_mm=energy,
-        stiffness_kN_mm=stiffness,
-        characteristic_strength_kN=0.5 * (up - down),
-        post_yield_stiffness_kN_mm=_loading_slope(d, f) if slope else float("nan"),
-        force_max_kN=float(f.max()),
-        force_min_kN=float(f.min()),
-        displacement_max_mm=float(d.max()),
-        displacement_min_mm=float(d.min()),
-    )
+    d, f = np.ascontiguousarray(d), np.ascontiguousarray(f)
+    known = np.nan if work is None else float(work)
+    size = float(area), float(total_rubber_thickness)
+    return CycleMeasures(*measure_loop(d, f, *size, known, bool(slope)))
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from platformdirs import user_cache_path
 KERNELS = (
     "core",
     "motions/spectrum.py",
+    "results/loop.py",
     "structure/forces.py",
     "structure/newmark.py",
     "structure/predictor.py",

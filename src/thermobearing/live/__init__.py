@@ -1,0 +1,1 @@
+"""The live page: the bearing computes itself in the reader's browser."""

@@ -1,0 +1,380 @@
+"""What the engine of the live page needs beside its module: layouts and numbers, as JSON.
+
+The page computes with the kernels that Python uses, compiled to WebAssembly (`live/engine.js`).
+Everything that Python knows and kernels do not is data here: constants of the bearings, matrices
+of the structure, ground motions, limits of fields and sentences.
+"""
+
+import base64
+import hashlib
+import json
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import thermobearing
+from thermobearing.bearing.library import as_bearing, list_bearings
+from thermobearing.bearing.model import (
+    EARLIEST,
+    HARDEST,
+    LATEST,
+    SOFTEST,
+    Bearing,
+    calibration_ranges,
+)
+from thermobearing.border.errors import InputError
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import field_limits
+from thermobearing.border.toml import read_toml
+from thermobearing.core.compiled.native import DESCRIPTION, FOLDER
+from thermobearing.core.compiled.sources import sources_digest
+from thermobearing.core.numbers import PARTS
+from thermobearing.core.records import labels
+from thermobearing.core.types import (
+    COMPLETED,
+    DEPTH,
+    NEVER_MOVED,
+    SOFTENED,
+    Books,
+    Constants,
+)
+from thermobearing.cyclic.protocol import LARGEST_STRAIN, Cycles, CyclicTest, cyclic_test
+from thermobearing.model.lead_ends import longest_rest_step
+from thermobearing.model.options import BearingModel, build_model
+from thermobearing.model.outcomes import NOT_PHYSICAL, PIER_BEYOND_LIMIT, possible_temperatures
+from thermobearing.model.outcomes import SENTENCES as OF_TESTS
+from thermobearing.model.stack import MM_PER_M, Stack
+from thermobearing.motions.library import load_motion
+from thermobearing.structure.model import load_structure
+from thermobearing.structure.run import (
+    BETA,
+    GAMMA,
+    HALVINGS,
+    ITERATIONS,
+    OUTCOMES,
+    SENTENCES,
+    TOLERANCE,
+    Line,
+    build_system,
+    new_motion,
+    prepare_structure,
+)
+
+MODULE = "wasm32.wasm"
+BUILD = "This installation has no kernels for web pages. In a checkout, run `make kernels`."
+MOTIONS = ("jra-ii-i-1",)
+STRUCTURE = "pier-p1"
+KERNELS = (  # faces that the engine calls
+    "core.march.is_possible",
+    "results.loop.measure_loop",
+    "core.march.keep_row",
+    "core.march.march",
+    "core.numbers.conserve_heat",
+    "core.numbers.face_conductance",
+    "core.numbers.fill_cells",
+    "core.numbers.lay_cells",
+    "core.numbers.lead_numbers",
+    "core.numbers.rubber_numbers",
+    "core.numbers.source_rise",
+    "structure.forces.keep_motion",
+    "structure.newmark.newmark_march",
+    "structure.newmark.start_motion",
+)
+LAYERS = {  # numbers of a bearing file that make the law of a layer, as LayerLaw has them
+    "thickness": "geometry.rubber_thickness",
+    "post_yield_ratio": "hysteresis.post_yield_ratio",
+    "layer_stiffness": "hysteresis.layer_stiffness",
+    "shape": "hysteresis.shape",
+    "yield_displacement": "hysteresis.yield_displacement",
+    "hardening": "hysteresis.hardening",
+    "elastic_temperature_coefficient": "hysteresis.elastic_temperature_coefficient",
+    "hysteretic_temperature_coefficient": "hysteresis.hysteretic_temperature_coefficient",
+}
+EDITABLE = {  # tables of a bearing file whose numbers the page can change
+    "geometry": (
+        "rubber_layers", "rubber_thickness", "shim_thickness", "end_plate_thickness",
+        "sealing_plate_thickness",
+    ),
+    "hysteresis": (
+        "post_yield_ratio", "layer_stiffness", "shape", "yield_displacement", "hardening",
+        "elastic_temperature_coefficient", "hysteretic_temperature_coefficient",
+    ),
+    "lead": ("cores", "diameter", "stiffness", "yield_stress", "softening"),
+    "rate": ("stiffness", "damping"),
+}  # fmt: skip
+
+
+def live_module() -> bytes:
+    """Return the WebAssembly module of the kernels, built from the present sources.
+
+    Raises
+    ------
+    InputError : the installation has none, or it was built from other sources.
+    """
+    file = FOLDER / MODULE
+    if not file.is_file() or not (FOLDER / DESCRIPTION).is_file():
+        raise InputError(BUILD)
+    content, known = file.read_bytes(), _description()
+    if known["sources"] != sources_digest():
+        raise InputError(f"{file.name} was built from other sources. Run `make kernels` again.")
+    library = known["libraries"].get("wasm32")
+    if library is None or library["sha256"] != hashlib.sha256(content).hexdigest():
+        raise InputError(f"The content of {file} is not what was built. Run `make kernels` again.")
+    return content
+
+
+def engine_source() -> str:
+    """Return the text of the engine, a JavaScript module without imports."""
+    return Path(__file__).with_name("engine.js").read_text(encoding="utf-8")
+
+
+def live_data(
+    bearings: Sequence[str | Path | Bearing] | None = None,
+    motions: Sequence[str] = MOTIONS,
+    structure: str = STRUCTURE,
+) -> dict[str, Any]:
+    """Return what `createEngine` of the engine takes, for `json.dumps`.
+
+    Parameters
+    ----------
+    bearings : names, files or bearings; all of the library by default.
+    motions : names of built-in ground motions.
+    structure : name of the structure under them.
+
+    Raises
+    ------
+    InputError : the installation has no module, or a name is unknown.
+    """
+    live_module()
+    known = _description()
+    used = _without_lanes
+    entries = {name: known["entries"][name] for name in KERNELS}
+    names = list_bearings() if bearings is None else bearings
+    chosen = [as_bearing(name) for name in names]
+    coldest, hottest = possible_temperatures()
+    return {
+        "version": thermobearing.__version__,
+        "sources": known["sources"],
+        "kernels": {
+            "entries": entries,
+            "records": used(known["records"]),
+            "rows": used(known["rows"]),
+        },
+        "start": {"turns": DEPTH + 2, "idle": NEVER_MOVED},
+        "books": [label._asdict() for label in labels(Books)],
+        "parts": PARTS,
+        "layer_law": LAYERS,
+        "limits": {
+            "coldest": coldest,
+            "hottest": hottest,
+            "strain": LARGEST_STRAIN,
+            "yield_strain": [EARLIEST, LATEST],
+            "modulus_MPa": [SOFTEST, HARDEST],
+        },
+        "outcomes": {
+            "good": [COMPLETED, SOFTENED],
+            "names": {str(number): name for number, name in OUTCOMES.items()},
+            "not_physical": NOT_PHYSICAL,
+            "pier_beyond_limit": PIER_BEYOND_LIMIT,
+            "sentences": OF_TESTS | SENTENCES,
+        },
+        "fields": _fields(chosen),
+        "bearings": {bearing.name: _bearing(bearing) for bearing in chosen},
+        "structures": {structure: _structure(structure, chosen[0])},
+        "motions": {name: _motion(name) for name in motions},
+        "protocols": {"table-3.4": _steps(cyclic_test())},
+        "factors": read_toml(data_path("factors", "published.toml")),
+    }
+
+
+def _description() -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((FOLDER / DESCRIPTION).read_text(encoding="utf-8"))
+    return found
+
+
+def _without_lanes(described: dict[str, Any]) -> dict[str, Any]:
+    """Return the records or rows of single runs."""
+    return {name: one for name, one in described.items() if "Lanes" not in name}
+
+
+def _tree(value: Any) -> Any:
+    """Return numbers as they are, arrays as bytes with their shape, records by field."""
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return {name: _tree(one) for name, one in zip(value._fields, value, strict=True)}
+    if isinstance(value, np.ndarray):
+        content = base64.b64encode(np.ascontiguousarray(value).tobytes()).decode("ascii")
+        return {"shape": list(value.shape), "bytes": content}
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _values(bearing: Bearing) -> dict[str, Any]:
+    """Return the numbers of a bearing that the page can change, by their key in its file."""
+    plan = bearing.geometry.plan
+    found = {f"geometry.plan.{name}": getattr(plan, name) for name in _plan_sizes(bearing)}
+    for table, names in EDITABLE.items():
+        part = getattr(bearing, table)
+        if part is not None:
+            found |= {f"{table}.{name}": getattr(part, name) for name in names}
+    return found
+
+
+def _plan_sizes(bearing: Bearing) -> tuple[str, ...]:
+    """Return the sizes of a plan: along the motion and across, or one for both."""
+    plan = bearing.geometry.plan
+    return tuple(name for name in ("length", "width", "side", "diameter") if hasattr(plan, name))
+
+
+def _bearing(bearing: Bearing) -> dict[str, Any]:
+    model = build_model(bearing)
+    law, cells = bearing.temperature_law, bearing.cells
+    return {
+        "name": bearing.name,
+        "kind": bearing.kind,
+        "description": bearing.description,
+        "citation": bearing.citation,
+        "values": _values(bearing),
+        "area_mm2": bearing.area,
+        "rubber_thickness_mm": bearing.total_rubber_thickness,
+        "plan": {
+            "shape": bearing.geometry.plan.shape,
+            "sizes": [f"geometry.plan.{name}" for name in _plan_sizes(bearing)],
+            "share": bearing.geometry.plan._share,
+        },
+        "stack": _stack(model.stack),
+        "lead_ends": model.options.lead_ends if bearing.lead else None,
+        "heat_source": model.options.heat_source,
+        "tested_range": calibration_ranges(bearing),
+        "law_range": None if law is None else law.range,
+        "constants": _tree(model.constants),
+        "longest_rest_step": _finite(longest_rest_step(model.constants)),
+        "cells": cells.model_dump(),
+        "given": _given(bearing, model),
+    }
+
+
+def _finite(number: float) -> float | None:
+    return float(number) if np.isfinite(number) else None
+
+
+def _stack(stack: Stack) -> dict[str, Any]:
+    return {
+        "part": list(stack.part),
+        "thickness_mm": stack.thickness.tolist(),
+        "depth_mm": stack.depth.tolist(),
+        "half": stack.fold == 2,
+    }
+
+
+def _given(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
+    """Return the plain numbers that the page cannot change, as kernels take them."""
+    steel, rubber, lead = (
+        bearing.materials.steel,
+        bearing.materials.rubber,
+        bearing.materials.lead,
+    )
+    face = model.options.upper_face
+    found: dict[str, Any] = {
+        "steel_conductivity": steel.conductivity / MM_PER_M,
+        "steel_heat": steel.volumetric_heat,
+        "rubber_conductivity": rubber.conductivity / MM_PER_M,
+        "rubber_heat": rubber.volumetric_heat,
+        "side_film": model.stack.side_film,
+        "eta": face.eta or 0.0,
+        "film": (face.film or 0.0) / MM_PER_M**2,
+        "fold": model.stack.fold,
+    }
+    if bearing.scragging is not None:
+        found["scragging_strain"] = bearing.scragging.strain
+    if bearing.lead is not None and lead is not None:
+        clock = lead if bearing.lead.clock == "lead" else steel
+        found |= {
+            "surface_ratio": bearing.lead.surface_ratio,
+            "confined": bearing.lead.confined,
+            "lead_heat": lead.volumetric_heat,
+            "diffusivity": clock.conductivity / MM_PER_M / clock.volumetric_heat,
+        }
+    return found
+
+
+def _fields(bearings: Sequence[Bearing]) -> dict[str, Any]:
+    """Return unit, limits and the words of `check` for each number that the page can change."""
+    found: dict[str, Any] = {}
+    for bearing in bearings:
+        for path in _values(bearing):
+            if path not in found:
+                *tables, name = path.split(".")
+                part: Any = bearing
+                for table in tables:
+                    part = getattr(part, table)
+                found[path] = field_limits(type(part), name)
+    return found
+
+
+@cache
+def _prepared(name: str) -> Any:
+    return prepare_structure(load_structure(name))
+
+
+def _structure(name: str, bearing: Bearing) -> dict[str, Any]:
+    prepared = _prepared(name)
+    constants: Constants = build_model(bearing).constants
+    lines = [Line(constants, np.zeros(len(constants.cells.capacity)))] * len(
+        prepared.structure.bearings
+    )
+    system = build_system(prepared, lines)
+    where, structure = prepared.reported, prepared.structure
+    return {
+        "name": name,
+        "description": structure.description,
+        "dt_s": 0.005,
+        "system": _tree(system),
+        "motion": _tree(new_motion(system)),
+        "scheme": {
+            "beta": BETA["average-acceleration"],
+            "gamma": GAMMA,
+            "tolerance": TOLERANCE,
+            "iterations": ITERATIONS,
+            "halvings": HALVINGS,
+        },
+        "deck": where.deck.tolist(),
+        "top": where.top.tolist(),
+        "base": where.base.tolist(),
+        "hinge": where.hinge,
+        "yield_rotations": [hinge.yield_rotation for hinge in structure.hinges],
+        "piers": [
+            {"height_mm": pier.height, "moved": (top - base).tolist()}
+            for pier, top, base in prepared.piers
+        ],
+        "limits": {"ductility": structure.limits.ductility, "drift": structure.limits.drift},
+    }
+
+
+def _motion(name: str) -> dict[str, Any]:
+    motion = load_motion(name)
+    return {
+        "name": name,
+        "dt_s": motion.dt,
+        "acceleration_mm_s2": _tree(np.asarray(motion.acceleration, dtype=float)),
+    }
+
+
+def _steps(test: CyclicTest) -> list[dict[str, Any]]:
+    """Return the steps of a test as the engine takes them."""
+    found: list[dict[str, Any]] = []
+    for step in test.steps:
+        if isinstance(step, Cycles):
+            found.append(
+                {
+                    "strain": step.strain,
+                    "cycles": step.count,
+                    "wave": "triangle" if step.wave == "triangular" else "sine",
+                    "speed_mm_s": step.speed,
+                    "closing_strain": step.closing_strain,
+                }
+            )
+        else:
+            found.append({"rest_s": getattr(step, "duration", None)})
+    return found
