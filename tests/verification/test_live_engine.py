@@ -106,7 +106,7 @@ def run_in_python(one: dict[str, Any], lead_ends: str | None) -> dict[str, Any]:
     ends: Any = {"lead_ends": lead_ends} if lead_ends else {}
     if "motion" in one:
         table = {"command": "bridge", "bearings": [bearing], "motions": [one["motion"]]}
-        table |= {"ambient": [one["ambient"]], "analysis": ends}
+        table |= {"ambient": [f"{one['ambient']:g} degC"], "analysis": ends}
         (task,) = build_tasks(make_earthquake_case(table, "live"))
         history = run_task(task)  # a result has its histories in single precision
         return {
@@ -156,36 +156,55 @@ def computed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 def differ(mine: Any, theirs: Any) -> float:
     assert len(mine) == len(theirs)
+    if not len(mine):
+        return 0.0
     return float(np.abs(np.asarray(mine, dtype=float) - np.asarray(theirs, dtype=float)).max())
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_page_and_python_agree(computed: dict[str, Any], name: str) -> None:
-    page = computed["results"][list(CASES).index(name)]
-    mine = run_in_python(CASES[name], page["lead_ends"])
+MEASURES = {  # of a cycle: in the page, in Python
+    "G_eq_MPa": "G_eq_MPa",
+    "stiffness_kN_mm": "K_eq_kN_mm",
+    "h_eq": "h_eq",
+    "energy_kN_mm": "energy_kN_mm",
+    "characteristic_strength_kN": "characteristic_strength_kN",
+    "post_yield_stiffness_kN_mm": "post_yield_stiffness_kN_mm",
+}
+
+
+def compared(one: dict[str, Any], page: dict[str, Any]) -> dict[str, float]:
+    """Largest differences: of forces and displacements by their peak, of temperatures [K]."""
+    mine = run_in_python(one, page["lead_ends"])
     assert page["outcome"] == mine["outcome"]
-    assert differ(page["displacement"], mine["displacement"]) < 1e-10 * np.ptp(mine["displacement"])
-    assert differ(page["force"], mine["force"]) < 1e-10 * np.abs(mine["force"]).max()
-    assert differ(page["temperature"], mine["temperature"]) < 1e-9
+    assert page.get("softened") == mine.get("softened")
+    histories = [key for key in ("displacement", "force", "rotation") if key in mine]
+    found = {k: differ(page[k], mine[k]) / float(np.abs(mine[k]).max()) for k in histories}
+    found["temperature"] = differ(page["temperature"], mine["temperature"])
     if mine.get("lead") is not None:
-        assert differ(page["lead"], mine["lead"]) < 1e-9
-    if "softened" in mine:
-        assert page["softened"] == mine["softened"]
-        for key, column in {
-            "G_eq_MPa": "G_eq_MPa",
-            "stiffness_kN_mm": "K_eq_kN_mm",
-            "h_eq": "h_eq",
-            "energy_kN_mm": "energy_kN_mm",
-            "characteristic_strength_kN": "characteristic_strength_kN",
-            "post_yield_stiffness_kN_mm": "post_yield_stiffness_kN_mm",
-        }.items():
-            theirs = [one[key] for one in page["cycles"]]
-            expected = mine["cycles"][column] if len(mine["cycles"]) else []
-            # A point at 50 % of a sine belongs to the fit or not by the last bit of the sine.
-            rtol = 1e-4 if column == "post_yield_stiffness_kN_mm" else 1e-9
-            np.testing.assert_allclose(theirs, expected, rtol=rtol)
-    if "rotation" in mine:
-        assert differ(page["rotation"], mine["rotation"]) < 1e-10 * np.abs(mine["rotation"]).max()
+        found["lead"] = differ(page["lead"], mine["lead"])
+    for key, column in MEASURES.items() if "cycles" in mine else ():
+        theirs = np.array([cycle[key] for cycle in page["cycles"]])
+        expected = mine["cycles"][column].to_numpy() if len(mine["cycles"]) else np.zeros(0)
+        scale = max(1e-2, *np.abs(expected)) if len(expected) else 1.0  # plain rubber has no Q_d
+        found[key] = differ(theirs, expected) / scale
+    return found
+
+
+LIMITS = {
+    **dict.fromkeys(("displacement", "force", "rotation"), 1e-10),  # of the peak
+    **dict.fromkeys(("temperature", "lead"), 1e-9),  # [K]
+    **dict.fromkeys(MEASURES, 1e-9),
+    # A point at 50 % of a sine belongs to the fit or not by the last bit of the sine.
+    "post_yield_stiffness_kN_mm": 1e-3,
+}
+
+
+def test_page_and_python_agree(computed: dict[str, Any]) -> None:
+    worst: dict[str, float] = {}
+    for (name, one), page in zip(CASES.items(), computed["results"], strict=True):
+        found = compared(one, page)
+        assert all(value < LIMITS[key] for key, value in found.items()), (name, found)
+        worst |= {key: max(value, worst.get(key, 0.0)) for key, value in found.items()}
+    print(worst)
 
 
 def test_cases_end_in_different_ways(computed: dict[str, Any]) -> None:

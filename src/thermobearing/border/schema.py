@@ -335,14 +335,14 @@ def _allowed(model: type[BaseModel], name: str) -> str:
 
 def field_limits(model: type[BaseModel], name: str) -> dict[str, Any]:
     """Return unit, limits and kind of a field, and what it takes in words."""
-    parts, found = list(_parts(model.model_fields[name])), {"unit": find_unit(model, name)}
+    parts = list(_parts(model.model_fields[name]))
+    found: dict[str, Any] = {"unit": find_unit(model, name)}
     for part in parts:
-        if isinstance(part, Ge | Gt):
-            found |= {"low": getattr(part, "ge", None) or getattr(part, "gt", 0)}
-            found |= {"low_open": isinstance(part, Gt)}
-        elif isinstance(part, Le | Lt):
-            found |= {"high": getattr(part, "le", None) or getattr(part, "lt", 0)}
-            found |= {"high_open": isinstance(part, Lt)}
+        match part:
+            case Ge(ge=low) | Gt(gt=low):
+                found |= {"low": low, "low_open": isinstance(part, Gt)}
+            case Le(le=high) | Lt(lt=high):
+                found |= {"high": high, "high_open": isinstance(part, Lt)}
     integer = int in parts and float not in parts
     return found | {"integer": integer, "allowed": _allowed(model, name)}
 

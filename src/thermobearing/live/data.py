@@ -150,7 +150,6 @@ def live_data(
     """
     live_module()
     known = _description()
-    used = _without_lanes
     entries = {name: known["entries"][name] for name in KERNELS}
     names = list_bearings() if bearings is None else bearings
     chosen = [as_bearing(name) for name in names]
@@ -160,8 +159,7 @@ def live_data(
         "sources": known["sources"],
         "kernels": {
             "entries": entries,
-            "records": used(known["records"]),
-            "rows": used(known["rows"]),
+            **{part: _without_lanes(known[part]) for part in ("records", "rows")},
         },
         "start": {"turns": DEPTH + 2, "idle": NEVER_MOVED},
         "books": [label._asdict() for label in labels(Books)],

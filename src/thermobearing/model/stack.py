@@ -265,12 +265,11 @@ def _end_losses(stack: Stack, upper: EndFace, lower: EndFace | None, capacity: F
 def conservative_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> Rates:
     """Finite-volume balance: what leaves one cell enters the next."""
     k, thickness = stack.conductivity, stack.thickness
-    faces = [_end_conductance(upper, k[0], thickness[0]), 0.0]
-    if lower is not None:
-        faces[1] = _end_conductance(lower, k[-1], thickness[-1])
+    above = _end_conductance(upper, k[0], thickness[0])
+    below = 0.0 if lower is None else _end_conductance(lower, k[-1], thickness[-1])
     heat = CellHeat(thickness, k, stack.volumetric_heat, stack.area)
     rates = CellRates(*np.empty((4, len(thickness))))
-    conserve_heat(heat, stack.perimeter, stack.side_film, *faces, rates)
+    conserve_heat(heat, stack.perimeter, stack.side_film, above, below, rates)
     return Rates(*rates, side_implicit=True)
 
 
