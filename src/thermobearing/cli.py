@@ -29,7 +29,7 @@ from thermobearing.commands.common import BAD_INPUT, app, patient_streams
 
 # Commands and groups in the order of the help.
 ORDER = """list check cyclic bridge hybrid sequence measure intake identify validate design bounds
-lambda new report study motions structures"""
+lambda new live report study motions structures"""
 app.registered_commands.sort(key=lambda command: ORDER.split().index(str(command.name)))
 app.registered_groups.sort(key=lambda group: ORDER.split().index(str(group.name)))
 

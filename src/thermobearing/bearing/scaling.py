@@ -42,6 +42,14 @@ RULES = {  # key of a bearing: key of its compound, rule that divides the size o
     "rate.stiffness": ("rate.shear_modulus", "K_v H/A", "K_v = G_v A/H"),
     "rate.damping": ("rate.viscosity", "c_v H/A", "c_v = eta_v A/H"),
 }
+# The same rules as powers of sizes, for callers that scale a bearing of known numbers.
+EXPONENTS = {
+    "hysteresis.layer_stiffness": {"net_area": 1, "layer": -1},
+    "hysteresis.yield_displacement": {"layer": 1},
+    "lead.stiffness": {"core_area": 1, "height": -1},
+    "rate.stiffness": {"net_area": 1, "height": -1},
+    "rate.damping": {"net_area": 1, "height": -1},
+}
 KINDS = {("HDR", False): "HDR", ("HDR", True): "LHDR", ("NR", True): "LRB"}
 
 

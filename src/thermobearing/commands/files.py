@@ -158,6 +158,37 @@ def _rows(unmeasured: dict[str, str]) -> str:
     return "\n".join(rows)
 
 
+@command(app, "live", examples="live shen-lhdr-specimen -o bearing.html", panel=FILES)
+def _live(
+    bearing: Annotated[
+        str | None,
+        typer.Argument(
+            help="Bearing that the page opens with: library name or TOML file; lrb-example by "
+            "default.",
+            metavar="NAME/FILE",
+        ),
+    ],
+    output: Annotated[
+        Path | None, option("-o", "--output", help="HTML file to write; NAME.html by default.")
+    ],
+    overwrite: Overwrite,
+    quiet: Annotated[bool, option("-q", "--quiet", help="Print nothing.")],
+) -> Answer:
+    """Write a page in which tests and bridges are computed by the reader's browser.
+
+    The page is one file of less than 1 MB that needs neither Python nor a network.
+    """
+    from thermobearing.bearing.library import as_bearing
+    from thermobearing.live.page import START, live_page
+
+    shown = as_bearing(bearing or START)
+    file = live_page(output or Path(f"{shown.name}.html"), shown, overwrite=overwrite)
+    size = file.stat().st_size
+    if not quiet:
+        echo_written(file, f" ({megabytes(size)})")
+    return {"outcome": "completed", "exit_status": 0, "output": str(file), "bytes": size}
+
+
 @command(app, "report", examples="report pier --title number=B12-7 --title revision=B", panel=FILES)
 def _report(
     directory: Annotated[Path, typer.Argument(help="Result directory of an analysis.")],

@@ -1,0 +1,885 @@
+// The live page: a state, what the engine computes from it, and the views that show it.
+import { createEngine } from "./engine.js";
+import { Chart, drawLines, drawStack, short } from "./draw.js";
+
+const REFERENCE = 23; // [degC], of most published factors
+const MOST_CYCLES = 100; // and steps that are computed while a slider moves
+const MOST_STEPS = 400_000;
+const DT = 0.005; // the largest step of a test [s], as in Python
+const el = (name) => /** @type {any} */ (document.getElementById(name));
+const page = JSON.parse(el("page-data").textContent);
+const WORDS = page.words;
+
+let language = (navigator.language || "en").startsWith("ja") ? "ja" : "en";
+/** Words of the catalogue in the language of the page. */
+function t(key, values = {}) {
+  const text = WORDS[key]?.[language] ?? key;
+  return text.replace(/\{(\w+)\}/g, (whole, name) => values[name] ?? whole);
+}
+
+const state = {
+  view: "test", base: page.start, ambient: -20, reference: REFERENCE, protocol: "cycles",
+  strain: 1.75, frequency: 0.5, count: 3, wave: "sine", motion: "", changes: {},
+};
+const FIELDS = { // of the state; factor from the shown number to the number of the file
+  strain: { path: "strain", factor: 0.01 }, frequency: { path: "frequency", factor: 1 },
+  count: { path: "count", factor: 1, most: MOST_CYCLES }, reference: { path: "ambient", factor: 1 },
+};
+let engine = null;
+let bearing = null; // as the engine knows it
+let dropped = null; // a motion of the user
+let runs = null; // {cold, warm} of the test
+let shaken = null; // the same of the bridge
+// Results at the reference temperature and those of the codes, by what they were computed from.
+const MOST_KEPT = { test: 4, bridge: 2, codes: 100 };
+const kept = { test: new Map(), bridge: new Map(), codes: new Map() };
+const charts = {};
+
+// The state in the address.
+
+function readAddress() {
+  for (const [key, value] of new URLSearchParams(location.hash.slice(1))) {
+    if (key === "lang" && (value === "ja" || value === "en")) language = value;
+    else if (key.startsWith("set.")) state.changes[key.slice(4)] = Number(value);
+    else if (key in state && typeof state[key] === "number") {
+      if (Number.isFinite(Number(value))) state[key] = Number(value);
+    } else if (key in state && key !== "changes") state[key] = value;
+  }
+  if (!document.querySelector(`[data-view="${CSS.escape(state.view)}"]`)) state.view = "test";
+  if (!engine.bearings.some((one) => one.name === state.base)) [state.base, state.changes] = [page.start, {}];
+  if (!page.motions.includes(state.motion)) state.motion = page.motions[0] ?? "";
+  if (!["sine", "triangle"].includes(state.wave)) state.wave = "sine";
+  if (!["cycles", "table-3.4"].includes(state.protocol)) state.protocol = "cycles";
+  for (const name of Object.keys(FIELDS)) if (refusal(name, String(state[name] / FIELDS[name].factor))) state[name] = page.defaults[name];
+  state.ambient = Math.min(Math.max(state.ambient, -40), 40);
+}
+
+function address() {
+  const words = new URLSearchParams({ lang: language });
+  for (const [key, value] of Object.entries(state))
+    if (key !== "changes" && value !== "") words.set(key, String(value));
+  for (const [key, value] of Object.entries(state.changes)) words.set(`set.${key}`, String(value));
+  return `#${words}`;
+}
+
+let addressLater = 0;
+function keepAddress() {
+  clearTimeout(addressLater);
+  addressLater = setTimeout(() => history.replaceState(null, "", address()), 300);
+}
+
+// Refusals, in the words of `check`.
+
+const g = (value) => {
+  if (value !== 0 && (Math.abs(value) < 1e-4 || Math.abs(value) >= 1e6))
+    return value.toExponential().replace(/e([+-])(\d)$/, "e$10$2");
+  return String(Number(value.toPrecision(6)));
+};
+function allowed(range) {
+  if (language === "en") return `must be ${range.allowed}`;
+  const { low, high, low_open, high_open, integer, unit } = range;
+  const ends = [];
+  if (Number.isFinite(low)) ends.push(t(low_open ? "greater" : "at_least", { v: g(low) }));
+  if (Number.isFinite(high)) ends.push(t(high_open ? "less" : "at_most", { v: g(high) }));
+  return `${t("must_be")}${t(integer ? "an_integer" : "a_number")} ${ends.join(t("and"))} ${unit ?? ""}`;
+}
+function isOutside(value, { low, high, low_open, high_open, integer }) {
+  if (!Number.isFinite(value) || (integer && !Number.isInteger(value))) return true;
+  if (Number.isFinite(low) && (low_open ? value <= low : value < low)) return true;
+  return Number.isFinite(high) && (high_open ? value >= high : value > high);
+}
+/** Why a text is no value of a field; "" if it is one. */
+function refusal(name, text) {
+  const { path, factor, most } = FIELDS[name];
+  const range = page.fields[path];
+  const value = Number((Number(text.replace(",", ".")) * factor).toPrecision(12));
+  if (text.trim() === "" || !Number.isFinite(value)) return `${path} = '${text}': ${allowed(range)}`;
+  if (isOutside(value, range)) return `${path} = ${g(value)}: ${allowed(range)}`;
+  if (most && value > most) return t("most_cycles", { key: path, value: g(value), most });
+  return "";
+}
+function mark(input, problem) {
+  el(`${input.id}-error`).textContent = problem;
+  if (problem) input.setAttribute("aria-invalid", "true");
+  else input.removeAttribute("aria-invalid");
+}
+
+// Computing.
+
+const testOfState = () => state.protocol === "cycles"
+  ? { strain: state.strain, cycles: state.count, wave: state.wave, frequency_hz: state.frequency }
+  : { steps: page.protocols[state.protocol] };
+
+function once(kind, key, compute) {
+  const name = JSON.stringify([state.base, state.changes, key]);
+  const known = kept[kind];
+  if (!known.has(name)) {
+    if (known.size >= MOST_KEPT[kind]) known.delete(known.keys().next().value);
+    known.set(name, compute());
+  }
+  return known.get(name);
+}
+const testAt = (ambient, test) => engine.cyclicTest({ bearing, ambient, test });
+
+function computeTest() {
+  const test = testOfState();
+  const steps = state.protocol === "cycles" ? state.count / state.frequency / DT : 0;
+  if (steps > MOST_STEPS)
+    return { problem: t("too_long", { n: g(Math.round(steps)), most: g(MOST_STEPS) }) };
+  const begun = performance.now();
+  const cold = testAt(state.ambient, test);
+  const ms = performance.now() - begun;
+  const warm = once("test", [test, state.reference], () => testAt(state.reference, test));
+  return { cold, warm, ms, problem: "" };
+}
+
+function motionOfState() {
+  return dropped && state.motion === dropped.name ? dropped.motion : state.motion;
+}
+function computeBridge() {
+  const motion = motionOfState();
+  const begun = performance.now();
+  const cold = engine.bridge({ bearing, ambient: state.ambient, motion });
+  const ms = performance.now() - begun;
+  const warm = once("bridge", [state.motion, state.reference], () =>
+    engine.bridge({ bearing, ambient: state.reference, motion }));
+  return { cold, warm, ms };
+}
+
+// Sentences on a run.
+
+const degrees = (value) => short(value, 3);
+const largest = (values) => values.reduce((most, value) => Math.max(most, value), -Infinity);
+const smallest = (values) => values.reduce((least, value) => Math.min(least, value), Infinity);
+
+function outcomeWords(run) {
+  return (language === "ja" && page.outcomes[run.outcome]) || run.sentence;
+}
+
+/** What a test asks of the bearing, in the units of its calibration range. */
+function askedBy(run) {
+  const rubber = bearing.rubber_thickness_mm;
+  const strain = largest(run.displacement.map(Math.abs)) / rubber;
+  let speed = 0;
+  for (let k = 1; k < run.time.length; k++) {
+    const step = run.time[k] - run.time[k - 1];
+    if (step > 0) speed = Math.max(speed, Math.abs(run.displacement[k] - run.displacement[k - 1]) / step);
+  }
+  const temperatures = run.layers.temperature;
+  return {
+    strain: [strain, strain], strain_rate: [speed / rubber, speed / rubber],
+    ...(state.protocol === "cycles" ? { cycles: [state.count, state.count] } : {}),
+    ...(run.lead ? { lead_temperature: [smallest(run.lead), largest(run.lead)] } : {}),
+    law: [smallest(temperatures), largest(temperatures)],
+  };
+}
+const UNITS = { strain: [100, " %"], strain_rate: [1, "/s"], ambient: [1, " °C"], cycles: [1, ""], lead_temperature: [1, " °C"], law: [1, " °C"] };
+/** What lies outside the calibration range, beyond the slack that reports have too. */
+function outside(asked) {
+  if (!bearing.tested_range) return [t("no_range")];
+  const found = [];
+  const ranges = { ...bearing.tested_range, law: bearing.law_range };
+  for (const [what, range] of Object.entries(ranges)) {
+    if (!asked[what] || !range) continue;
+    const [low, high] = range;
+    const [factor, unit] = UNITS[what];
+    const slack = page.slack * Math.max(high - low, Math.abs(high));
+    const far = asked[what][1] > high + slack ? asked[what][1] : asked[what][0] < low - slack ? asked[what][0] : null;
+    if (far !== null) found.push(t("outside", { what: t(`what_${what}`), value: short(far * factor), unit, low: short(low * factor), high: short(high * factor) }));
+  }
+  return found;
+}
+
+function answer() {
+  const { cold, warm, problem } = runs;
+  const lines = [];
+  const warnings = [];
+  if (problem) return { lines, warnings: [problem] };
+  for (const [run, temperature] of [[cold, state.ambient], [warm, state.reference]])
+    if (run.outcome !== "completed") warnings.push(`${t("at", { t: degrees(temperature) })}: ${outcomeWords(run)}`);
+  const [first, last] = [cold.cycles[0], cold.cycles.at(-1)];
+  const pair = [warm.cycles[0], warm.cycles.at(-1)];
+  if (first && pair[0] && cold.cycles.length === warm.cycles.length) {
+    const ratio = [first.stiffness_kN_mm / pair[0].stiffness_kN_mm, last.stiffness_kN_mm / pair[1].stiffness_kN_mm];
+    lines.push(t("headline", { t: degrees(state.ambient), r: degrees(state.reference), a: short(ratio[0]), b: short(ratio[1]), n: cold.cycles.length }));
+  }
+  if (first && cold.cycles.length > 1 && state.protocol === "cycles") {
+    const fall = 100 * (1 - last.stiffness_kN_mm / first.stiffness_kN_mm);
+    const [rubber, lead] = [largest(last.layer_temperature), last.lead_temperature ?? -Infinity];
+    const key = lead > rubber ? "softens_lead" : "softens";
+    if (fall >= 0.5) lines.push(t(key, { p: short(fall, 2), n: cold.cycles.length, h: short(Math.max(rubber, lead)) }));
+  }
+  if (cold.softened) warnings.push(t("softened_layers", { n: cold.softened }));
+  const hot = cold.lead ? largest(cold.lead) : -Infinity;
+  const hotter = warm.lead ? Math.max(hot, largest(warm.lead)) : hot;
+  if (hotter > page.warm_lead) warnings.push(t("melting", { h: short(hotter) }));
+  if (isChanged()) warnings.push(t("changed"));
+  if (isHalfSpace()) warnings.push(t("half_space"));
+  const beyond = outside({ ambient: [state.ambient, state.ambient], ...askedBy(cold) });
+  return { lines, warnings: [...warnings, ...beyond], within: !beyond.length };
+}
+
+let spokenLater = 0;
+function tell(place, { lines, warnings, within }) {
+  const paragraph = document.createElement("p");
+  paragraph.textContent = lines.join(language === "ja" ? "" : " ");
+  const list = document.createElement("ul");
+  for (const words of warnings) {
+    const item = document.createElement("li");
+    item.className = "warn";
+    item.textContent = `⚠ ${words}`;
+    list.append(item);
+  }
+  if (within && !warnings.length) {
+    const item = document.createElement("li");
+    item.textContent = t("within");
+    list.append(item);
+  }
+  el(place).replaceChildren(paragraph, list);
+  // Read aloud when the slider has come to rest, not at every redraw.
+  clearTimeout(spokenLater);
+  spokenLater = setTimeout(() => (el("spoken").textContent = [...lines, ...warnings].join(" ")), 900);
+}
+
+// Tables.
+
+const isAmount = (words) => /^[\d−–.(]/.test(words);
+function fill(table, heads, rows) {
+  const head = document.createElement("thead");
+  const body = document.createElement("tbody");
+  const line = document.createElement("tr");
+  for (const [at, words] of heads.entries()) {
+    const cell = document.createElement("th");
+    cell.scope = "col";
+    if (at && (!rows.length || isAmount(rows[0][at]))) cell.className = "amount";
+    cell.textContent = words;
+    line.append(cell);
+  }
+  head.append(line);
+  for (const row of rows) {
+    const tr = document.createElement("tr");
+    for (const [at, words] of row.entries()) {
+      const cell = document.createElement(at ? "td" : "th");
+      if (!at) cell.scope = "row";
+      else if (isAmount(words)) cell.className = "amount";
+      cell.textContent = words;
+      tr.append(cell);
+    }
+    body.append(tr);
+  }
+  el(table).replaceChildren(head, body);
+}
+
+const COLUMNS = [ // name in a cycle, symbol, unit, factor to the shown unit
+  ["G_eq_MPa", "G_e", "MPa", 1], ["h_eq", "h_eq", "1", 1], ["stiffness_kN_mm", "K_eq", "kN/mm", 1],
+  ["characteristic_strength_kN", "Q_d", "kN", 1], ["energy_kN_mm", "energy", "kJ", 1e-3],
+];
+function showCycles() {
+  const { cold, warm } = runs;
+  const heads = [t("cycle"), ...COLUMNS.map(([, name, unit]) => `${name === "energy" ? t("energy") : name} [${unit}]`), `${t("rubber")} [°C]`];
+  if (cold.lead) heads.push(`${t("lead")} [°C]`);
+  const rows = cold.cycles.map((cycle, at) => {
+    const other = warm.cycles[at];
+    const cells = COLUMNS.map(([name, , , factor]) => {
+      const relative = other ? ` (${short(cycle[name] / other[name])})` : "";
+      return short(factor * cycle[name]) + relative;
+    });
+    const row = [String(at + 1), ...cells, `${short(largest(cycle.layer_temperature))}${other ? ` | ${short(largest(other.layer_temperature))}` : ""}`];
+    if (cold.lead) row.push(`${short(cycle.lead_temperature)}${other ? ` | ${short(other.lead_temperature)}` : ""}`);
+    return row;
+  });
+  el("cycles-caption").textContent = t("each_cycle", { t: degrees(state.ambient), r: degrees(state.reference) });
+  fill("cycles", heads, rows);
+}
+
+// Charts.
+
+const DASH = [7, 4];
+function pairOfLines(colours, x, y, name = "") {
+  const lines = [
+    { ...xy(runsOfView().warm, x, y), colour: colours.warm, dash: DASH, name: name || t("at", { t: degrees(state.reference) }) },
+    { ...xy(runsOfView().cold, x, y), colour: colours.cold, name: t("at", { t: degrees(state.ambient) }) },
+  ];
+  return lines;
+}
+const xy = (run, x, y) => ({ x: x(run), y: y(run) });
+const runsOfView = () => (state.view === "bridge" ? shaken : runs);
+
+function layerLines(colours) {
+  const lines = [];
+  for (const [run, temperature, colour, dash] of [[runs.warm, state.reference, colours.warm, DASH], [runs.cold, state.ambient, colours.cold, []]]) {
+    const { count, temperature: values } = run.layers;
+    for (let layer = 0; layer < count; layer++) {
+      const y = new Float64Array(run.time.length);
+      for (let k = 0; k < y.length; k++) y[k] = values[k * count + layer];
+      lines.push({ x: run.time, y, colour, dash, width: 1.2, name: layer ? "" : t("layers_at", { t: degrees(temperature) }) });
+    }
+    if (run.lead) lines.push({ x: run.time, y: run.lead, colour, dash: [2, 3], width: 2.2, name: t("lead_at", { t: degrees(temperature) }) });
+  }
+  return lines;
+}
+
+/** Cells of the whole height from the top, with their temperatures at a point of time. */
+function cellsAt(run, k) {
+  const { part, thickness_mm: thickness, half } = bearing.stack;
+  const { count, temperature } = run.cells;
+  const cells = part.slice(0, count).map((material, at) => ({ material: material.startsWith("end") ? "end" : material.startsWith("rubber") ? "rubber" : "steel", thickness: thickness[at], temperature: temperature[k * count + at] }));
+  return half ? [...cells, ...cells.toReversed()] : cells;
+}
+function momentIndex(run) {
+  const last = run.time.length - 1;
+  const wanted = (el("moment").valueAsNumber / 1000) * run.time[last];
+  let [low, high] = [0, last];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (run.time[middle] < wanted) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+/** Lowest and highest temperature in the cells during a test; the lead is far hotter. */
+function scaleOf(run) {
+  const values = [...run.cells.temperature.subarray(-run.cells.count), ...run.layers.temperature];
+  const low = smallest(values);
+  return [low, Math.max(largest(values), low + 5)];
+}
+
+const profileLine = (run) => {
+  const cells = cellsAt(run, momentIndex(run));
+  const x = [];
+  const y = [];
+  let height = cells.reduce((sum, cell) => sum + cell.thickness, 0);
+  for (const cell of cells) {
+    x.push(cell.temperature);
+    y.push(height - cell.thickness / 2);
+    height -= cell.thickness;
+  }
+  return { x, y };
+};
+
+const MAKERS = {
+  loops: (colours) => ({ x: t("displacement_axis"), y: t("force_axis"), lines: pairOfLines(colours, (run) => run.displacement, (run) => run.force) }),
+  warming: (colours) => ({ x: t("time_axis"), y: t("temperature_axis"), lines: layerLines(colours) }),
+  profile: (colours) => {
+    const ends = [runs.cold, runs.warm].map(scaleOf);
+    const room = (Math.max(ends[0][1], ends[1][1]) - Math.min(ends[0][0], ends[1][0])) * 0.05;
+    return {
+      x: t("temperature_axis"), y: t("height_axis"),
+      xrange: [Math.min(ends[0][0], ends[1][0]) - room, Math.max(ends[0][1], ends[1][1]) + room],
+      lines: [
+        { ...profileLine(runs.warm), colour: colours.warm, dash: DASH, name: t("at", { t: degrees(state.reference) }) },
+        { ...profileLine(runs.cold), colour: colours.cold, name: t("at", { t: degrees(state.ambient) }) },
+      ],
+    };
+  },
+  stack: () => {
+    const at = momentIndex(runs.cold);
+    const cells = cellsAt(runs.cold, at);
+    const values = bearing.values;
+    const breadth = values["geometry.plan.side"] ?? values["geometry.plan.length"] ?? values["geometry.plan.diameter"];
+    const cores = values["lead.cores"] ?? 0;
+    const lead = cores && runs.cold.lead
+      ? { diameter: values["lead.diameter"], inPlan: Math.max(1, Math.round(Math.sqrt(cores))), temperature: runs.cold.lead[at], cover: values["geometry.end_plate_thickness"] ?? 0 }
+      : null;
+    const [low, high] = scaleOf(runs.cold);
+    return { cells, breadth, lead, scale: [low, lead ? Math.max(high, largest(runs.cold.lead)) : high] };
+  },
+  bridge_strain: (colours) => ({ x: t("time_axis"), y: t("strain_axis"), lines: pairOfLines(colours, (run) => run.time, (run) => run.bearing.strain.map((value) => 100 * value)) }),
+  bridge_force: (colours) => ({ x: t("displacement_axis"), y: t("force_axis"), lines: pairOfLines(colours, (run) => run.bearing.displacement_mm, (run) => run.bearing.force_kN).map((line) => ({ ...line, width: 1.1 })) }),
+  bridge_pier: (colours) => ({ x: t("time_axis"), y: t("pier_axis"), lines: pairOfLines(colours, (run) => run.time, (run) => run.pier.displacement_mm) }),
+  codes_curve: (colours) => codesSpec(colours),
+};
+for (const name of Object.keys(MAKERS)) charts[name] = new Chart(el(name), name === "stack" ? drawStack : drawLines);
+const draw = (...names) => names.forEach((name) => charts[name].show(MAKERS[name]));
+function describe(names) {
+  for (const name of names) {
+    const words = name === "loops" && runs && !runs.problem
+      ? t("loops_alt", { t: degrees(state.ambient), r: degrees(state.reference), f: short(largest(runs.cold.force)), g: short(largest(runs.warm.force)) })
+      : t("chart_alt", { what: t(name) });
+    el(name).setAttribute("aria-label", words);
+  }
+}
+
+// Views.
+
+function showTest() {
+  runs = computeTest();
+  tell("answer", answer());
+  if (runs.problem) return;
+  const { cold, ms } = runs;
+  draw("loops", "warming", "stack", "profile");
+  describe(["loops", "warming", "stack", "profile"]);
+  showCycles();
+  showMoment();
+  el("speed").textContent = t("computed", { n: cold.time.length, ms: short(ms, 2), fps: rate ? short(rate, 2) : "–" });
+}
+function showMoment() {
+  const run = runs.cold;
+  const words = `${short(run.time[momentIndex(run)])} s`;
+  el("moment-value").textContent = words;
+  el("moment").setAttribute("aria-valuetext", words);
+}
+
+const PEAKS = { bearing_strain: 100, bearing_displacement_mm: 1, bearing_force_kN: 1, pier_ductility: 1, pier_displacement_mm: 1, layer_temperature_degC: 1, lead_temperature_degC: 1 };
+function showBridge() {
+  shaken = computeBridge();
+  const { cold, warm, ms } = shaken;
+  const values = { t: degrees(state.ambient), r: degrees(state.reference) };
+  const lines = [t("bridge_words", { ...values, s: short(100 * cold.peaks.bearing_strain), sr: short(100 * warm.peaks.bearing_strain), d: short(cold.peaks.pier_ductility), dr: short(warm.peaks.pier_ductility) })];
+  const warnings = [];
+  for (const [run, temperature] of [[cold, state.ambient], [warm, state.reference]])
+    if (run.outcome !== "completed") warnings.push(`${t("at", { t: degrees(temperature) })}: ${outcomeWords(run)}`);
+  const strain = Math.max(cold.peaks.bearing_strain, warm.peaks.bearing_strain);
+  warnings.push(...outside({ ambient: [state.ambient, state.ambient], strain: [strain, strain] }));
+  tell("bridge-answer", { lines, warnings, within: false });
+  draw("bridge_strain", "bridge_force", "bridge_pier");
+  describe(["bridge_strain", "bridge_force", "bridge_pier"]);
+  const rows = Object.entries(PEAKS).filter(([name]) => Number.isFinite(cold.peaks[name])).map(([name, factor]) => {
+    const [a, b] = [factor * cold.peaks[name], factor * warm.peaks[name]];
+    return [t(name), short(a), short(b), name.endsWith("degC") ? "" : short(a / b)];
+  });
+  fill("peaks", [t("quantity"), t("at", { t: values.t }), t("at", { t: values.r }), t("ratio")], rows);
+  el("bridge-time").textContent = t("run_time", { ms: short(ms, 2) });
+}
+
+const CODES = { strain: 1, cycles: 3, wave: "sine", frequency_hz: 0.5 };
+const GRID = [-40, -30, -20, -10, 0, 10, 20, 30, 40];
+const codesRun = (ambient) => once("codes", ambient, () => {
+  const { outcome, cycles } = testAt(ambient, CODES);
+  return { outcome, cycles };
+});
+function published() {
+  return page.factors.map((row) => {
+    const { temperatures: x, factors: y } = row;
+    const place = x.findIndex((one, k) => k && one >= state.ambient);
+    const inside = state.ambient >= x[0] && place > 0;
+    const part = inside ? (state.ambient - x[place - 1]) / (x[place] - x[place - 1]) : 0;
+    return { ...row, value: inside ? y[place - 1] + part * (y[place] - y[place - 1]) : state.ambient === x[0] ? y[0] : NaN };
+  });
+}
+function codesSpec(colours) {
+  const reference = codesRun(state.reference).cycles.at(-1);
+  const found = GRID.map((one) => [one, (codesRun(one).cycles.at(-1)?.stiffness_kN_mm ?? NaN) / reference.stiffness_kN_mm]).filter(([, y]) => Number.isFinite(y));
+  const now = codesRun(state.ambient).cycles.at(-1);
+  const others = page.factors.filter((row) => row.quantity === "K_eq");
+  const dashes = [[2, 2], [8, 3, 2, 3], [4, 3], [10, 4]];
+  return {
+    x: t("temperature_axis"), y: t("factor_axis"), mark: state.ambient,
+    lines: [
+      { x: found.map(([x]) => x), y: found.map(([, y]) => y), colour: colours.cold, width: 2.4, name: t("this_bearing") },
+      ...(now ? [{ x: [state.ambient], y: [now.stiffness_kN_mm / reference.stiffness_kN_mm], colour: colours.cold, points: true }] : []),
+      ...others.map((row, at) => ({ x: row.temperatures, y: row.factors, colour: at % 2 ? colours.third : colours.warm, dash: dashes[at % 4], width: 1.5, name: row.name.replace(/ \(.*/, "") })),
+    ],
+  };
+}
+function showCodes() {
+  runs = runs ?? computeTest();
+  const [cold, warm] = [codesRun(state.ambient), codesRun(state.reference)];
+  const values = { t: degrees(state.ambient), r: degrees(state.reference), s: 100 * CODES.strain, p: 1 / CODES.frequency_hz };
+  el("codes-words").textContent = t("codes_words", values);
+  if (cold.cycles.length && warm.cycles.length) {
+    const shown = [["stiffness_kN_mm", "K_eq"], ["characteristic_strength_kN", "Q_d"], ["post_yield_stiffness_kN_mm", "K_d"], ["h_eq", "h_eq"], ["energy_kN_mm", t("energy")]];
+    const factor = (name, at) => cold.cycles.at(at)[name] / warm.cycles.at(at)[name];
+    fill("codes", [t("quantity"), t("codes_first"), t("codes_third")], shown.map(([name, head]) => [head, short(factor(name, 0)), short(factor(name, -1))]));
+    draw("codes_curve");
+    describe(["codes_curve"]);
+  }
+  el("published-caption").textContent = t("codes_published", values);
+  fill("published", [t("quantity"), t("codes_factor"), t("codes_reference"), t("codes_source")], published().map((row) => {
+    const [low, high] = [row.temperatures[0], row.temperatures.at(-1)];
+    const text = Number.isFinite(row.value) ? short(row.value) : t("outside_table", { low: short(low), high: short(high) });
+    return [`${row.quantity}: ${row.name}`, text, `${short(row.reference_temperature)} °C`, row.unverified ? `${row.source} (${t("unverified")})` : row.source];
+  }));
+}
+
+// Export.
+
+const isChanged = () => Object.keys(state.changes).length > 0;
+/** Whether the engine leaves the plates of finite thickness, which Python computes, for Eq. 5.4. */
+const isHalfSpace = () => isChanged() && bearing.lead_ends === "half-space";
+/** Values of the bearing that differ from those of the library, by the keys of a bearing's file. */
+function differences() {
+  const library = engine.bearing({ base: state.base }).bearing.values;
+  const found = Object.entries(bearing.values).filter(([path, value]) => value !== library[path]);
+  const plan = found.some(([path]) => path.startsWith("geometry.plan."));
+  const whole = Object.entries(bearing.values).filter(([path]) => path.startsWith("geometry.plan."));
+  return [...(plan ? whole : []), ...found.filter(([path]) => !path.startsWith("geometry.plan."))];
+}
+function bearingToml() {
+  const lines = [`name = "${state.base}-changed"`, `based_on = "${state.base}"`];
+  const groups = new Map();
+  for (const [path, value] of differences()) {
+    const [, table, key] = path.match(/^(.*)\.([^.]*)$/);
+    const { unit } = page.ranges[path];
+    const text = !unit || unit === "1" ? String(value) : `"${value} ${unit}"`;
+    groups.set(table, [...(groups.get(table) ?? []), `${key} = ${text}`]);
+  }
+  for (const [table, rows] of groups) {
+    const plan = table === "geometry.plan";
+    const shape = /^side/.test(rows[0]) ? "square" : /^diameter/.test(rows[0]) ? "circular" : "rectangular";
+    lines.push("", `[${table}]`, ...(plan ? [`shape = "${shape}"`] : []), ...rows);
+  }
+  return lines.join("\n");
+}
+const waveName = () => (state.wave === "triangle" ? "triangular" : "sine");
+const fileOfBearing = () => (isChanged() ? `${state.base}-changed.toml` : state.base);
+function caseToml() {
+  const test = state.protocol === "cycles"
+    ? `[[test.steps]]\nstep = "cycles"\nstrain = ${state.strain}\nfrequency = "${state.frequency} Hz"\nwave = "${waveName()}"\ncount = ${state.count}\n`
+    : "";
+  return `bearing = "${fileOfBearing()}"\nambient = ["${state.ambient} degC", "${state.reference} degC"]\n\n${test}${isHalfSpace() ? '\n[analysis]\nlead_ends = "half-space"\n' : ""}`;
+}
+function showExport() {
+  runs = runs ?? computeTest();
+  const cycles = state.protocol === "cycles";
+  const ends = isHalfSpace() ? " --lead-ends half-space" : "";
+  const words = cycles ? ` --strain ${state.strain} --wave ${waveName()} --frequency ${state.frequency} --cycles ${state.count}` : "";
+  el("command-text").textContent = `thermobearing cyclic --bearing ${fileOfBearing()} --ambient ${state.ambient} --ambient ${state.reference}${words}${ends} -o test\n` +
+    `thermobearing bridge --bearing ${fileOfBearing()} --motion ${dropped?.name ?? state.motion} --ambient ${state.ambient} --ambient ${state.reference}${ends} -o bridge`;
+  const test = cycles ? `, tb.cyclic_test(strain=${state.strain}, wave="${waveName()}", frequency=${state.frequency}, cycles=${state.count})` : "";
+    el("python-text").textContent = `import thermobearing as tb\n\nbearing = tb.load_bearing("${fileOfBearing()}")\nresult = tb.run(bearing${test}, ambient=[${state.ambient}, ${state.reference}]${isHalfSpace() ? ', lead_ends="half-space"' : ""})\nprint(result.cycles)`;
+  el("toml-text").textContent = (isChanged() ? `# ${fileOfBearing()}\n${bearingToml()}\n\n# case.toml\n` : "# case.toml\n") + caseToml();
+  el("link-text").textContent = location.href.split("#")[0] + address();
+}
+function save(name, blob) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  document.body.append(link);
+  link.click();
+  link.remove();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+const csvFile = (rows) => new Blob([rows.map((row) => row.join(",")).join("\n") + "\n"], { type: "text/csv" });
+function historiesCsv() {
+  const heads = ["ambient_degC", "time_s", "displacement_mm", "force_kN"];
+  const { count } = runs.cold.layers;
+  for (let layer = 1; layer <= count; layer++) heads.push(`rubber${layer}_degC`);
+  if (runs.cold.lead) heads.push("lead_degC");
+  const rows = [heads];
+  for (const [run, ambient] of [[runs.cold, state.ambient], [runs.warm, state.reference]])
+    run.time.forEach((time, k) => rows.push([ambient, time, run.displacement[k], run.force[k], ...run.layers.temperature.subarray(k * count, (k + 1) * count), ...(run.lead ? [run.lead[k]] : [])].map((value) => Number(value.toPrecision(9)))));
+  return csvFile(rows);
+}
+function cyclesCsv() {
+  const rows = [["ambient_degC", "cycle", ...COLUMNS.map(([name]) => name), "post_yield_stiffness_kN_mm", "rubber_degC", "lead_degC"]];
+  for (const [run, ambient] of [[runs.cold, state.ambient], [runs.warm, state.reference]])
+    run.cycles.forEach((cycle, at) => rows.push([ambient, at + 1, ...COLUMNS.map(([name]) => cycle[name]), cycle.post_yield_stiffness_kN_mm, largest(cycle.layer_temperature), cycle.lead_temperature ?? ""]));
+  return csvFile(rows);
+}
+
+// What is shown of the state, and when.
+
+const VIEWS = { test: showTest, bearing: showTest, bridge: showBridge, codes: showCodes, export: showExport };
+let asked = false;
+let rate = 0; // redraws a second while the slider moves
+let lastDrawn = 0;
+function update() {
+  if (asked || !engine) return;
+  asked = true;
+  requestAnimationFrame(() => {
+    asked = false;
+    const begun = performance.now();
+    if (state.view === "codes") runs = null;
+    if (state.view === "export") runs = null;
+    VIEWS[state.view]();
+    if (state.view === "codes") tell("answer", answerOfCodes());
+    const now = performance.now();
+    const gap = begun - lastDrawn < 200 ? now - lastDrawn : now - begun;
+    rate = rate ? 0.8 * rate + (0.2 * 1000) / Math.max(gap, 1) : 1000 / Math.max(gap, 1);
+    lastDrawn = now;
+    const marks = document.documentElement.dataset;
+    marks.redraws = String(Number(marks.redraws ?? 0) + 1);
+    marks.redrawMs = (now - begun).toFixed(1);
+    marks.firstLoop ??= now.toFixed(0);
+    keepAddress();
+  });
+}
+function answerOfCodes() {
+  const cold = codesRun(state.ambient);
+  const warnings = cold.outcome === "completed" ? [] : [outcomeWords(testAt(state.ambient, CODES))];
+  const ratio = (cold.cycles[0]?.stiffness_kN_mm ?? NaN) / (codesRun(state.reference).cycles[0]?.stiffness_kN_mm ?? NaN);
+  const last = (cold.cycles.at(-1)?.stiffness_kN_mm ?? NaN) / (codesRun(state.reference).cycles.at(-1)?.stiffness_kN_mm ?? NaN);
+  const lines = [t("headline", { t: degrees(state.ambient), r: degrees(state.reference), a: short(ratio), b: short(last), n: cold.cycles.length })];
+  return { lines, warnings: [...warnings, ...outside({ ambient: [state.ambient, state.ambient] })], within: false };
+}
+
+function showView(view) {
+  state.view = view;
+  for (const tab of document.querySelectorAll("[role=tab]")) {
+    const chosen = /** @type {HTMLElement} */ (tab).dataset.view === view;
+    tab.setAttribute("aria-selected", String(chosen));
+    tab.setAttribute("tabindex", chosen ? "0" : "-1");
+  }
+  el("results").setAttribute("aria-labelledby", `tab-${view}`);
+  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-views]")))
+    part.hidden = !part.dataset.views.split(" ").includes(view);
+  update();
+}
+
+function showWords() {
+  document.documentElement.lang = language;
+  document.title = t("title");
+  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-word]"))) part.textContent = t(part.dataset.word);
+  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-label]"))) part.setAttribute("aria-label", t(part.dataset.label));
+  el("language").textContent = t("language");
+  el("language").lang = language === "ja" ? "en" : "ja";
+  el("made").textContent = t("made_by", { version: page.version, sources: engine ? engine.sources.slice(0, 12) : "" });
+  if (bearing) showSizes();
+}
+
+function showControls() {
+  el("slider").value = state.ambient;
+  el("slider-value").textContent = `${degrees(state.ambient)} °C`;
+  el("slider").setAttribute("aria-valuetext", `${state.ambient} °C`);
+  for (const [name, { factor }] of Object.entries(FIELDS)) {
+    el(name).value = g(state[name] / factor);
+    mark(el(name), "");
+  }
+  for (const name of ["base", "protocol", "wave", "motion"]) el(name).value = state[name];
+  for (const name of ["strain", "frequency", "count", "wave"]) el(name).disabled = state.protocol !== "cycles";
+}
+
+/** The fields of sizes and parameters of the bearing that is shown. */
+function showSizes() {
+  const form = el("sizes");
+  const fields = Object.keys(page.labels).filter((path) => path in bearing.values).map((path) => [path, bearing.values[path]]);
+  form.replaceChildren();
+  for (const [path, value] of fields) {
+    const box = document.createElement("div");
+    box.className = "field";
+    const label = document.createElement("label");
+    const input = document.createElement("input");
+    const error = document.createElement("p");
+    const name = `size-${path.replaceAll(".", "-")}`;
+    const unit = page.ranges[path]?.unit;
+    label.htmlFor = input.id = name;
+    label.textContent = `${page.labels[path][language]}${unit && unit !== "1" ? ` [${unit}]` : ""}`;
+    Object.assign(input, { type: "text", inputMode: "decimal", autocomplete: "off", value: g(value) });
+    input.setAttribute("aria-describedby", `${name}-error`);
+    Object.assign(error, { id: `${name}-error`, className: "error" });
+    input.addEventListener("change", () => changeSize(path, input));
+    box.append(label, input, error);
+    form.append(box);
+  }
+  el("facts").textContent = t("facts", { kind: bearing.kind, layers: bearing.values["geometry.rubber_layers"], rubber: short(bearing.rubber_thickness_mm), area: short(bearing.area_mm2 / 100, 4) }) + (bearing.description ? ` – ${bearing.description}` : "");
+}
+/** Numbers that follow the sizes, so that the compound stays the same (rules: bearing/scaling.py). */
+function scaled(changes) {
+  const before = engine.bearing({ base: state.base }).bearing.values;
+  const after = { ...before, ...changes };
+  const ratio = (size) => size(after) / size(before);
+  const core = (values) => ((values["lead.diameter"] ?? 1) ** 2 * Math.PI) / 4;
+  const plan = (values) => {
+    const along = values["geometry.plan.side"] ?? values["geometry.plan.diameter"] ?? values["geometry.plan.length"];
+    return along * (values["geometry.plan.width"] ?? along) * ("geometry.plan.diameter" in values ? Math.PI / 4 : 1);
+  };
+  const layer = (values) => values["geometry.rubber_thickness"];
+  const sizes = {
+    layer: ratio(layer),
+    height: ratio((values) => layer(values) * values["geometry.rubber_layers"]),
+    core_area: ratio(core),
+    net_area: ratio((values) => plan(values) - (values["lead.cores"] ?? 0) * core(values)),
+  };
+  const found = { ...changes };
+  for (const [path, powers] of Object.entries(page.scaling)) {
+    if (path in changes || !(path in before)) continue;
+    const factor = Object.entries(powers).reduce((all, [size, power]) => all * sizes[size] ** power, 1);
+    if (Math.abs(factor - 1) > 1e-12) found[path] = Number((before[path] * factor).toPrecision(12));
+  }
+  return found;
+}
+const made = (changes) => engine.bearing({ base: state.base, ...scaled(changes) });
+function changeSize(path, input) {
+  const text = input.value.replace(",", ".").trim();
+  if (text === "" || !Number.isFinite(Number(text)))
+    return mark(input, `${path} = '${input.value}': ${allowed(page.ranges[path])}`);
+  const changes = { ...state.changes, [path]: Number(text) };
+  // A size that is refused itself must not spoil the numbers that follow from it.
+  const found = isOutside(Number(text), page.ranges[path]) ? engine.bearing({ base: state.base, ...changes }) : made(changes);
+  el("sizes-error").textContent = "";
+  if (!found.ok) {
+    const own = found.errors.filter((error) => error.field === path);
+    mark(input, own.map((error) => error.message).join("; "));
+    if (!own.length) el("sizes-error").textContent = found.errors.map((error) => error.message).join("; ");
+    return input.setAttribute("aria-invalid", "true");
+  }
+  state.changes = changes;
+  bearing = found.bearing;
+  const active = document.activeElement?.id;
+  showSizes();
+  if (active) el(active)?.focus();
+  update();
+}
+function chooseBearing(changes = {}) {
+  const found = made(changes);
+  state.changes = found.ok ? changes : {};
+  bearing = found.ok ? found.bearing : engine.bearing({ base: state.base }).bearing;
+  el("sizes-error").textContent = found.ok ? "" : found.errors.map((error) => error.message).join("; ");
+  showSizes();
+}
+
+// A motion of the user: two columns of numbers, whatever stands above them.
+async function takeFile(file) {
+  const rows = (await file.text()).split(/\r?\n/).map((line) => line.trim().split(/[,;\t ]+/).map(Number)).filter((row) => row.length >= 2 && row.slice(0, 2).every(Number.isFinite));
+  el("file-error").textContent = "";
+  const dt = rows.length > 1 ? (rows.at(-1)[0] - rows[0][0]) / (rows.length - 1) : 0;
+  if (rows.length < 10 || !(dt > 0)) return void (el("file-error").textContent = t("bad_csv", { name: file.name }));
+  const uneven = rows.findIndex((row, k) => k && Math.abs(row[0] - rows[k - 1][0] - dt) > 0.02 * dt);
+  if (uneven > 0) return void (el("file-error").textContent = t("bad_step", { name: file.name, row: uneven + 1 }));
+  const accelerations = rows.map((row) => row[1]);
+  dropped = { name: file.name, motion: { dt_s: dt, acceleration_mm_s2: accelerations.map((value) => 10 * value) } };
+  const option = el("motion").querySelector("[data-dropped]") ?? el("motion").appendChild(document.createElement("option"));
+  option.dataset.dropped = "";
+  option.value = option.textContent = file.name;
+  state.motion = el("motion").value = file.name;
+  el("file-name").textContent = t("dropped", { name: file.name, n: rows.length, dt: short(dt), peak: short(largest(accelerations.map(Math.abs))) });
+  kept.bridge.clear();
+  update();
+}
+
+function listen() {
+  el("slider").addEventListener("input", () => {
+    state.ambient = el("slider").valueAsNumber;
+    el("slider-value").textContent = `${degrees(state.ambient)} °C`;
+    el("slider").setAttribute("aria-valuetext", `${state.ambient} °C`);
+    update();
+  });
+  for (const name of Object.keys(FIELDS))
+    el(name).addEventListener("input", () => {
+      const text = el(name).value;
+      const problem = refusal(name, text);
+      mark(el(name), problem);
+      if (problem) return;
+      state[name] = Number((Number(text.replace(",", ".")) * FIELDS[name].factor).toPrecision(12));
+      update();
+    });
+  for (const name of ["protocol", "wave", "motion"])
+    el(name).addEventListener("change", () => {
+      state[name] = el(name).value;
+      showControls();
+      update();
+    });
+  el("base").addEventListener("change", () => {
+    state.base = el("base").value;
+    chooseBearing();
+    update();
+  });
+  el("reset").addEventListener("click", () => { chooseBearing(); update(); });
+  el("sizes").addEventListener("submit", (event) => event.preventDefault());
+  const tabs = /** @type {HTMLElement[]} */ ([...document.querySelectorAll("[role=tab]")]);
+  for (const [at, tab] of tabs.entries()) {
+    tab.addEventListener("click", () => showView(tab.dataset.view));
+    tab.addEventListener("keydown", (event) => {
+      const way = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+      if (!way) return;
+      const next = tabs[(at + way + tabs.length) % tabs.length];
+      next.focus();
+      next.click();
+    });
+  }
+  let playing = 0;
+  const redraw = () => { draw("stack", "profile"); showMoment(); };
+  const stop = () => {
+    cancelAnimationFrame(playing);
+    playing = 0;
+    el("play").setAttribute("aria-pressed", "false");
+    el("play").textContent = t("play");
+  };
+  el("moment").addEventListener("input", redraw);
+  el("play").addEventListener("click", () => {
+    if (playing) return stop();
+    if (el("moment").valueAsNumber >= 1000) el("moment").value = 0;
+    el("play").setAttribute("aria-pressed", "true");
+    el("play").textContent = t("pause");
+    let last = performance.now();
+    const step = (now) => {
+      el("moment").value = String(Math.min(1000, el("moment").valueAsNumber + Math.max(1, Math.round((now - last) / 6))));
+      last = now;
+      redraw();
+      if (el("moment").valueAsNumber >= 1000) return stop();
+      playing = requestAnimationFrame(step);
+    };
+    playing = requestAnimationFrame(step);
+  });
+  el("language").addEventListener("click", () => {
+    language = language === "ja" ? "en" : "ja";
+    showWords();
+    update();
+  });
+  el("theme").addEventListener("click", () => {
+    const dark = el("theme").getAttribute("aria-pressed") !== "true";
+    setTheme(dark);
+    update();
+  });
+  el("file").addEventListener("change", () => el("file").files[0] && takeFile(el("file").files[0]));
+  const place = el("bridge-drop");
+  for (const kind of ["dragover", "dragleave", "drop"])
+    place.addEventListener(kind, (event) => {
+      event.preventDefault();
+      place.classList.toggle("over", kind === "dragover");
+      if (kind === "drop" && event.dataTransfer?.files[0]) takeFile(event.dataTransfer.files[0]);
+    });
+  el("save-csv").addEventListener("click", () => save("histories.csv", historiesCsv()));
+  el("save-cycles").addEventListener("click", () => save("cycles.csv", cyclesCsv()));
+  el("save-svg").addEventListener("click", () => save("loops.svg", new Blob([loopsFile().svg()], { type: "image/svg+xml" })));
+  el("save-png").addEventListener("click", async () => save("loops.png", await loopsFile().png()));
+  el("save-toml").addEventListener("click", () => {
+    if (isChanged()) save(fileOfBearing(), new Blob([`${bearingToml()}\n`]));
+    save("case.toml", new Blob([caseToml()]));
+  });
+  for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll(".copy")))
+    button.addEventListener("click", async () => {
+      const text = el(button.dataset.copy).textContent;
+      try {
+        await navigator.clipboard.writeText(text);
+        el("copied").textContent = t("copied");
+      } catch { // of a file, a browser may forbid it; the text is then selected
+        getSelection()?.selectAllChildren(el(button.dataset.copy));
+      }
+    });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { setTheme(matchMedia("(prefers-color-scheme: dark)").matches); update(); });
+  const again = (light) => { for (const chart of Object.values(charts)) chart.again(light); };
+  addEventListener("beforeprint", () => again(true));
+  addEventListener("afterprint", () => again(false));
+  addEventListener("hashchange", () => { readAddress(); chooseBearing(state.changes); showControls(); showWords(); showView(state.view); });
+}
+function loopsFile() {
+  charts.loops.make = MAKERS.loops;
+  return charts.loops;
+}
+function setTheme(dark) {
+  document.documentElement.dataset.theme = dark ? "dark" : "light";
+  el("theme").setAttribute("aria-pressed", String(dark));
+}
+
+async function unpacked(name) {
+  const raw = Uint8Array.from(atob(el(name).textContent.trim()), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([raw]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+async function begin() {
+  setTheme(matchMedia("(prefers-color-scheme: dark)").matches);
+  try {
+    const data = JSON.parse(new TextDecoder().decode(await unpacked("engine-data")));
+    Object.assign(page, { factors: data.factors.tables, protocols: data.protocols, ranges: data.fields, motions: Object.keys(data.motions) });
+    engine = await createEngine(await unpacked("engine-module"), data);
+  } catch (error) {
+    el("starting").hidden = true;
+    el("blocked").hidden = false;
+    showWords();
+    el("blocked").textContent = `${t("no_wasm")} (${error})`;
+    return;
+  }
+  el("starting").hidden = true;
+  for (const one of engine.bearings) el("base").append(new Option(one.name, one.name));
+  for (const name of page.motions) el("motion").append(new Option(name, name));
+  readAddress();
+  chooseBearing(state.changes);
+  showWords();
+  showControls();
+  listen();
+  showView(state.view);
+}
+begin();

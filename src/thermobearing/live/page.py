@@ -1,0 +1,155 @@
+"""The live page as one HTML file: page, kernels and data in it, no network, no server."""
+
+import base64
+import gzip
+import hashlib
+import json
+import re
+import tomllib
+from collections.abc import Iterable
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from thermobearing.bearing.library import as_bearing, list_bearings
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.scaling import EXPONENTS
+from thermobearing.border.errors import OutputError
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import field_limits
+from thermobearing.border.text_file import write_whole
+from thermobearing.cyclic.case import Case
+from thermobearing.cyclic.protocol import Cycles
+from thermobearing.live.data import engine_source, live_data, live_module
+from thermobearing.model.outcomes import limits_of_a_step
+from thermobearing.results.ranges import SLACK
+
+START = "lrb-example"  # the bearing that the page opens with
+MOTIONS = ("jra-ii-i-1", "jra-ii-ii-1", "jra-i-i-1")
+SCRIPTS = ("draw.js", "app.js")  # after the engine, each after what it imports
+STYLES = (("report-page", "page.css"), ("live", "page.css"))
+NEAR_MELTING = 0.75  # of the melting temperature of lead, from which the page warns
+IMPORT = re.compile(r"^import .*? from .*?;\n", re.MULTILINE | re.DOTALL)
+EXPORT = re.compile(r"^export ", re.MULTILINE)
+EXPORTED = re.compile(r"^export (?:async )?(?:function|const|class) (\w+)", re.MULTILINE)
+
+
+def live_page(
+    path: str | Path, bearing: Bearing | str | Path | None = None, *, overwrite: bool = False
+) -> Path:
+    """Write a page in which a bearing is tested and a bridge is shaken, computed by the browser.
+
+    The page is one HTML file that opens from a disk, a mail attachment or a phone. It contains
+    the kernels of this package as WebAssembly and asks for nothing from a network.
+
+    Parameters
+    ----------
+    path : of the HTML file.
+    bearing : the Bearing, library name or TOML file that the page opens with; those of the
+        library can be chosen in any case.
+    overwrite : replace an existing file.
+
+    Returns
+    -------
+    Path : of the file.
+
+    Raises
+    ------
+    InputError : an unknown bearing, or kernels that are not built (`make kernels`).
+    OutputError : the file exists, or cannot be written.
+
+    Examples
+    --------
+    >>> import thermobearing as tb
+    >>> tb.live_page("bearing.html", "shen-lhdr-specimen")  # doctest: +SKIP
+    PosixPath('bearing.html')
+    """
+    file = Path(path)
+    if file.exists() and not overwrite:
+        raise OutputError(f"{file}: exists; overwrite replaces it")
+    content = page_html(bearing).encode()
+    try:
+        write_whole(file, content)
+    except OSError as error:
+        raise OutputError(f"{file}: cannot be written: {error.strerror or error}") from None
+    return file
+
+
+def page_html(bearing: Bearing | str | Path | None = None) -> str:
+    """Return the live page as HTML."""
+    start = as_bearing(START if bearing is None else bearing)
+    module = live_module()
+    library: list[Bearing | str] = [name for name in list_bearings() if name != start.name]
+    data = live_data([start, *library], MOTIONS)
+    return assemble(data, module, engine_source(), start.name)
+
+
+def assemble(data: dict[str, Any], module: bytes, engine: str, start: str) -> str:
+    """Return the page with some data, module and source of the engine."""
+    words = tomllib.loads(data_path("live", "words.toml").read_text(encoding="utf-8"))
+    script = _bundle([engine, *(_text("live", name) for name in SCRIPTS)])
+    css = "\n".join(_text(*parts) for parts in STYLES)
+    page = {
+        "labels": words.pop("labels"),
+        "outcomes": words.pop("outcomes"),
+        "words": words,
+        "start": start,
+        "version": version("thermobearing"),
+        "slack": SLACK,
+        "warm_lead": NEAR_MELTING * limits_of_a_step().lead,
+        "fields": _test_fields(),
+        "scaling": EXPONENTS,
+        "defaults": {"strain": 1.75, "frequency": 0.5, "count": 3, "reference": 23},
+    }
+    environment = Environment(
+        loader=FileSystemLoader(data_path("live")),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("page.html").render(
+        words=words,
+        css=Markup(css),
+        style_digest=_digest(css),
+        script=Markup(script),
+        script_digest=_digest(script),
+        page_data=Markup(json.dumps(page, ensure_ascii=False).replace("<", "\\u003c")),
+        engine_data=_packed(json.dumps(data, separators=(",", ":")).encode()),
+        engine_module=_packed(module),
+    )
+
+
+def _text(*parts: str) -> str:
+    return data_path(*parts).read_text(encoding="utf-8")
+
+
+def _bundle(modules: Iterable[str]) -> str:
+    """Return ES modules as one, since a file cannot import another one from a disk.
+
+    Each keeps its own names, except those that it exports.
+    """
+    parts = []
+    for module in modules:
+        names = ", ".join(EXPORTED.findall(module))
+        body = EXPORT.sub("", IMPORT.sub("", module))
+        parts.append(f"const {{ {names} }} = (() => {{\n{body}\nreturn {{ {names} }};\n}})();")
+    return "\n".join(parts)
+
+
+def _digest(text: str) -> Markup:
+    """Return what the policy of the page allows: this text and no other."""
+    return Markup(f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'")
+
+
+def _packed(raw: bytes) -> str:
+    return base64.b64encode(gzip.compress(raw, 9, mtime=0)).decode("ascii")
+
+
+def _test_fields() -> dict[str, dict[str, Any]]:
+    """Return the ranges of the fields of a test, as `check` has them."""
+    cycles = {key: field_limits(Cycles, key) for key in ("strain", "frequency", "count")}
+    return cycles | {"ambient": field_limits(Case, "initial")}

@@ -1,0 +1,264 @@
+"""The live page as a reader has it: opened from a disk, moved, edited, refused, exported."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import thermobearing as tb
+from docs.builder.chromium import grave_faults, told_by
+from tests.browser.chromium import needs_chromium
+from thermobearing.border.errors import InputError
+from thermobearing.live.data import live_module
+
+LARGEST = 1_000_000  # bytes of a page that a mail takes
+SPECIMEN = "shen-lhdr-specimen"
+NARROW = {"width": 400, "height": 800}
+SHOWN = 0.006  # of a number with three digits
+FORCE = 1e-8  # of the largest, since files have nine digits
+
+
+def is_built() -> bool:
+    try:
+        live_module()
+    except InputError:
+        return False
+    return True
+
+
+needs_module = pytest.mark.skipif(
+    not is_built(), reason="the kernels for web pages are not built (make kernels)"
+)
+pytestmark = [needs_chromium, needs_module]
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tb.live_page(tmp_path_factory.mktemp("live") / "live.html", SPECIMEN)
+
+
+@pytest.fixture(scope="module")
+def address(file: Path) -> str:
+    return file.as_uri()
+
+
+@pytest.fixture
+def opened(chromium: Any, address: str, request: pytest.FixtureRequest) -> Iterator[Any]:
+    """The page; whatever goes wrong in it, or is asked of a network, is a fault of the test."""
+    page = chromium.new_page(**getattr(request, "param", {}))
+    told = told_by(page)
+    page.goto(address)
+    page.locator("#cycles td").first.wait_for()
+    yield page
+    page.close()
+    assert not told
+
+
+def redrawn(page: Any) -> int:
+    return int(page.evaluate("document.documentElement.dataset.redraws"))
+
+
+def settle(page: Any) -> None:
+    """Wait for two frames, in which the page draws what was asked."""
+    page.evaluate("new Promise((end) => requestAnimationFrame(() => requestAnimationFrame(end)))")
+
+
+def slide(page: Any, temperature: float) -> None:
+    page.locator("#slider").fill(str(temperature))
+    settle(page)
+
+
+def cells(page: Any, table: str = "cycles") -> list[list[str]]:
+    rows = page.locator(f"#{table} tbody tr").all()
+    return [row.locator("th, td").all_inner_texts() for row in rows]
+
+
+def number(text: str) -> float:
+    return float(text.split(" ")[0].replace("−", "-"))
+
+
+def test_the_page_is_small(file: Path) -> None:
+    text = file.read_text(encoding="utf-8")
+    assert len(text.encode()) < LARGEST
+    assert not re.findall(r"(?:src|href)=\"https?:", text)
+
+
+def test_the_table_has_the_numbers_of_python(opened: Any) -> None:
+    slide(opened, -25)
+    test = tb.cyclic_test(strain=1.75, wave="sine", frequency=0.5, cycles=3)
+    cold, warm = (tb.run(SPECIMEN, test, ambient=t).cycles for t in (-25, 23))
+    for row, (_, here), (_, there) in zip(
+        cells(opened), cold.iterrows(), warm.iterrows(), strict=True
+    ):
+        assert number(row[1]) == pytest.approx(here["G_eq_MPa"], rel=SHOWN)
+        assert number(row[3]) == pytest.approx(here["K_eq_kN_mm"], rel=SHOWN)
+        assert number(row[7]) == pytest.approx(here["lead_degC"], rel=SHOWN)
+        ratio = float(row[3].split("(")[1].rstrip(")"))
+        assert ratio == pytest.approx(here["K_eq_kN_mm"] / there["K_eq_kN_mm"], rel=SHOWN)
+    assert "−25 °C" in opened.locator("#answer").inner_text()
+
+
+def test_exported_histories_and_case_are_those_of_python(opened: Any, tmp_path: Path) -> None:
+    opened.locator("#tab-export").click()
+    with opened.expect_download() as found:
+        opened.locator("#save-csv").click()
+    table = pd.read_csv(found.value.path())
+    with opened.expect_download() as case:
+        opened.locator("#save-toml").click()
+    file = tmp_path / "case.toml"
+    file.write_bytes(Path(case.value.path()).read_bytes())
+    result = tb.run_case(tb.load_case(file))
+    for ambient in (-20.0, 23.0):
+        here = table[table.ambient_degC == ambient]
+        there = result.dataset.sel(ambient=ambient) if "ambient" in result.dataset.dims else None
+        assert there is not None
+        force = there["force"].to_numpy()
+        shown = np.interp(there["time"], here["time_s"], here["force_kN"])
+        assert np.abs(shown - force).max() <= FORCE * np.abs(force).max()
+
+
+def test_an_edited_bearing_scales_and_comes_back_as_a_file(opened: Any, tmp_path: Path) -> None:
+    opened.locator("#tab-bearing").click()
+    side = opened.locator("#size-geometry-plan-side")
+    side.fill("480")
+    side.press("Enter")
+    settle(opened)
+    opened.locator("#tab-export").click()
+    settle(opened)
+    text = opened.locator("#toml-text").inner_text().split("# case.toml")[0]
+    assert "--lead-ends half-space" in opened.locator("#command-text").inner_text()
+    file = tmp_path / f"{SPECIMEN}-changed.toml"
+    file.write_text(text, encoding="utf-8")
+    made = tb.load_bearing(file)
+    before = tb.load_bearing(SPECIMEN)
+    net = [one.area - one.lead_area for one in (made, before)]
+    assert made.geometry.plan.side == 480.0
+    assert made.hysteresis.layer_stiffness / before.hysteresis.layer_stiffness == pytest.approx(
+        net[0] / net[1]
+    )
+    test = tb.cyclic_test(strain=1.75, wave="sine", frequency=0.5, cycles=3)
+    opened.locator("#tab-test").click()
+    settle(opened)
+    expected = tb.run(made, test, ambient=-20, lead_ends="half-space").cycles["K_eq_kN_mm"]
+    shown = [number(row[3]) for row in cells(opened)]
+    assert shown == pytest.approx(list(expected), rel=SHOWN)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "says"),
+    [("strain", "900", "strain = 9:"), ("count", "2.5", "count = 2.5:"), ("frequency", "x", "'x'")],
+)
+def test_fields_refuse_what_check_refuses(opened: Any, field: str, value: str, says: str) -> None:
+    before = cells(opened)
+    opened.locator(f"#{field}").fill(value)
+    settle(opened)
+    words = opened.locator(f"#{field}-error").inner_text()
+    assert says in words
+    assert "must be" in words
+    assert opened.locator(f"#{field}").get_attribute("aria-invalid") == "true"
+    assert cells(opened) == before
+
+
+def test_a_wrong_size_is_refused_in_the_words_of_check(opened: Any) -> None:
+    opened.locator("#tab-bearing").click()
+    layers = opened.locator("#size-geometry-rubber_layers")
+    layers.fill("999")
+    layers.press("Enter")
+    words = opened.locator("#size-geometry-rubber_layers-error").inner_text()
+    with pytest.raises(InputError) as refused:
+        tb.changed_bearing(SPECIMEN, geometry={"rubber_layers": 999})
+    assert words.split(": ", 1)[1] in str(refused.value)
+
+
+def test_the_bridge_has_the_numbers_of_python(opened: Any) -> None:
+    opened.locator("#tab-bridge").click()
+    opened.locator("#base").select_option("shen-lhdr-bridge")
+    settle(opened)
+    peaks = {row[0]: [number(one) for one in row[1:3]] for row in cells(opened, "peaks")}
+    table = tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", [-20, 23]).table
+    for row, name, factor in (
+        ("Ductility of the pier [1]", "pier_ductility", 1.0),
+        ("Strain of the bearing [%]", "bearing_strain_max", 100.0),
+    ):
+        assert peaks[row] == pytest.approx(list(factor * table[name]), rel=SHOWN)
+
+
+def test_a_dropped_motion_is_shaken_or_refused(opened: Any, tmp_path: Path) -> None:
+    opened.locator("#tab-bridge").click()
+    time = np.arange(0.0, 10.0, 0.01)
+    file = tmp_path / "mine.csv"
+    rows = [f"{t:.2f},{300 * np.sin(4 * t):.3f}" for t in time]
+    file.write_text("time [s],acceleration [gal]\n" + "\n".join(rows), encoding="utf-8")
+    opened.locator("#file").set_input_files(str(file))
+    opened.locator("#file-name", has_text="mine.csv").wait_for()
+    settle(opened)
+    assert len(cells(opened, "peaks")) > 3
+    wrong = tmp_path / "wrong.csv"
+    wrong.write_text("1,2\nthree", encoding="utf-8")
+    opened.locator("#file").set_input_files(str(wrong))
+    opened.locator("#file-error", has_text="wrong.csv").wait_for()
+
+
+def test_the_link_brings_the_state_back_in_japanese(
+    chromium: Any, opened: Any, address: str
+) -> None:
+    opened.locator("#language").click()
+    slide(opened, -31.5)
+    opened.locator("#tab-codes").click()
+    settle(opened)
+    opened.locator("#tab-export").click()
+    settle(opened)
+    link = opened.locator("#link-text").inner_text()
+    assert link.startswith(address)
+    other = chromium.new_page()
+    other.goto(link.replace("view=export", "view=codes"))
+    other.locator("#codes td").first.wait_for()
+    assert other.evaluate("document.documentElement.lang") == "ja"
+    assert other.locator("#slider").input_value() == "-31.5"
+    assert other.locator("#tab-codes").get_attribute("aria-selected") == "true"
+    other.close()
+
+
+@pytest.mark.parametrize(
+    "opened", [{}, {"viewport": NARROW}, {"color_scheme": "dark"}], indirect=True
+)
+def test_every_view_is_usable(opened: Any) -> None:
+    for view in ("test", "bearing", "bridge", "codes", "export"):
+        tab = opened.locator(f"#tab-{view}")
+        tab.focus()
+        tab.press("Enter")
+        settle(opened)
+        assert tab.get_attribute("aria-selected") == "true"
+        assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")
+        assert grave_faults(opened) == []
+
+
+def test_keys_move_the_slider_and_the_loops(opened: Any) -> None:
+    before, drawn = cells(opened), redrawn(opened)
+    opened.locator("#slider").focus()
+    for _ in range(4):
+        opened.keyboard.press("ArrowRight")
+        settle(opened)
+    assert redrawn(opened) >= drawn + 3
+    assert cells(opened) != before
+    assert "−18 °C" in opened.locator("#cycles-caption").inner_text()
+
+
+def test_play_moves_the_time(opened: Any) -> None:
+    opened.locator("#moment").fill("0")
+    opened.locator("#play").click()
+    opened.wait_for_timeout(300)
+    opened.locator("#play").click()
+    assert float(opened.locator("#moment").input_value()) > 0
+
+
+def test_without_webassembly_the_page_says_so(chromium: Any, address: str) -> None:
+    page = chromium.new_page()
+    page.add_init_script("delete globalThis.WebAssembly")
+    page.goto(address)
+    page.locator("#blocked", has_text="WebAssembly").wait_for()
+    page.close()
