@@ -10,6 +10,7 @@ sys.path.insert(0, str(DOCS.parent))  # for docs.builder
 
 import thermobearing  # noqa: E402
 from docs.builder import api, figures  # noqa: E402
+from thermobearing.border.errors import InputError  # noqa: E402
 from thermobearing.border.threads import one_blas_thread  # noqa: E402
 
 one_blas_thread()
@@ -79,6 +80,15 @@ html_static_path = [
     "_static",
     str(files("sphinx-mathjax-offline") / "static" / "mathjax" / MATHJAX),
 ]
+# The first page shows a live bearing, if the kernels for web pages are built (make kernels).
+LIVE = DOCS.parent / "build" / "live"
+try:
+    LIVE.mkdir(parents=True, exist_ok=True)
+    thermobearing.live_page(LIVE / "bearing.html", overwrite=True)
+    html_static_path.append(str(LIVE))
+    tags.add("live")  # type: ignore[name-defined]  # noqa: F821
+except InputError as missing:
+    print(f"The first page shows no live bearing: {missing}")
 html_css_files = ["site.css"]
 html_js_files = [("site.js", {"defer": "defer"})]
 # A repository with a web page makes "Edit this page" a link, such as

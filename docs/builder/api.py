@@ -25,6 +25,7 @@ TITLES = {
     "model": "Model options, and the bearing as an element",
     "results": "Cycles and figures",
     "loading": "Saved results",
+    "live": "Live page",
     "reporting": "Reports",
     "tables": "Tables of numbers",
     "border": "Errors",
