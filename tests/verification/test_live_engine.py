@@ -198,13 +198,17 @@ LIMITS = {
 }
 
 
-def test_page_and_python_agree(computed: dict[str, Any]) -> None:
+def assert_alike(results: list[dict[str, Any]]) -> None:
     worst: dict[str, float] = {}
-    for (name, one), page in zip(CASES.items(), computed["results"], strict=True):
+    for (name, one), page in zip(CASES.items(), results, strict=True):
         found = compared(one, page)
         assert all(value < LIMITS[key] for key, value in found.items()), (name, found)
         worst |= {key: max(value, worst.get(key, 0.0)) for key, value in found.items()}
-    print(worst)
+    print({key: f"{value:.1e}" for key, value in worst.items()})
+
+
+def test_page_and_python_agree(computed: dict[str, Any]) -> None:
+    assert_alike(computed["results"])
 
 
 def test_cases_end_in_different_ways(computed: dict[str, Any]) -> None:

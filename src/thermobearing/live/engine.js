@@ -612,7 +612,7 @@ export class Engine {
    * A structure on bearings under a ground motion.
    * @param {{bearing: any, ambient: number, motion: any, structure?: string, keepEvery?: number}} given
    */
-  bridge({ bearing, ambient, motion, structure = Object.keys(this.structures)[0], keepEvery = 1 }) {
+  bridge({ bearing, ambient, motion, structure = Object.keys(this.structures)[0], keepEvery = 2 }) {
     const { kernels } = this;
     const { constants } = bearing;
     const pier = this.structures[structure];
@@ -653,8 +653,11 @@ export class Engine {
     const lines = rows.bearings.shape[1];
     const q = kernels.read(rows.q, kept);
     const n = rows.q.shape[1];
-    const along = (/** @type {number[]} */ weights) => Float64Array.from({ length: kept }, (_, k) =>
-      weights.reduce((sum, weight, i) => sum + weight * q[k * n + i], 0));
+    const along = (/** @type {number[]} */ weights) => {
+      const sums = new Float64Array(kept);
+      for (let k = 0; k < kept; k++) for (let i = 0; i < n; i++) sums[k] += weights[i] * q[k * n + i];
+      return sums;
+    };
     const rubber = bearing.rubber_thickness_mm;
     const column = (/** @type {string} */ name) => kernels.column(name, rows.bearings, kept, lines);
     const displacement = column("displacement");
@@ -665,10 +668,11 @@ export class Engine {
     const yielding = pier.hinge === null ? NaN : pier.yield_rotations[pier.hinge];
     const strain = displacement.map((d) => d / rubber);
     const moved = along(pier.top.map((/** @type {number} */ top, /** @type {number} */ i) => top - pier.base[i]));
-    const places = [0, ...Array.from(keep, (on, k) => (on ? k + 1 : 0)).filter((k) => k > 0)].slice(0, kept);
+    const places = new Float64Array(kept);
+    for (let k = 0, at = 1; k < keep.length && at < kept; k++) if (keep[k]) places[at++] = k + 1;
     const layerWidth = rows.layers[0].shape[2];
     const temperature = kernels.read(part(rows.layers[0], 0), kept);
-    const first = layerWidth * lines === layerWidth ? temperature : temperature.filter((_, k) => k % (layerWidth * lines) < layerWidth);
+    const first = lines === 1 ? temperature : temperature.filter((_, k) => k % (layerWidth * lines) < layerWidth);
     const ductility = rotation ? largest(rotation) / yielding : NaN;
     const outcome = this.judged({ kind, rows, ended, constants, pier, strain, ductility, along });
     return {
@@ -676,7 +680,7 @@ export class Engine {
       sentence: this.data.outcomes.sentences[outcome],
       steps: done,
       time: kernels.column("clock", rows.books, kept),
-      ground: Float64Array.from(places, (k) => ground[k]),
+      ground: places.map((k) => ground[k]),
       bearing: {
         displacement_mm: displacement, strain, force_kN: column("force"),
         layer_temperature: first, layers: layerWidth, lead: constants.lead.cores > 0 ? column("lead_temperature") : null,
