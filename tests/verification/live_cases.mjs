@@ -2,7 +2,7 @@
 
 function runCase(engine, { changes, ambient, test, motion }) {
   const found = engine.bearing(changes);
-  if (!found.ok) return found;
+  if (!found.ok) return { refused: found.errors.map((error) => error.message) };
   const { bearing } = found;
   if (motion) {
     const { outcome, time, bearing: line, pier, peaks } =

@@ -22,6 +22,7 @@ from thermobearing.bearing.model import (
     HARDEST,
     LATEST,
     SOFTEST,
+    THINNEST_SEALING,
     Bearing,
     calibration_ranges,
 )
@@ -169,6 +170,7 @@ def live_data(
             "coldest": coldest,
             "hottest": hottest,
             "strain": LARGEST_STRAIN,
+            "thinnest_sealing": THINNEST_SEALING,
             "yield_strain": [EARLIEST, LATEST],
             "modulus_MPa": [SOFTEST, HARDEST],
         },

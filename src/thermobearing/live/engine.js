@@ -288,10 +288,12 @@ export class Engine {
     const { low = -Infinity, high = Infinity } = field;
     const inside = Number.isFinite(value) && (field.low_open ? value > low : value >= low) &&
       (field.high_open ? value < high : value <= high) && (!field.integer || Number.isInteger(value));
-    const thin = path === "geometry.sealing_plate_thickness" && value > 0 && value < 0.05;
+    const thinnest = this.data.limits.thinnest_sealing;
+    const thin = path === "geometry.sealing_plate_thickness" && value > 0 && value < thinnest;
     if (inside && !thin) return [];
-    const message = thin ? `${value} mm must be 0 or at least 0.05 mm` : `must be ${field.allowed}`;
-    return [{ field: path, value, low, high, unit: field.unit, message: `${path} = ${value}: ${message}` }];
+    const message = thin ? `${path}: ${general(value)} mm must be 0 or at least ${thinnest} mm` :
+      `${path} = ${value}: must be ${field.allowed}`;
+    return [{ field: path, value, low, high, unit: field.unit, message }];
   }
 
   /** What `check` refuses of numbers together. @param {any} values @param {any} sizes @returns {any[]} */
@@ -301,18 +303,17 @@ export class Engine {
     const yielding = values["hysteresis.yield_displacement"] / thickness;
     const modulus = (1e3 * values["hysteresis.layer_stiffness"] * thickness) / area;
     const found = [];
-    const short = (/** @type {number} */ number) => Number(number.toPrecision(3));
     if (leadArea >= area) {
       found.push({ field: "lead.diameter", value: values["lead.diameter"],
-        message: `the lead cores take ${Number(leadArea.toPrecision(6))} mm2 of a plan of ${Number(area.toPrecision(6))} mm2` });
+        message: `the lead cores take ${general(leadArea)} mm2 of a plan of ${general(area)} mm2` });
     }
     if (!(yielding >= earliest && yielding <= latest)) {
       found.push({ field: "hysteresis.yield_displacement", value: values["hysteresis.yield_displacement"],
-        message: `hysteresis.yield_displacement and geometry.rubber_thickness make a yield strain of ${short(yielding)}: must be ${earliest} to ${latest}` });
+        message: `hysteresis.yield_displacement and geometry.rubber_thickness make a yield strain of ${general(yielding, 3)}: must be ${earliest} to ${latest}` });
     }
     if (!(modulus >= softest && modulus <= hardest)) {
       found.push({ field: "hysteresis.layer_stiffness", value: values["hysteresis.layer_stiffness"],
-        message: `hysteresis.layer_stiffness, plan and rubber_thickness make a shear modulus K_r t_r / A of ${short(modulus)} MPa: must be ${softest} to ${hardest} MPa` });
+        message: `hysteresis.layer_stiffness, plan and rubber_thickness make a shear modulus K_r t_r / A of ${general(modulus, 3)} MPa: must be ${softest} to ${hardest} MPa` });
     }
     return found;
   }
@@ -708,6 +709,15 @@ export class Engine {
     if (ductility > pier.limits.ductility || Math.max(...drift) > pier.limits.drift) return beyond;
     return "completed";
   }
+}
+
+/** A number as the messages of Python have it, "%.6g". @param {number} number @param {number} [digits] */
+function general(number, digits = 6) {
+  const [mantissa, power] = number.toExponential(digits - 1).split("e");
+  if (number !== 0 && (Number(power) < -4 || Number(power) >= digits)) {
+    return `${Number(mantissa)}e${power[0]}${power.slice(1).padStart(2, "0")}`;
+  }
+  return String(Number(number.toPrecision(digits)));
 }
 
 /** Gross area and perimeter of a plan, and area of lead. @param {any} known @param {any} values */
