@@ -18,7 +18,7 @@ BANNED = re.compile(
     r"the source(?! of| file| code|s)|a hair|is asked of|judged anew|worked rubber)\b",
     re.IGNORECASE,
 )
-ALLOWED = re.compile(r"\bsource of\b|temperature-blind")
+ALLOWED = re.compile(r"\bsource of\b|temperature-blind|`--beside`|`tell`")  # earlier names too
 GENERATED = ("appendix", "api", "gallery", "texts")
 
 
