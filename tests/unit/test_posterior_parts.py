@@ -108,3 +108,9 @@ def test_no_cause_is_named_for_no_misfit() -> None:
     assert covariance._misfit(tests, found) == []
     large = replace(found, rms=2.0 * covariance.NEGLIGIBLE)
     assert "likely causes" in " ".join(covariance._misfit(tests, large))
+
+
+@pytest.mark.parametrize(("parameters", "walkers"), [(1, 4), (2, 6), (5, 15)])
+def test_walkers_are_more_than_twice_the_parameters(parameters: int, walkers: int) -> None:
+    found: Any = SimpleNamespace(cube=np.zeros(parameters))
+    assert posterior._walkers(found) == walkers
