@@ -273,7 +273,7 @@ def test_dask(tmp_path: Path, small_files: dict[str, bytes]) -> None:
             if done == 6:
                 cluster.close()
 
-        with pytest.raises(OutputError, match="scheduler has stopped|cluster was lost"):
+        with pytest.raises(OutputError, match=r"scheduler has stopped|cluster was lost"):
             run_study(
                 small_study(),
                 out,

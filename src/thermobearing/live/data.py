@@ -1,4 +1,4 @@
-"""What the engine of the live page needs beside its module: layouts and numbers, as JSON.
+"""Data that the engine of the live page needs in addition to its module, as JSON.
 
 The page computes with the kernels that Python uses, compiled to WebAssembly (`live/engine.js`).
 Everything that Python knows and kernels do not is data here: constants of the bearings, matrices
