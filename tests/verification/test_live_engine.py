@@ -54,7 +54,7 @@ def all_cases() -> Iterator[tuple[str, dict[str, Any]]]:
     yield "softening lead", case(soft, -10.0, cycles(2.0, 5, "sine", frequency_hz=0.5))
     yield "softens", case(hdr, -40.0, cycles(4.0, 2))
     yield "runaway", case(lrb, 20.0, cycles(2.0, 60, "sine", frequency_hz=2.0))
-    hot = hdr | {"hysteresis.layer_stiffness": 5000.0}
+    hot = hdr | {"hysteresis.layer_stiffness": 1e5}
     yield "early end", case(hot, 40.0, cycles(2.5, 20, frequency_hz=1.0))
     core = lhdr | {"lead.yield_stress": 9.0, "lead.softening": 0.0069, "rate.damping": 0.4}
     yield "other lead", case(core, -25.0, cycles(1.5))
@@ -226,6 +226,8 @@ def test_cases_end_in_different_ways(computed: dict[str, Any]) -> None:
     ends = {one["outcome"] for one in computed["results"][: len(CASES)]}
     assert {"completed", "temperature_runaway"} <= ends
     assert len(CASES) == 40
+    early = computed["results"][list(CASES).index("early end")]
+    assert (early["outcome"], early["cycles"]) == ("temperature_runaway", [])
     assert any(one.get("softened") for one in computed["results"])
 
 
