@@ -306,14 +306,6 @@ def test_faults_are_named(tmp_path: Path, sidecar: str, said: str) -> None:
         load_test(tmp_path / "t.csv")
 
 
-def test_truncated_in_the_middle_of_a_line(tmp_path: Path) -> None:
-    path = plain(tmp_path / "t.csv")
-    text = path.read_text()
-    path.write_text(text[: text.rindex(",") + 1])
-    with pytest.raises(InputError, match="line 401"):
-        load_test(path)
-
-
 HDR = BEARING
 TEST = tb.cyclic_test(strain=[0.5, 1.5], cycles=3, rest=300.0)
 JITTER = 0.02  # [mm]

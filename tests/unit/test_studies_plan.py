@@ -287,14 +287,6 @@ def test_every_fault_is_in_one_message() -> None:
         assert word in text
 
 
-def test_a_history_allows_varied_thermal_properties() -> None:
-    number = {"distribution": "uniform", "low": 0.9, "high": 1.1}
-    ambient = {"climate": "cold-town", "years": 1, "history": "10 d"}
-    factors = ONE | {"ambient": ambient, "bearing.materials.rubber.conductivity": number}
-    table = {"kind": "study", "name": "heat", "design": DRAWN, "factors": factors}
-    assert len(designs.plan(make_study(table, "study.toml"))) == DRAWN["samples"]
-
-
 LHDR, HDR, BILINEAR = "shen-lhdr-bridge", "shen-hdr-bridge", "shen-bilinear-bridge"
 DRAWS = {"kind": "monte-carlo", "samples": 6, "seed": 2}
 NEAR_ONE = {"distribution": "lognormal", "median": 1.0, "cov": 0.1}
