@@ -1,4 +1,4 @@
-"""The live page computes what Python computes: forty cases in node (docs/verification.md)."""
+"""The live page computes what Python computes: forty cases in node."""
 
 import json
 import shutil
