@@ -150,7 +150,7 @@ class Fill(NamedTuple):
 
 
 class BesideLead(NamedTuple):
-    """What of the cells touches lead; all [n]."""
+    """Contact of the cells with lead; all [n]."""
 
     height: Floats  # of lead next to the cell, of the whole bearing [mm]
     touches_end: NDArray[np.bool_]  # whether it is the cell of an end plate next to the others
