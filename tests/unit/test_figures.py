@@ -1,5 +1,6 @@
 """Figures: axes with units, the right panels and lines, and results that lack something."""
 
+import pickle
 import struct
 from pathlib import Path
 
@@ -355,6 +356,7 @@ def test_letters_without_a_font_give_one_warning(
     assert {"\u6771", "\u4eac", "\ue123"} == one.message.letters  # type: ignore[union-attr]
     assert "\u4eac\u6771 (U+4EAC, U+6771, U+E123)" in str(one.message)
     assert "fonts-noto-cjk" in str(one.message)
+    assert str(pickle.loads(pickle.dumps(one.message))) == str(one.message)  # of another process
 
 
 def test_an_installed_font_draws_letters_that_the_first_lacks(

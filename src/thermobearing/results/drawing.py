@@ -107,9 +107,12 @@ class MissingLettersWarning(UserWarning):
     """Letters of figures that no installed font has."""
 
     def __init__(self, letters: set[str]) -> None:
+        super().__init__(letters)
         self.letters = letters
-        shown = "".join(letter for letter in sorted(letters) if letter.isprintable())
-        super().__init__(missing_letters(letters, f"the figures: {shown}".removesuffix(": ")))
+
+    def __str__(self) -> str:
+        shown = "".join(letter for letter in sorted(self.letters) if letter.isprintable())
+        return missing_letters(self.letters, f"the figures: {shown}".removesuffix(": "))
 
 
 def without_font(caught: Iterable[warnings.WarningMessage]) -> set[str]:
