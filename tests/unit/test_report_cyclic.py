@@ -136,7 +136,7 @@ def test_what_was_asked_for_is_no_default() -> None:
     assert slow.tables["quality"].rows[1][-1] == "not judged"
 
 
-def test_a_bearing_with_lead_among_others_is_told_of() -> None:
+def test_lead_of_one_bearing_among_others_is_reported() -> None:
     tables = [tb.load_bearing(name).model_dump() for name in ("shen-hdr-bridge", "lrb-example")]
     alone, both = (model_assumptions({}, some) for some in (tables[:1], tables))
     (more,) = set(both) - set(alone)

@@ -6,8 +6,6 @@ of the structure, ground motions, limits of fields and sentences.
 """
 
 import base64
-import hashlib
-import json
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -30,8 +28,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import field_limits
 from thermobearing.border.toml import read_toml
-from thermobearing.core.compiled.native import DESCRIPTION, FOLDER
-from thermobearing.core.compiled.sources import sources_digest
+from thermobearing.core.compiled.native import DESCRIPTION, FOLDER, read_library
 from thermobearing.core.numbers import PARTS
 from thermobearing.core.records import labels
 from thermobearing.core.types import (
@@ -115,16 +112,20 @@ def live_module() -> bytes:
     ------
     InputError : the installation has none, or it was built from other sources.
     """
-    file = FOLDER / MODULE
-    if not file.is_file() or not (FOLDER / DESCRIPTION).is_file():
+    return _read_module()[0]
+
+
+def _read_module() -> tuple[bytes, dict[str, Any]]:
+    """Return the module and the description of the kernels in it."""
+    if not (FOLDER / MODULE).is_file() or not (FOLDER / DESCRIPTION).is_file():
         raise InputError(BUILD)
-    content, known = file.read_bytes(), _description()
-    if known["sources"] != sources_digest():
-        raise InputError(f"{file.name} was built from other sources. Run `make kernels` again.")
-    library = known["libraries"].get("wasm32")
-    if library is None or library["sha256"] != hashlib.sha256(content).hexdigest():
-        raise InputError(f"The content of {file} is not what was built. Run `make kernels` again.")
-    return content
+    try:
+        _, content, description = read_library(FOLDER, Path(MODULE).stem)
+    except ValueError as problem:
+        raise InputError(
+            f"The kernels for web pages cannot be used: {problem}. Run `make kernels` again."
+        ) from None
+    return content, description
 
 
 def engine_source() -> str:
@@ -149,8 +150,7 @@ def live_data(
     ------
     InputError : the installation has no module, or a name is unknown.
     """
-    live_module()
-    known = _description()
+    _, known = _read_module()
     entries = {name: known["entries"][name] for name in KERNELS}
     names = list_bearings() if bearings is None else bearings
     chosen = [as_bearing(name) for name in names]
@@ -188,11 +188,6 @@ def live_data(
         "protocols": {"table-3.4": _steps(cyclic_test())},
         "factors": read_toml(data_path("factors", "published.toml")),
     }
-
-
-def _description() -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((FOLDER / DESCRIPTION).read_text(encoding="utf-8"))
-    return found
 
 
 def _without_lanes(described: dict[str, Any]) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 import base64
 import gzip
-import hashlib
 import json
 import re
 import tomllib
@@ -11,7 +10,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from thermobearing.bearing.library import as_bearing, list_bearings
@@ -25,6 +23,7 @@ from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.protocol import Cycles
 from thermobearing.live.data import engine_source, live_data, live_module
 from thermobearing.model.outcomes import limits_of_a_step
+from thermobearing.report.html import page_environment, policy_digest
 from thermobearing.results.ranges import SLACK
 
 START = "lrb-example"  # the bearing that the page opens with
@@ -104,22 +103,19 @@ def assemble(data: dict[str, Any], module: bytes, engine: str, start: str) -> st
         "scaling": EXPONENTS,
         "defaults": {"strain": 1.75, "frequency": 0.5, "count": 3, "reference": 23},
     }
-    environment = Environment(
-        loader=FileSystemLoader(data_path("live")),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return environment.get_template("page.html").render(
-        words=words,
-        css=Markup(css),
-        style_digest=_digest(css),
-        script=Markup(script),
-        script_digest=_digest(script),
-        page_data=Markup(json.dumps(page, ensure_ascii=False).replace("<", "\\u003c")),
-        engine_data=_packed(json.dumps(data, separators=(",", ":")).encode()),
-        engine_module=_packed(module),
+    return (
+        page_environment("live")
+        .get_template("page.html")
+        .render(
+            words=words,
+            css=Markup(css),
+            style_digest=Markup(policy_digest(css)),
+            script=Markup(script),
+            script_digest=Markup(policy_digest(script)),
+            page_data=Markup(json.dumps(page, ensure_ascii=False).replace("<", "\\u003c")),
+            engine_data=_packed(json.dumps(data, separators=(",", ":")).encode()),
+            engine_module=_packed(module),
+        )
     )
 
 
@@ -138,11 +134,6 @@ def _bundle(modules: Iterable[str]) -> str:
         body = EXPORT.sub("", IMPORT.sub("", module))
         parts.append(f"const {{ {names} }} = (() => {{\n{body}\nreturn {{ {names} }};\n}})();")
     return "\n".join(parts)
-
-
-def _digest(text: str) -> Markup:
-    """Return what the policy of the page allows: this text and no other."""
-    return Markup(f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'")
 
 
 def _packed(raw: bytes) -> str:

@@ -55,11 +55,10 @@ def html_page(document: Document) -> str:
     """
     plots = any(isinstance(b, FigureBlock) and b.figure.plot for b in document.blocks)
     scripts = [_page_file(name) for name in ("page.js", "plots.js")[: 1 + plots]]
-    digests = [base64.b64encode(hashlib.sha256(s.encode()).digest()).decode() for s in scripts]
     page: str = _page_template().render(
         document=document,
         # Only these scripts run: the policy of the page holds their digests.
-        allowed=Markup(" ".join(f"'sha256-{digest}'" for digest in digests)),
+        allowed=Markup(" ".join(map(policy_digest, scripts))),
         css=Markup(_page_file("page.css")),
         scripts=list(map(Markup, scripts)),
         logo=_image_address(document.logo) if document.logo else "",
@@ -71,15 +70,25 @@ def html_page(document: Document) -> str:
     return page
 
 
-@cache
-def _page_template() -> Template:
-    made = Environment(
-        loader=FileSystemLoader(data_path("report-page")),
+def policy_digest(text: str) -> str:
+    """Return what the security policy of a page allows: this script or style and no other."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def page_environment(folder: str) -> Environment:
+    """Return the environment of the HTML templates in a folder of data."""
+    return Environment(
+        loader=FileSystemLoader(data_path(folder)),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+
+
+@cache
+def _page_template() -> Template:
+    made = page_environment("report-page")
     made.filters |= {"sentence": _sentence, "breakable": _breakable}
     return made.get_template("page.html")
 

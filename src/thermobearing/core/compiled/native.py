@@ -116,7 +116,11 @@ def open_library() -> tuple[Library | None, str]:
         return None, reason
 
 
-def _load(folder: Path, name: str) -> Library:
+def read_library(folder: Path, name: str) -> tuple[Path, bytes, dict[str, Any]]:
+    """Return the file and the content of a library, and the description of all of them.
+
+    ValueError if they were built from other sources, or the content differs from what was built.
+    """
     description = json.loads((folder / DESCRIPTION).read_text(encoding="utf-8"))
     if description["sources"] != sources_digest():
         raise ValueError("they were built from other sources")
@@ -124,8 +128,14 @@ def _load(folder: Path, name: str) -> Library:
     if known is None:
         raise ValueError(f"there is no library for {name}")
     file = folder / known["file"]
-    if hashlib.sha256(file.read_bytes()).hexdigest() != known["sha256"]:
+    content = file.read_bytes()
+    if hashlib.sha256(content).hexdigest() != known["sha256"]:
         raise ValueError(f"the content of {file.name} is not what was built")
+    return file, content, description
+
+
+def _load(folder: Path, name: str) -> Library:
+    file, _, description = read_library(folder, name)
     code = ctypes.CDLL(str(file))
     built_from = ctypes.string_at(getattr(code, f"{PREFIX}sources")).decode("ascii")
     if built_from != description["sources"]:
