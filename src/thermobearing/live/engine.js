@@ -38,6 +38,12 @@ function decode(text) {
   return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 }
 
+/** What Python packed: gzip in base64. @param {string} text @returns {Promise<Uint8Array>} */
+export async function unpacked(text) {
+  const stream = new Blob([decode(text.trim())]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
 /** Arrays of a tree of the data, from text to bytes. @param {any} tree @returns {any} */
 function decoded(tree) {
   if (tree === null || typeof tree !== "object") return tree;

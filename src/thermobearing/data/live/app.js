@@ -1,6 +1,6 @@
 // The live page: a state, what the engine computes from it, and the views that show it.
-import { createEngine } from "./engine.js";
-import { Chart, drawLines, drawStack, short } from "./draw.js";
+import { createEngine, unpacked } from "./engine.js";
+import { Chart, drawLines, drawStack, fillTable, short } from "./draw.js";
 
 const REFERENCE = 23; // [degC], of most published factors
 const MOST_CYCLES = 100; // and steps that are computed while a slider moves
@@ -243,33 +243,6 @@ function tell(place, { lines, warnings, within }) {
 
 // Tables.
 
-const isAmount = (words) => /^[\d−–.(]/.test(words);
-function fill(table, heads, rows) {
-  const head = document.createElement("thead");
-  const body = document.createElement("tbody");
-  const line = document.createElement("tr");
-  for (const [at, words] of heads.entries()) {
-    const cell = document.createElement("th");
-    cell.scope = "col";
-    if (at && (!rows.length || isAmount(rows[0][at]))) cell.className = "amount";
-    cell.textContent = words;
-    line.append(cell);
-  }
-  head.append(line);
-  for (const row of rows) {
-    const tr = document.createElement("tr");
-    for (const [at, words] of row.entries()) {
-      const cell = document.createElement(at ? "td" : "th");
-      if (!at) cell.scope = "row";
-      else if (isAmount(words)) cell.className = "amount";
-      cell.textContent = words;
-      tr.append(cell);
-    }
-    body.append(tr);
-  }
-  el(table).replaceChildren(head, body);
-}
-
 const COLUMNS = [ // name in a cycle, symbol, unit, factor to the shown unit
   ["G_eq_MPa", "G_e", "MPa", 1], ["h_eq", "h_eq", "1", 1], ["stiffness_kN_mm", "K_eq", "kN/mm", 1],
   ["characteristic_strength_kN", "Q_d", "kN", 1], ["energy_kN_mm", "energy", "kJ", 1e-3],
@@ -289,7 +262,7 @@ function showCycles() {
     return row;
   });
   el("cycles-caption").textContent = t("each_cycle", { t: degrees(state.ambient), r: degrees(state.reference) });
-  fill("cycles", heads, rows);
+  fillTable(el("cycles"), heads, rows);
 }
 
 // Charts.
@@ -438,7 +411,7 @@ function showBridge() {
     const [a, b] = [factor * cold.peaks[name], factor * warm.peaks[name]];
     return [t(name), short(a), short(b), name.endsWith("degC") ? "" : short(a / b)];
   });
-  fill("peaks", [t("quantity"), t("at", { t: values.t }), t("at", { t: values.r }), t("ratio")], rows);
+  fillTable(el("peaks"), [t("quantity"), t("at", { t: values.t }), t("at", { t: values.r }), t("ratio")], rows);
   el("bridge-time").textContent = t("run_time", { ms: short(ms, 2) });
 }
 
@@ -480,12 +453,12 @@ function showCodes() {
   if (cold.cycles.length && warm.cycles.length) {
     const shown = [["stiffness_kN_mm", "K_eq"], ["characteristic_strength_kN", "Q_d"], ["post_yield_stiffness_kN_mm", "K_d"], ["h_eq", "h_eq"], ["energy_kN_mm", t("energy")]];
     const factor = (name, at) => cold.cycles.at(at)[name] / warm.cycles.at(at)[name];
-    fill("codes", [t("quantity"), t("codes_first"), t("codes_third")], shown.map(([name, head]) => [head, short(factor(name, 0)), short(factor(name, -1))]));
+    fillTable(el("codes"), [t("quantity"), t("codes_first"), t("codes_third")], shown.map(([name, head]) => [head, short(factor(name, 0)), short(factor(name, -1))]));
     draw("codes_curve");
     describe(["codes_curve"]);
   }
   el("published-caption").textContent = t("codes_published", values);
-  fill("published", [t("quantity"), t("codes_factor"), t("codes_reference"), t("codes_source")], published().map((row) => {
+  fillTable(el("published"), [t("quantity"), t("codes_factor"), t("codes_reference"), t("codes_source")], published().map((row) => {
     const [low, high] = [row.temperatures[0], row.temperatures.at(-1)];
     const text = Number.isFinite(row.value) ? short(row.value) : t("outside_table", { low: short(low), high: short(high) });
     return [`${row.quantity}: ${row.name}`, text, `${short(row.reference_temperature)} °C`, row.unverified ? `${row.source} (${t("unverified")})` : row.source];
@@ -853,18 +826,12 @@ function setTheme(dark) {
   el("theme").setAttribute("aria-pressed", String(dark));
 }
 
-async function unpacked(name) {
-  const raw = Uint8Array.from(atob(el(name).textContent.trim()), (letter) => letter.charCodeAt(0));
-  const stream = new Blob([raw]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
 async function begin() {
   setTheme(matchMedia("(prefers-color-scheme: dark)").matches);
   try {
-    const data = JSON.parse(new TextDecoder().decode(await unpacked("engine-data")));
+    const data = JSON.parse(new TextDecoder().decode(await unpacked(el("engine-data").textContent)));
     Object.assign(page, { factors: data.factors.tables, protocols: data.protocols, ranges: data.fields, motions: Object.keys(data.motions) });
-    engine = await createEngine(await unpacked("engine-module"), data);
+    engine = await createEngine(await unpacked(el("engine-module").textContent), data);
   } catch (error) {
     el("starting").hidden = true;
     el("blocked").hidden = false;

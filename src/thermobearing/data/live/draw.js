@@ -1,4 +1,5 @@
 // Charts drawn by hand: on a canvas for the screen, with the same calls into SVG for a file.
+// And tables of texts.
 
 /** @typedef {{x: ArrayLike<number>, y: ArrayLike<number>, colour: string, dash?: number[],
  *    width?: number, name?: string, points?: boolean}} Line */
@@ -320,4 +321,32 @@ export class Chart {
     this.draw(pen, [760, 460], this.make(colours), colours);
     return new Promise((done) => canvas.toBlob((blob) => done(blob), "image/png"));
   }
+}
+
+const isAmount = (words) => /^[\d−–.(]/.test(words);
+/** Fill a table with heads and rows of texts; the first of a row is its head. */
+export function fillTable(table, heads, rows) {
+  const head = document.createElement("thead");
+  const body = document.createElement("tbody");
+  const line = document.createElement("tr");
+  for (const [at, words] of heads.entries()) {
+    const cell = document.createElement("th");
+    cell.scope = "col";
+    if (at && (!rows.length || isAmount(rows[0][at]))) cell.className = "amount";
+    cell.textContent = words;
+    line.append(cell);
+  }
+  head.append(line);
+  for (const row of rows) {
+    const tr = document.createElement("tr");
+    for (const [at, words] of row.entries()) {
+      const cell = document.createElement(at ? "td" : "th");
+      if (!at) cell.scope = "row";
+      else if (isAmount(words)) cell.className = "amount";
+      cell.textContent = words;
+      tr.append(cell);
+    }
+    body.append(tr);
+  }
+  table.replaceChildren(head, body);
 }
