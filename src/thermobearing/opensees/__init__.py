@@ -1,0 +1,1 @@
+"""Bearings as elements of OpenSees models: wire format, server, result, report."""

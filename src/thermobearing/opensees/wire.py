@@ -1,0 +1,246 @@
+"""The wire format of OpenSees' `genericClient` element, for both ends of the connection.
+
+The format has no handshake, no frames and no checksum. Numbers are in the byte order of the
+machine. After the connection, the client sends eleven 32-bit integers (`Setup`). Every later
+message, in either direction, is a vector of `Setup.size` doubles. A request holds the action code,
+the displacements, velocities and accelerations of all degrees of freedom in the order of the
+`-dof` lists, and the time of the domain. A reply holds a vector of forces, or a matrix by columns.
+`SET_TRIAL`, `COMMIT` and `END` have no reply.
+
+The format is that of OpenSees 3.7 (`SRC/element/generic/GenericClient.cpp`,
+`SRC/actor/channel/TCP_Socket.cpp`); the client of xara is the same.
+"""
+
+import contextlib
+import math
+import socket
+import struct
+import time
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+SETUP = struct.Struct("=11i")
+DOUBLE = 8  # [bytes]
+MOST_DOFS = 120
+MOST_SIZE = 65536  # of a message [doubles]: 512 KiB
+
+
+class WireError(RuntimeError):
+    """Bytes that are not those of the wire format."""
+
+
+class Action(IntEnum):
+    """Codes at the start of a request; OpenSees sends those in `USED`."""
+
+    OPEN = 1
+    SETUP = 2
+    SET_TRIAL = 3
+    EXECUTE = 4
+    COMMIT = 5
+    DAQ_RESPONSE = 6
+    DISPLACEMENT = 7
+    VELOCITY = 8
+    ACCELERATION = 9
+    FORCE = 10
+    TIME = 11
+    INITIAL_STIFFNESS = 12
+    TANGENT = 13
+    DAMPING = 14
+    MASS = 15
+    END = 99
+
+
+SILENT = frozenset((Action.SET_TRIAL, Action.COMMIT, Action.END))  # have no reply
+MATRICES = frozenset((Action.INITIAL_STIFFNESS, Action.TANGENT, Action.DAMPING, Action.MASS))
+USED = SILENT | MATRICES | {Action.FORCE}
+CODES = {float(action): action for action in USED}
+
+
+class Setup(NamedTuple):
+    """Sizes that a client announces once.
+
+    Attributes
+    ----------
+    dofs : degrees of freedom of all nodes of the element.
+    size : length of every later message [doubles].
+    """
+
+    dofs: int
+    size: int
+
+    @classmethod
+    def smallest(cls, dofs: int, size: int = 0) -> "Setup":
+        """Return the setup of an element; messages have at least `size` doubles, as in OpenSees.
+
+        >>> Setup.smallest(2), Setup.smallest(6)
+        (Setup(dofs=2, size=8), Setup(dofs=6, size=36))
+        """
+        return cls(dofs, max(size, 3 * dofs + 2, dofs * dofs))
+
+    @property
+    def length(self) -> int:
+        """Length of every later message [bytes]."""
+        return DOUBLE * self.size
+
+    def encode(self) -> bytes:
+        """Return the bytes that a client sends first."""
+        n = self.dofs
+        return SETUP.pack(n, n, n, 0, 1, 0, 0, 0, n, 0, self.size)
+
+    @classmethod
+    def decode(cls, data: bytes) -> "Setup":
+        """Return the setup from the first bytes of a client.
+
+        Raises
+        ------
+        WireError : another program, another byte order, or sizes that do not fit.
+        """
+        numbers = SETUP.unpack(data)
+        n, size = numbers[0], numbers[-1]
+        if not 1 <= n <= MOST_DOFS or numbers[:-1] != (n, n, n, 0, 1, 0, 0, 0, n, 0):
+            raise WireError(
+                f"the first {SETUP.size} bytes are {numbers} as 32-bit integers, not the setup of "
+                "a genericClient element with displacements, velocities, accelerations and forces "
+                "of the same degrees of freedom; another program may have connected"
+            )
+        least = cls.smallest(n).size
+        if not least <= size <= MOST_SIZE:
+            raise WireError(
+                f"dataSize = {size}: must be from {least} to {MOST_SIZE} for {n} degrees of freedom"
+            )
+        return cls(n, size)
+
+
+class Request(NamedTuple):
+    """One request of a client, in the units of the client.
+
+    Attributes
+    ----------
+    action : what is wanted.
+    displacement, velocity, acceleration : trial response of all degrees of freedom.
+    time : time of the domain at the last `SET_TRIAL`; the load factor of a static analysis.
+    """
+
+    action: Action
+    displacement: Sequence[float]
+    velocity: Sequence[float]
+    acceleration: Sequence[float]
+    time: float
+
+    def encode(self, setup: Setup) -> bytes:
+        """Return the message of this request."""
+        n = setup.dofs
+        groups = (self.displacement, self.velocity, self.acceleration)
+        if any(len(group) != n for group in groups):
+            raise WireError(f"a request must have {n} displacements, velocities and accelerations")
+        flat = [value for group in groups for value in group]
+        return encode_reply([float(self.action), *flat, self.time], setup)
+
+    @classmethod
+    def decode(cls, data: bytes | bytearray | memoryview, setup: Setup) -> "Request":
+        """Return the request in a message.
+
+        Raises
+        ------
+        WireError : the action code is unknown: the ends of messages were lost.
+        """
+        n = setup.dofs
+        numbers = struct.unpack_from(f"={3 * n + 2}d", data)
+        action = CODES.get(numbers[0])
+        if action is None:
+            raise WireError(
+                f"{numbers[0]!r} is not an action code of genericClient; messages of another "
+                f"length than {setup.size} doubles, or of another program, have arrived"
+            )
+        middle = numbers[1:-1]
+        return cls(action, middle[:n], middle[n : 2 * n], middle[2 * n :], numbers[-1])
+
+    @property
+    def finite(self) -> bool:
+        """Whether displacements and time are finite; velocities and accelerations are not used."""
+        return math.isfinite(self.time) and all(map(math.isfinite, self.displacement))
+
+
+def encode_reply(values: Sequence[float] | NDArray[np.float64], setup: Setup) -> bytes:
+    """Return the message of a vector, or of a matrix by columns; the rest is zero.
+
+    >>> len(encode_reply([1.0, -1.0], Setup.smallest(2)))
+    64
+    """
+    flat = np.ravel(values, order="F").astype(np.float64)
+    if flat.size > setup.size:
+        raise WireError(f"{flat.size} numbers do not fit into a message of {setup.size} doubles")
+    return flat.tobytes().ljust(setup.length, b"\0")
+
+
+def decode_reply(data: bytes | bytearray, action: Action, setup: Setup) -> NDArray[np.float64]:
+    """Return the force vector or the matrix of a reply.
+
+    >>> setup = Setup.smallest(2)
+    >>> decode_reply(encode_reply([[1, 2], [3, 4]], setup), Action.TANGENT, setup)
+    array([[1., 2.],
+           [3., 4.]])
+    """
+    if len(data) != setup.length:
+        raise WireError(f"a reply has {len(data)} bytes instead of {setup.length}")
+    n = setup.dofs
+    if action in MATRICES:
+        return np.frombuffer(data, count=n * n).reshape((n, n), order="F").copy()
+    return np.frombuffer(data, count=n).copy()
+
+
+def prepare(connection: socket.socket) -> None:
+    """Switch off the waiting of a TCP connection for more bytes to send (Nagle's algorithm)."""
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+
+def acknowledge(connection: socket.socket) -> None:
+    """Acknowledge at once what has been received; to be called after each receive.
+
+    OpenSees leaves Nagle's algorithm on and writes twice before it reads. Its second message waits
+    for the acknowledgement of the first, which Linux delays by 40 ms unless the
+    option is set again.
+    """
+    if hasattr(socket, "TCP_QUICKACK"):
+        with contextlib.suppress(OSError):  # closed meanwhile: the next receive reports it
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_QUICKACK, 1)
+
+
+def receive_exactly(connection: socket.socket, count: int, limit: float) -> bytes:
+    """Return exactly `count` bytes.
+
+    Parameters
+    ----------
+    connection : a connected TCP socket.
+    count : number of bytes.
+    limit : largest time to wait for all of them [s].
+
+    Raises
+    ------
+    TimeoutError : fewer bytes have arrived in time.
+    ConnectionError : the other end closed the connection before.
+    """
+    data = bytearray(count)
+    view, done, end = memoryview(data), 0, time.monotonic() + limit
+    while done < count:
+        left = end - time.monotonic()
+        try:
+            if left <= 0.0:
+                raise TimeoutError
+            connection.settimeout(left)
+            got = connection.recv_into(view[done:])
+        except TimeoutError:
+            raise TimeoutError(
+                f"{done} of {count} bytes of a message arrived within {limit:g} s"
+            ) from None
+        if not got:
+            raise ConnectionError(
+                f"the connection was closed after {done} of {count} bytes of a message"
+            )
+        acknowledge(connection)
+        done += got
+    return bytes(data)
