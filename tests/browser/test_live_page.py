@@ -18,6 +18,13 @@ from thermobearing.live.data import live_module
 LARGEST = 1_000_000  # bytes of a page that a mail takes
 SPECIMEN = "shen-lhdr-specimen"
 NARROW = {"width": 400, "height": 800}
+RANGES = {
+    "strain": "strain",
+    "strain_rate": "strain rate",
+    "ambient": "ambient temperature",
+    "cycles": "cycles in a row",
+    "lead_temperature": "lead temperature",
+}
 SHOWN = 0.006  # of a number with three digits
 FORCE = 1e-8  # of the largest, since files have nine digits
 
@@ -185,6 +192,61 @@ def test_the_bridge_has_the_numbers_of_python(opened: Any) -> None:
         ("Strain of the bearing [%]", "bearing_strain_max", 100.0),
     ):
         assert peaks[row] == pytest.approx(list(factor * table[name]), rel=SHOWN)
+
+
+@pytest.mark.parametrize(
+    ("base", "field", "value", "limits"),
+    [
+        (SPECIMEN, "count", "5", {"strain_rate"}),
+        (SPECIMEN, "count", "9", {"strain_rate", "cycles", "lead_temperature"}),
+        ("shen-hdr-specimen", "strain", "30", {"strain"}),
+    ],
+)
+def test_warnings_are_those_of_python(
+    opened: Any, base: str, field: str, value: str, limits: set[str]
+) -> None:
+    opened.locator("#base").select_option(base)
+    opened.locator(f"#{field}").fill(value)
+    settle(opened)
+    shown = " ".join(opened.locator("#answer .warn").all_inner_texts())
+    test = {"strain": 1.75, "cycles": 3, "frequency": 0.5, "wave": "sine"}
+    test |= {"strain": float(value) / 100} if field == "strain" else {"cycles": int(value)}
+    result = tb.run(base, tb.cyclic_test(**test, closing_strain=None), [-20, 23])
+    rows = result.tested_range
+    assert set(rows[rows.passed].limit) == limits
+    said = {name for name, words in RANGES.items() if re.search(f": {words} [−\\d]", shown)}
+    assert said == limits
+
+
+def test_the_rate_of_an_earthquake_is_a_note(opened: Any) -> None:
+    opened.locator("#tab-bridge").click()
+    opened.locator("#base").select_option("shen-lhdr-bridge")
+    settle(opened)
+    rows = tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", [-20, 23]).tested_range
+    fastest = rows[rows.limit == "strain_rate"].asked.max()
+    notes = opened.locator("#bridge-answer li:not(.warn)").all_inner_texts()
+    assert [float(re.findall(r"[\d.]+", note)[0]) for note in notes] == [
+        pytest.approx(fastest, rel=SHOWN)
+    ]
+
+
+@pytest.mark.parametrize("protocol", ["cycles", "table-3.4"])
+@pytest.mark.parametrize("wave", ["sine", "triangle"])
+def test_every_export_describes_the_same_test(
+    opened: Any, tmp_path: Path, protocol: str, wave: str
+) -> None:
+    opened.locator("#protocol").select_option(protocol)
+    opened.locator("#wave").select_option(wave)
+    opened.locator("#tab-export").click()
+    settle(opened)
+    file = tmp_path / "case.toml"
+    file.write_text(opened.locator("#toml-text").inner_text(), encoding="utf-8")
+    lines = opened.locator("#python-text").inner_text()
+    test = eval(re.findall(r"tb\.cyclic_test\(.*?\)", lines)[0], {"tb": tb})
+    assert tb.load_case(file).test.steps == test.steps
+    words = opened.locator("#command-text").inner_text().split("\n")[0]
+    assert f"--wave {test.steps[0].wave}" in words
+    assert ("--cycles" in words) == (protocol == "cycles")
 
 
 def test_a_dropped_motion_is_shaken_or_refused(opened: Any, tmp_path: Path) -> None:

@@ -6,7 +6,8 @@ of the structure, ground motions, limits of fields and sentences.
 """
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import field_limits
 from thermobearing.border.toml import read_toml
-from thermobearing.core.compiled.native import DESCRIPTION, FOLDER, read_library
+from thermobearing.core.compiled.native import DESCRIPTION, FOLDER, read_description, read_library
 from thermobearing.core.numbers import PARTS
 from thermobearing.core.records import labels
 from thermobearing.core.types import (
@@ -112,20 +113,21 @@ def live_module() -> bytes:
     ------
     InputError : the installation has none, or it was built from other sources.
     """
-    return _read_module()[0]
+    with _built():
+        return read_library(FOLDER, Path(MODULE).stem)[1]
 
 
-def _read_module() -> tuple[bytes, dict[str, Any]]:
-    """Return the module and the description of the kernels in it."""
+@contextmanager
+def _built() -> Iterator[None]:
+    """Say what to run where the module is missing or does not fit."""
     if not (FOLDER / MODULE).is_file() or not (FOLDER / DESCRIPTION).is_file():
         raise InputError(BUILD)
     try:
-        _, content, description = read_library(FOLDER, Path(MODULE).stem)
+        yield
     except ValueError as problem:
         raise InputError(
             f"The kernels for web pages cannot be used: {problem}. Run `make kernels` again."
         ) from None
-    return content, description
 
 
 def engine_source() -> str:
@@ -150,7 +152,8 @@ def live_data(
     ------
     InputError : the installation has no module, or a name is unknown.
     """
-    _, known = _read_module()
+    with _built():
+        known = read_description(FOLDER)
     entries = {name: known["entries"][name] for name in KERNELS}
     names = list_bearings() if bearings is None else bearings
     chosen = [as_bearing(name) for name in names]

@@ -481,6 +481,7 @@ export class Engine {
     const { kernels } = this;
     const layers = constants.multiplicity.shape[0];
     const cells = constants.cells.capacity.shape[0];
+    /** @type {Record<string, number>} */
     const warm = constants.lead.cores > 0 ? { lead_temperature: ambient } : {};
     const axis = (/** @type {number[]} */ shape) => (line ? [1, ...shape] : shape);
     const state = {
@@ -619,7 +620,7 @@ export class Engine {
    * A structure on bearings under a ground motion.
    * @param {{bearing: any, ambient: number, motion: any, structure?: string, keepEvery?: number}} given
    */
-  bridge({ bearing, ambient, motion, structure = Object.keys(this.structures)[0], keepEvery = 2 }) {
+  bridge({ bearing, ambient, motion, structure = Object.keys(this.structures)[0], keepEvery = 1 }) {
     const { kernels } = this;
     const { constants } = bearing;
     const pier = this.structures[structure];
@@ -699,6 +700,7 @@ export class Engine {
       peaks: {
         bearing_strain: largest(strain), bearing_displacement_mm: largest(displacement), bearing_force_kN: largest(column("force")),
         pier_ductility: ductility, pier_displacement_mm: largest(moved), layer_temperature_degC: first.reduce((m, v) => Math.max(m, v), -Infinity),
+        lead_temperature_degC: constants.lead.cores > 0 ? column("lead_temperature").reduce((m, v) => Math.max(m, v), -Infinity) : NaN,
       },
     };
   }

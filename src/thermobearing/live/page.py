@@ -22,9 +22,10 @@ from thermobearing.border.text_file import write_whole
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.protocol import Cycles
 from thermobearing.live.data import engine_source, live_data, live_module
+from thermobearing.model.constants import SLACK as LAW_SLACK
 from thermobearing.model.outcomes import limits_of_a_step
 from thermobearing.report.html import page_environment, policy_digest
-from thermobearing.results.ranges import SLACK
+from thermobearing.results.ranges import EXTREME, REST, SLACK
 
 START = "lrb-example"  # the bearing that the page opens with
 MOTIONS = ("jra-ii-i-1", "jra-ii-ii-1", "jra-i-i-1")
@@ -98,6 +99,8 @@ def assemble(data: dict[str, Any], module: bytes, engine: str, start: str) -> st
         "start": start,
         "version": version("thermobearing"),
         "slack": SLACK,
+        "law_slack": LAW_SLACK,
+        "counting": {"extreme": EXTREME, "rest_s": REST},
         "warm_lead": NEAR_MELTING * limits_of_a_step().lead,
         "fields": _test_fields(),
         "scaling": EXPONENTS,

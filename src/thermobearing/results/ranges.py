@@ -20,6 +20,7 @@ Row = dict[Any, Any]
 SLACK = 0.02
 MARKED = "Marked: outside the calibration range of the bearing"
 WARM_LEAD = 40.0  # rise of lead from which the adjacent rubber is mentioned [K]
+EXTREME = 0.5  # part of the largest displacement above which an extreme counts
 REST = 600.0  # between two loadings, after which cycles are counted from zero [s]
 NOT_GIVEN = "calibration range not given"
 # Phrases that only warnings on validity contain: those below and that of the temperature law.
@@ -95,9 +96,9 @@ def reached_by(
 def cycles_in_a_row(time: Floats, displacement: Floats) -> float:
     """Return the most cycles without a rest: half the number of alternating extremes.
 
-    Extremes below half the largest one, such as noise of a measurement, do not count.
+    Extremes below a part EXTREME of the largest one, such as noise of a measurement, do not count.
     """
-    large = np.flatnonzero(np.abs(displacement) > 0.5 * np.abs(displacement).max())
+    large = np.flatnonzero(np.abs(displacement) > EXTREME * np.abs(displacement).max())
     if not len(large):
         return 0.0
     side, at = np.sign(displacement[large]), time[large]
@@ -109,7 +110,7 @@ def cycles_in_a_row(time: Floats, displacement: Floats) -> float:
 
 def largest_speed(time: Floats, displacement: Floats) -> float:
     """Return that of a measured history [mm/s], over a tenth of half a cycle to reduce noise."""
-    large = np.flatnonzero(np.abs(displacement) > 0.5 * np.abs(displacement).max())
+    large = np.flatnonzero(np.abs(displacement) > EXTREME * np.abs(displacement).max())
     if len(time) < 2 or not len(large):
         return 0.0
     turns = large[np.flatnonzero(np.diff(np.sign(displacement[large]), prepend=0.0))]

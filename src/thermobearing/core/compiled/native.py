@@ -116,14 +116,20 @@ def open_library() -> tuple[Library | None, str]:
         return None, reason
 
 
+def read_description(folder: Path) -> dict[str, Any]:
+    """Return the description of all libraries; ValueError if built from other sources."""
+    description: dict[str, Any] = json.loads((folder / DESCRIPTION).read_text(encoding="utf-8"))
+    if description["sources"] != sources_digest():
+        raise ValueError("they were built from other sources")
+    return description
+
+
 def read_library(folder: Path, name: str) -> tuple[Path, bytes, dict[str, Any]]:
     """Return the file and the content of a library, and the description of all of them.
 
     ValueError if they were built from other sources, or the content differs from what was built.
     """
-    description = json.loads((folder / DESCRIPTION).read_text(encoding="utf-8"))
-    if description["sources"] != sources_digest():
-        raise ValueError("they were built from other sources")
+    description = read_description(folder)
     known = description["libraries"].get(name)
     if known is None:
         raise ValueError(f"there is no library for {name}")

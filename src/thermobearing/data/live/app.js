@@ -1,6 +1,6 @@
 // The live page: a state, what the engine computes from it, and the views that show it.
 import { createEngine, unpacked } from "./engine.js";
-import { Chart, drawLines, drawStack, fillTable, short } from "./draw.js";
+import { Chart, drawLines, drawStack, fillTable, fixed, put, short } from "./draw.js";
 
 const REFERENCE = 23; // [degC], of most published factors
 const MOST_CYCLES = 100; // and steps that are computed while a slider moves
@@ -108,7 +108,8 @@ function mark(input, problem) {
 
 const testOfState = () => state.protocol === "cycles"
   ? { strain: state.strain, cycles: state.count, wave: state.wave, frequency_hz: state.frequency }
-  : { steps: page.protocols[state.protocol] };
+  : { steps: stepsOfProtocol() };
+const stepsOfProtocol = () => page.protocols[state.protocol].map((step) => ("cycles" in step ? { ...step, wave: state.wave } : step));
 
 function once(kind, key, compute) {
   const name = JSON.stringify([state.base, state.changes, key]);
@@ -156,23 +157,40 @@ function outcomeWords(run) {
   return (language === "ja" && page.outcomes[run.outcome]) || run.sentence;
 }
 
-/** What a test asks of the bearing, in the units of its calibration range. */
-function askedBy(run) {
-  const rubber = bearing.rubber_thickness_mm;
-  const strain = largest(run.displacement.map(Math.abs)) / rubber;
-  let speed = 0;
-  for (let k = 1; k < run.time.length; k++) {
-    const step = run.time[k] - run.time[k - 1];
-    if (step > 0) speed = Math.max(speed, Math.abs(run.displacement[k] - run.displacement[k - 1]) / step);
+/** Most cycles without a rest, counted as results/ranges.py does: half the alternating extremes. */
+function cyclesInARow(time, displacement) {
+  const { extreme, rest_s: rest } = page.counting;
+  const least = extreme * largest(displacement.map(Math.abs));
+  let [most, turns, side, last] = [0, 0, 0, 0];
+  for (let k = 0; k < time.length; k++) {
+    if (!(Math.abs(displacement[k]) > least)) continue;
+    const way = Math.sign(displacement[k]);
+    turns = side && time[k] - last > rest ? 1 : turns + Number(way !== side);
+    [most, side, last] = [Math.max(most, turns), way, time[k]];
   }
-  const temperatures = run.layers.temperature;
+  return most / 2;
+}
+/** What a run asks of the bearing, lowest and highest, in the units of its calibration range. */
+function askedBy(ambient, { time, displacement, temperatures, lead }) {
+  const rubber = bearing.rubber_thickness_mm;
+  let speed = 0;
+  for (let k = 1; k < time.length; k++) {
+    const step = time[k] - time[k - 1];
+    if (step > 0) speed = Math.max(speed, Math.abs(displacement[k] - displacement[k - 1]) / step);
+  }
+  const twice = (value) => [value, value];
   return {
-    strain: [strain, strain], strain_rate: [speed / rubber, speed / rubber],
-    ...(state.protocol === "cycles" ? { cycles: [state.count, state.count] } : {}),
-    ...(run.lead ? { lead_temperature: [smallest(run.lead), largest(run.lead)] } : {}),
+    ambient: twice(ambient), strain: twice(largest(displacement.map(Math.abs)) / rubber), strain_rate: twice(speed / rubber),
+    cycles: twice(cyclesInARow(time, displacement)),
+    ...(lead ? { lead_temperature: [smallest(lead), largest(lead)] } : {}),
     law: [smallest(temperatures), largest(temperatures)],
   };
 }
+const askedByTest = (ambient, run) => askedBy(ambient, { ...run, temperatures: run.layers.temperature });
+const askedByBridge = (ambient, { time, bearing: { displacement_mm: displacement, layer_temperature: temperatures, lead } }) =>
+  askedBy(ambient, { time, displacement, temperatures, lead });
+const farthest = (one, other) => Object.fromEntries(Object.entries(one).map(([what, [low, high]]) =>
+  [what, [Math.min(low, other[what][0]), Math.max(high, other[what][1])]]));
 const UNITS = { strain: [100, " %"], strain_rate: [1, "/s"], ambient: [1, " °C"], cycles: [1, ""], lead_temperature: [1, " °C"], law: [1, " °C"] };
 /** What lies outside the calibration range, beyond the slack that reports have too. */
 function outside(asked) {
@@ -183,8 +201,9 @@ function outside(asked) {
     if (!asked[what] || !range) continue;
     const [low, high] = range;
     const [factor, unit] = UNITS[what];
-    const slack = page.slack * Math.max(high - low, Math.abs(high));
-    const far = asked[what][1] > high + slack ? asked[what][1] : asked[what][0] < low - slack ? asked[what][0] : null;
+    const slack = what === "law" ? page.law_slack : page.slack * Math.max(high - low, Math.abs(high));
+    const [least, most] = asked[what];
+    const far = most > high + slack ? most : least < low - slack ? least : null;
     if (far !== null) found.push(t("outside", { what: t(`what_${what}`), value: short(far * factor), unit, low: short(low * factor), high: short(high * factor) }));
   }
   return found;
@@ -215,24 +234,21 @@ function answer() {
   if (hotter > page.warm_lead) warnings.push(t("melting", { h: short(hotter) }));
   if (isChanged()) warnings.push(t("changed"));
   if (isHalfSpace()) warnings.push(t("half_space"));
-  const beyond = outside({ ambient: [state.ambient, state.ambient], ...askedBy(cold) });
+  const beyond = outside(farthest(askedByTest(state.ambient, cold), askedByTest(state.reference, warm)));
   return { lines, warnings: [...warnings, ...beyond], within: !beyond.length };
 }
 
 let spokenLater = 0;
-function tell(place, { lines, warnings, within }) {
+/** @param {string} place @param {{lines: string[], warnings: string[], notes?: string[], within?: boolean}} said */
+function tell(place, { lines, warnings, notes = [], within = false }) {
   const paragraph = document.createElement("p");
-  paragraph.textContent = lines.join(language === "ja" ? "" : " ");
+  put(paragraph, lines.join(language === "ja" ? "" : " "));
   const list = document.createElement("ul");
-  for (const words of warnings) {
+  const calm = within && !warnings.length ? [t("within"), ...notes] : notes;
+  for (const words of [...warnings.map((one) => `⚠ ${one}`), ...calm]) {
     const item = document.createElement("li");
-    item.className = "warn";
-    item.textContent = `⚠ ${words}`;
-    list.append(item);
-  }
-  if (within && !warnings.length) {
-    const item = document.createElement("li");
-    item.textContent = t("within");
+    if (words.startsWith("⚠")) item.className = "warn";
+    item.textContent = words;
     list.append(item);
   }
   el(place).replaceChildren(paragraph, list);
@@ -243,21 +259,24 @@ function tell(place, { lines, warnings, within }) {
 
 // Tables.
 
+/** @type {[string, string, string, number][]} */
 const COLUMNS = [ // name in a cycle, symbol, unit, factor to the shown unit
   ["G_eq_MPa", "G_e", "MPa", 1], ["h_eq", "h_eq", "1", 1], ["stiffness_kN_mm", "K_eq", "kN/mm", 1],
   ["characteristic_strength_kN", "Q_d", "kN", 1], ["energy_kN_mm", "energy", "kJ", 1e-3],
 ];
+const OF_PYTHON = { stiffness_kN_mm: "K_eq_kN_mm" }; // names of Python's table of cycles
 function showCycles() {
   const { cold, warm } = runs;
-  const heads = [t("cycle"), ...COLUMNS.map(([, name, unit]) => `${name === "energy" ? t("energy") : name} [${unit}]`), `${t("rubber")} [°C]`];
+  const strains = new Set(cold.cycles.map(({ strain }) => strain));
+  const heads = [t("cycle"), ...(strains.size > 1 ? [t("strain")] : []), ...COLUMNS.map(([, name, unit]) => `${name === "energy" ? t("energy") : name} [${unit}]`), `${t("rubber")} [°C]`];
   if (cold.lead) heads.push(`${t("lead")} [°C]`);
   const rows = cold.cycles.map((cycle, at) => {
     const other = warm.cycles[at];
     const cells = COLUMNS.map(([name, , , factor]) => {
-      const relative = other ? ` (${short(cycle[name] / other[name])})` : "";
-      return short(factor * cycle[name]) + relative;
+      const relative = other ? ` (${fixed(cycle[name] / other[name])})` : "";
+      return fixed(factor * cycle[name]) + relative;
     });
-    const row = [String(at + 1), ...cells, `${short(largest(cycle.layer_temperature))}${other ? ` | ${short(largest(other.layer_temperature))}` : ""}`];
+    const row = [String(at + 1), ...(strains.size > 1 ? [short(100 * cycle.strain)] : []), ...cells, `${short(largest(cycle.layer_temperature))}${other ? ` | ${short(largest(other.layer_temperature))}` : ""}`];
     if (cold.lead) row.push(`${short(cycle.lead_temperature)}${other ? ` | ${short(other.lead_temperature)}` : ""}`);
     return row;
   });
@@ -312,9 +331,9 @@ function momentIndex(run) {
 }
 /** Lowest and highest temperature in the cells during a test; the lead is far hotter. */
 function scaleOf(run) {
-  const values = [...run.cells.temperature.subarray(-run.cells.count), ...run.layers.temperature];
-  const low = smallest(values);
-  return [low, Math.max(largest(values), low + 5)];
+  const parts = [run.cells.temperature.subarray(-run.cells.count), run.layers.temperature];
+  const low = Math.min(...parts.map(smallest));
+  return [low, Math.max(...parts.map(largest), low + 5)];
 }
 
 const profileLine = (run) => {
@@ -384,7 +403,7 @@ function showTest() {
   describe(["loops", "warming", "stack", "profile"]);
   showCycles();
   showMoment();
-  el("speed").textContent = t("computed", { n: cold.time.length, ms: short(ms, 2), fps: rate ? short(rate, 2) : "–" });
+  el("speed").textContent = t("computed", { n: cold.steps, ms: short(ms, 2) }) + (rate ? t("redraws", { fps: short(rate, 2) }) : "");
 }
 function showMoment() {
   const run = runs.cold;
@@ -402,19 +421,24 @@ function showBridge() {
   const warnings = [];
   for (const [run, temperature] of [[cold, state.ambient], [warm, state.reference]])
     if (run.outcome !== "completed") warnings.push(`${t("at", { t: degrees(temperature) })}: ${outcomeWords(run)}`);
-  const strain = Math.max(cold.peaks.bearing_strain, warm.peaks.bearing_strain);
-  warnings.push(...outside({ ambient: [state.ambient, state.ambient], strain: [strain, strain] }));
-  tell("bridge-answer", { lines, warnings, within: false });
+  const { strain_rate: [, fastest], ...asked } = farthest(askedByBridge(state.ambient, cold), askedByBridge(state.reference, warm));
+  if (isChanged()) warnings.push(t("changed"));
+  if (isHalfSpace()) warnings.push(t("half_space"));
+  const beyond = outside(asked);
+  const tested = bearing.tested_range?.strain_rate?.[1] ?? Infinity; // earthquakes are faster: a note, as in Python
+  const notes = fastest > tested * (1 + page.slack) ? [t("rate_note", { v: short(fastest), high: short(tested), n: short(fastest / tested) })] : [];
+  tell("bridge-answer", { lines, warnings: [...warnings, ...beyond], notes, within: !beyond.length && !notes.length });
   draw("bridge_strain", "bridge_force", "bridge_pier");
   describe(["bridge_strain", "bridge_force", "bridge_pier"]);
   const rows = Object.entries(PEAKS).filter(([name]) => Number.isFinite(cold.peaks[name])).map(([name, factor]) => {
     const [a, b] = [factor * cold.peaks[name], factor * warm.peaks[name]];
-    return [t(name), short(a), short(b), name.endsWith("degC") ? "" : short(a / b)];
+    return [t(name), fixed(a), fixed(b), name.endsWith("degC") ? "" : fixed(a / b)];
   });
   fillTable(el("peaks"), [t("quantity"), t("at", { t: values.t }), t("at", { t: values.r }), t("ratio")], rows);
   el("bridge-time").textContent = t("run_time", { ms: short(ms, 2) });
 }
 
+const NAMES = { K_eq: "stiffness_kN_mm", Q_d: "characteristic_strength_kN", K_d: "post_yield_stiffness_kN_mm", h_eq: "h_eq" };
 const CODES = { strain: 1, cycles: 3, wave: "sine", frequency_hz: 0.5 };
 const GRID = [-40, -30, -20, -10, 0, 10, 20, 30, 40];
 const codesRun = (ambient) => once("codes", ambient, () => {
@@ -451,17 +475,19 @@ function showCodes() {
   const values = { t: degrees(state.ambient), r: degrees(state.reference), s: 100 * CODES.strain, p: 1 / CODES.frequency_hz };
   el("codes-words").textContent = t("codes_words", values);
   if (cold.cycles.length && warm.cycles.length) {
-    const shown = [["stiffness_kN_mm", "K_eq"], ["characteristic_strength_kN", "Q_d"], ["post_yield_stiffness_kN_mm", "K_d"], ["h_eq", "h_eq"], ["energy_kN_mm", t("energy")]];
+    const shown = [...Object.entries(NAMES).map(([symbol, name]) => [name, symbol]), ["energy_kN_mm", t("energy")]];
     const factor = (name, at) => cold.cycles.at(at)[name] / warm.cycles.at(at)[name];
-    fillTable(el("codes"), [t("quantity"), t("codes_first"), t("codes_third")], shown.map(([name, head]) => [head, short(factor(name, 0)), short(factor(name, -1))]));
+    fillTable(el("codes"), [t("quantity"), t("codes_first"), t("codes_third")], shown.map(([name, head]) => [head, fixed(factor(name, 0)), fixed(factor(name, -1))]));
     draw("codes_curve");
     describe(["codes_curve"]);
   }
   el("published-caption").textContent = t("codes_published", values);
-  fillTable(el("published"), [t("quantity"), t("codes_factor"), t("codes_reference"), t("codes_source")], published().map((row) => {
+  fillTable(el("published"), [t("quantity"), t("codes_factor"), t("codes_own"), t("codes_reference"), t("codes_source")], published().map((row) => {
     const [low, high] = [row.temperatures[0], row.temperatures.at(-1)];
-    const text = Number.isFinite(row.value) ? short(row.value) : t("outside_table", { low: short(low), high: short(high) });
-    return [`${row.quantity}: ${row.name}`, text, `${short(row.reference_temperature)} °C`, row.unverified ? `${row.source} (${t("unverified")})` : row.source];
+    const text = Number.isFinite(row.value) ? fixed(row.value) : t("outside_table", { low: short(low), high: short(high) });
+    const [name, there] = [NAMES[row.quantity], codesRun(row.reference_temperature).cycles];
+    const own = [0, -1].map((at) => fixed((cold.cycles.at(at)?.[name] ?? NaN) / (there.at(at)?.[name] ?? NaN))).join(" | ");
+    return [`${row.quantity}: ${row.name}`, text, own, `${short(row.reference_temperature)} °C`, row.unverified ? `${row.source} (${t("unverified")})` : row.source];
   }));
 }
 
@@ -482,7 +508,7 @@ function bearingToml() {
   const lines = [`name = "${state.base}-changed"`, `based_on = "${state.base}"`];
   const groups = new Map();
   for (const [path, value] of differences()) {
-    const [, table, key] = path.match(/^(.*)\.([^.]*)$/);
+    const [table, key] = path.split(/\.(?=[^.]*$)/);
     const { unit } = page.ranges[path];
     const text = !unit || unit === "1" ? String(value) : `"${value} ${unit}"`;
     groups.set(table, [...(groups.get(table) ?? []), `${key} = ${text}`]);
@@ -497,20 +523,27 @@ function bearingToml() {
 const waveName = () => (state.wave === "triangle" ? "triangular" : "sine");
 const fileOfBearing = () => (isChanged() ? `${state.base}-changed.toml` : state.base);
 function caseToml() {
-  const test = state.protocol === "cycles"
-    ? `[[test.steps]]\nstep = "cycles"\nstrain = ${state.strain}\nfrequency = "${state.frequency} Hz"\nwave = "${waveName()}"\ncount = ${state.count}\n`
-    : "";
+  const cycles = ({ strain, wave, count, ...more }) => `[[test.steps]]\nstep = "cycles"\nstrain = ${strain}\nwave = "${wave}"\ncount = ${count}\n` +
+    Object.entries(more).map(([key, value]) => `${key} = ${value}\n`).join("");
+  const wave = waveName();
+  const steps = state.protocol === "cycles"
+    ? [cycles({ strain: state.strain, wave, count: state.count, frequency: `"${state.frequency} Hz"` })]
+    : stepsOfProtocol().map((step) => ("cycles" in step
+      ? cycles({ strain: step.strain, wave, count: step.cycles, speed: `"${step.speed_mm_s} mm/s"`, closing_strain: step.closing_strain })
+      : `[[test.steps]]\nstep = "rest"\nduration = "${step.rest_s} s"\n`));
+  const test = steps.join("\n");
   return `bearing = "${fileOfBearing()}"\nambient = ["${state.ambient} degC", "${state.reference} degC"]\n\n${test}${isHalfSpace() ? '\n[analysis]\nlead_ends = "half-space"\n' : ""}`;
 }
 function showExport() {
   runs = runs ?? computeTest();
   const cycles = state.protocol === "cycles";
   const ends = isHalfSpace() ? " --lead-ends half-space" : "";
-  const words = cycles ? ` --strain ${state.strain} --wave ${waveName()} --frequency ${state.frequency} --cycles ${state.count}` : "";
+  const words = ` --wave ${waveName()}` + (cycles ? ` --strain ${state.strain} --frequency ${state.frequency} --cycles ${state.count}` : "");
   el("command-text").textContent = `thermobearing cyclic --bearing ${fileOfBearing()} --ambient ${state.ambient} --ambient ${state.reference}${words}${ends} -o test\n` +
     `thermobearing bridge --bearing ${fileOfBearing()} --motion ${dropped?.name ?? state.motion} --ambient ${state.ambient} --ambient ${state.reference}${ends} -o bridge`;
-  const test = cycles ? `, tb.cyclic_test(strain=${state.strain}, wave="${waveName()}", frequency=${state.frequency}, cycles=${state.count})` : "";
-    el("python-text").textContent = `import thermobearing as tb\n\nbearing = tb.load_bearing("${fileOfBearing()}")\nresult = tb.run(bearing${test}, ambient=[${state.ambient}, ${state.reference}]${isHalfSpace() ? ', lead_ends="half-space"' : ""})\nprint(result.cycles)`;
+  const values = cycles ? `strain=${state.strain}, frequency=${state.frequency}, cycles=${state.count}, closing_strain=None, ` : "";
+  const test = `, tb.cyclic_test(${values}wave="${waveName()}")`;
+  el("python-text").textContent = `import thermobearing as tb\n\nbearing = tb.load_bearing("${fileOfBearing()}")\nresult = tb.run(bearing${test}, ambient=[${state.ambient}, ${state.reference}]${isHalfSpace() ? ', lead_ends="half-space"' : ""})\nprint(result.cycles)`;
   el("toml-text").textContent = (isChanged() ? `# ${fileOfBearing()}\n${bearingToml()}\n\n# case.toml\n` : "# case.toml\n") + caseToml();
   el("link-text").textContent = location.href.split("#")[0] + address();
 }
@@ -529,13 +562,14 @@ function historiesCsv() {
   const { count } = runs.cold.layers;
   for (let layer = 1; layer <= count; layer++) heads.push(`rubber${layer}_degC`);
   if (runs.cold.lead) heads.push("lead_degC");
+  /** @type {(string | number)[][]} */
   const rows = [heads];
   for (const [run, ambient] of [[runs.cold, state.ambient], [runs.warm, state.reference]])
     run.time.forEach((time, k) => rows.push([ambient, time, run.displacement[k], run.force[k], ...run.layers.temperature.subarray(k * count, (k + 1) * count), ...(run.lead ? [run.lead[k]] : [])].map((value) => Number(value.toPrecision(9)))));
   return csvFile(rows);
 }
 function cyclesCsv() {
-  const rows = [["ambient_degC", "cycle", ...COLUMNS.map(([name]) => name), "post_yield_stiffness_kN_mm", "rubber_degC", "lead_degC"]];
+  const rows = [["ambient_degC", "cycle", ...COLUMNS.map(([name]) => OF_PYTHON[name] ?? name), "post_yield_stiffness_kN_mm", "rubber_degC", "lead_degC"]];
   for (const [run, ambient] of [[runs.cold, state.ambient], [runs.warm, state.reference]])
     run.cycles.forEach((cycle, at) => rows.push([ambient, at + 1, ...COLUMNS.map(([name]) => cycle[name]), cycle.post_yield_stiffness_kN_mm, largest(cycle.layer_temperature), cycle.lead_temperature ?? ""]));
   return csvFile(rows);
@@ -586,14 +620,14 @@ function showView(view) {
   }
   el("results").setAttribute("aria-labelledby", `tab-${view}`);
   for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-views]")))
-    part.hidden = !part.dataset.views.split(" ").includes(view);
+    part.hidden = !part.dataset.views?.split(" ").includes(view);
   update();
 }
 
 function showWords() {
   document.documentElement.lang = language;
   document.title = t("title");
-  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-word]"))) part.textContent = t(part.dataset.word);
+  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-word]"))) put(part, t(part.dataset.word));
   for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-label]"))) part.setAttribute("aria-label", t(part.dataset.label));
   el("language").textContent = t("language");
   el("language").lang = language === "ja" ? "en" : "ja";
@@ -610,7 +644,7 @@ function showControls() {
     mark(el(name), "");
   }
   for (const name of ["base", "protocol", "wave", "motion"]) el(name).value = state[name];
-  for (const name of ["strain", "frequency", "count", "wave"]) el(name).disabled = state.protocol !== "cycles";
+  for (const name of ["strain", "frequency", "count"]) el(name).disabled = state.protocol !== "cycles";
 }
 
 /** The fields of sizes and parameters of the bearing that is shown. */
@@ -627,7 +661,7 @@ function showSizes() {
     const name = `size-${path.replaceAll(".", "-")}`;
     const unit = page.ranges[path]?.unit;
     label.htmlFor = input.id = name;
-    label.textContent = `${page.labels[path][language]}${unit && unit !== "1" ? ` [${unit}]` : ""}`;
+    put(label, `${page.labels[path][language]}${unit && unit !== "1" ? ` [${unit}]` : ""}`);
     Object.assign(input, { type: "text", inputMode: "decimal", autocomplete: "off", value: g(value) });
     input.setAttribute("aria-describedby", `${name}-error`);
     Object.assign(error, { id: `${name}-error`, className: "error" });
@@ -817,6 +851,7 @@ function listen() {
   addEventListener("afterprint", () => again(false));
   addEventListener("hashchange", () => { readAddress(); chooseBearing(state.changes); showControls(); showWords(); showView(state.view); });
 }
+/** @returns {Chart} */
 function loopsFile() {
   charts.loops.make = MAKERS.loops;
   return charts.loops;

@@ -16,12 +16,30 @@ export function short(value, digits = 3) {
   return text.replace("-", "−");
 }
 
-/** Round values in a range, and their words. */
+/** Number in so many digits, also where they are zeros: for tables. */
+export function fixed(value, digits = 3) {
+  const plain = Math.abs(value) < 10 ** digits && Math.abs(value) >= 1e-3;
+  return plain ? value.toPrecision(digits).replace("-", "−") : short(value, digits);
+}
+
+/** Put words into a part of the page, with K_eq and the like as symbols with an index. */
+export function put(part, words) {
+  part.replaceChildren(...words.split(/(?<![\w.])([A-Za-zα]_\w{1,2})\b/).map((piece, at) => {
+    if (at % 2 === 0) return piece;
+    const [whole, index] = [document.createElement("span"), document.createElement("sub")];
+    index.textContent = piece.slice(2);
+    whole.append(piece[0], index);
+    return whole;
+  }));
+}
+
+/** Round values in a range, and their words. @param {number[]} range @param {number} most @returns {[number, string][]} */
 function ticks([low, high], most) {
   const raw = (high - low) / Math.max(most, 2);
   const power = 10 ** Math.floor(Math.log10(raw));
-  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= 0.999 * raw);
+  const step = power * ([1, 2, 5, 10].find((factor) => factor * power >= 0.999 * raw) ?? 10);
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  /** @type {[number, string][]} */
   const found = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++)
     found.push([k * step, (k * step).toFixed(digits).replace("-", "−").replace(/^−(0\.?0*)$/, "$1")]);
@@ -45,14 +63,18 @@ function extent(arrays) {
 
 /** The few calls of a canvas that a drawing needs, written as SVG. */
 class SvgPen {
+  fillStyle = "#000";
+  strokeStyle = "#000";
+  lineWidth = 1;
+  font = "12px";
+  textAlign = "left";
+  textBaseline = "alphabetic";
   constructor(width, height) {
     this.size = [width, height];
     this.parts = [];
     this.path = "";
     this.turned = "";
     this.dash = [];
-    Object.assign(this, { fillStyle: "#000", strokeStyle: "#000", lineWidth: 1, font: "12px" });
-    Object.assign(this, { textAlign: "left", textBaseline: "alphabetic" });
   }
   beginPath() { this.path = ""; }
   moveTo(x, y) { this.path += `M${x.toFixed(2)} ${y.toFixed(2)}`; }
@@ -258,6 +280,11 @@ export function drawStack(pen, [width, height], spec, colours) {
       pen.strokeStyle = colours.paper;
       pen.lineWidth = 1.2;
       pen.strokeRect(x - d / 2, start + factor * spec.lead.cover, d, factor * (total - 2 * spec.lead.cover));
+      pen.fillStyle = spec.lead.temperature > (low + high) / 2 ? "#000" : "#fff";
+      pen.textAlign = "center";
+      pen.textBaseline = "middle";
+      const words = `${short(spec.lead.temperature)} °C`;
+      if (pen.measureText(words).width < d) pen.fillText(words, x, start + (factor * total) / 2);
     }
   }
   const x = width - bar + 4;
@@ -315,11 +342,11 @@ export class Chart {
     const canvas = document.createElement("canvas");
     canvas.width = 1520;
     canvas.height = 920;
-    const pen = canvas.getContext("2d");
+    const pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
     pen.scale(2, 2);
     const colours = palette(true);
     this.draw(pen, [760, 460], this.make(colours), colours);
-    return new Promise((done) => canvas.toBlob((blob) => done(blob), "image/png"));
+    return new Promise((done) => canvas.toBlob((blob) => done(blob ?? new Blob()), "image/png"));
   }
 }
 
@@ -333,7 +360,7 @@ export function fillTable(table, heads, rows) {
     const cell = document.createElement("th");
     cell.scope = "col";
     if (at && (!rows.length || isAmount(rows[0][at]))) cell.className = "amount";
-    cell.textContent = words;
+    put(cell, words);
     line.append(cell);
   }
   head.append(line);
@@ -343,7 +370,7 @@ export function fillTable(table, heads, rows) {
       const cell = document.createElement(at ? "td" : "th");
       if (!at) cell.scope = "row";
       else if (isAmount(words)) cell.className = "amount";
-      cell.textContent = words;
+      put(cell, words);
       tr.append(cell);
     }
     body.append(tr);
