@@ -204,3 +204,13 @@ def build(
     (folder / "thermobearing.h").write_text(text, encoding="utf-8")
     whole = json.dumps({**described, "libraries": libraries}, indent=1)
     (folder / "kernels.json").write_text(whole + "\n", encoding="utf-8")
+    if any(target.name.startswith("linux-x86_64") for target in targets):
+        build_material(folder, (*_ZIG, "cc", "-target", "x86_64-linux-gnu.2.17", "-s"))
+
+
+def build_material(folder: Path, compiler: Sequence[str]) -> None:
+    """Write the material of OpenSees, which loads the library of a level itself."""
+    source = Path(__file__).with_name("opensees.c")
+    flags = ("-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC")
+    names = (f"-I{folder}", str(source), "-ldl", "-Wl,-soname,ThermoBearing.so")
+    subprocess.run([*compiler, *flags, *names, "-o", folder / "ThermoBearing.so"], check=True)

@@ -33,7 +33,7 @@ def ends() -> Iterator[tuple[socket.socket, socket.socket]]:
         yield client, server
 
 
-def test_setup_has_the_bytes_of_opensees() -> None:
+def test_setup_has_the_bytes_of_the_client() -> None:
     """GenericClient.cpp: sizes of control, sizes of data acquisition, dataSize."""
     setup = Setup.smallest(2)
     assert struct.unpack("=11i", setup.encode()) == (2, 2, 2, 0, 1, 0, 0, 0, 2, 0, 8)

@@ -170,6 +170,16 @@ class BearingElement:
         """
         return self._committed
 
+    @property
+    def constants(self) -> Constants:
+        """The constants of the coupled step."""
+        return self._constants
+
+    @property
+    def ambient(self) -> float:
+        """The default ambient temperature of a trial [degC]."""
+        return self._ambient
+
     def __repr__(self) -> str:
         books = self._committed.books
         return (

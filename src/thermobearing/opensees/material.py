@@ -1,0 +1,230 @@
+"""Bearings as uniaxial materials that OpenSees runs itself, without a server.
+
+`kernels/opensees.c` is such a material: it calls the step kernel of the libraries that are built
+ahead of time. What it reads is written here: the constants, states and workspace of a bearing as
+they lie in memory, and where among them the pointers are.
+"""
+
+import ctypes
+import struct
+import sys
+import tempfile
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import BuiltinFunctionType
+from typing import Any
+
+import numpy as np
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.units import is_number
+from thermobearing.core.compiled import native
+from thermobearing.core.types import State, new_workspace
+from thermobearing.model.element import BearingElement
+
+NAME = "ThermoBearing"  # of the type of material
+KIND = b"tb-ops-1"
+HEAD = struct.Struct("=8s9q4d")  # `Head` in kernels/opensees.c
+ALIGNED = 64  # [bytes]
+STEP = "core.step.step"
+LEAST_DT = 1e-6  # of a step whose domain time does not advance [s]
+
+
+class _Image:
+    """Records and arrays as kernels take them, with offsets in place of addresses."""
+
+    def __init__(self, description: dict[str, Any]) -> None:
+        self.records = description["records"]
+        self.content = bytearray()
+        self.pointers: list[int] = []  # where an offset stands
+
+    def add(self, content: bytes) -> int:
+        """Append bytes and return their offset."""
+        self.content += bytes(-len(self.content) % ALIGNED)
+        offset = len(self.content)
+        self.content += content
+        return offset
+
+    def slots(self, kind: Any, value: Any) -> list[Any]:
+        """Append the arrays of a value and return its slots; offsets stand in lists."""
+        if isinstance(kind, str):
+            return [float(value) if kind == "float" else int(value)]
+        if "record" in kind:
+            fields = zip(self.records[kind["record"]], value, strict=True)
+            return [slot for (_, inner), one in fields for slot in self.slots(inner, one)]
+        return [[self.add(np.ascontiguousarray(value).tobytes())], *value.shape]
+
+    def table(self, slots: list[Any]) -> int:
+        """Append a table and return its offset."""
+        plain = [one[0] if isinstance(one, list) else one for one in slots]
+        form = "".join("d" if isinstance(one, float) else "q" for one in plain)
+        offset = self.add(struct.pack(f"={form}", *plain))
+        self.pointers += [offset + 8 * k for k, one in enumerate(slots) if isinstance(one, list)]
+        return offset
+
+
+def write_material(
+    file: str | Path,
+    element: BearingElement,
+    *,
+    length: float = 1000.0,
+    force: float = 1000.0,
+    dt: float | None = None,
+) -> Path:
+    """Write what `uniaxialMaterial ThermoBearing TAG FILE` reads in Tcl and xara.
+
+    The file belongs to this machine: it names the library with the kernels.
+
+    Parameters
+    ----------
+    file : to be written.
+    element : from `tb.element`; its committed state is that at the start.
+    length : millimetres in a unit of length of the model; 1000 for metres.
+    force : units of force of the model in a kilonewton; 1000 for newtons.
+    dt : length of every step [s], for static analyses, where the time of the domain is a load
+        factor; that by which the domain's time advances by default.
+
+    Returns
+    -------
+    Path : the file.
+
+    Raises
+    ------
+    InputError : a number that is not positive; no compiled kernels for this machine.
+
+    Examples
+    --------
+    >>> import tempfile, thermobearing as tb
+    >>> pier = tb.element("shen-hdr-bridge", ambient=-20)
+    >>> folder = tempfile.mkdtemp()
+    >>> write_material(Path(folder, "pier"), pier, force=1.0).name  # the model has kN and m
+    'pier'
+    """
+    file = Path(file)
+    file.write_bytes(_pack(element, length, force, dt)[0])
+    return file
+
+
+def _pack(
+    element: BearingElement, length: float, force: float, dt: float | None
+) -> tuple[bytes, list[int]]:
+    """Return the content of a file, and the offsets of the arrays of the committed state."""
+    for name, number in {"length": length, "force": force, "dt": 1.0 if dt is None else dt}.items():
+        if not is_number(number) or not 0.0 < number < np.inf:
+            raise InputError(f"{name} = {number!r}: must be a positive number")
+    library, reason = native.open_library()
+    if library is None:
+        raise InputError(f"{reason} A material of OpenSees needs them.")
+    image = _Image(library.description)
+    kinds = dict(library.description["entries"][STEP]["arguments"])
+    state = element.state
+    values = {
+        "constants": element.constants,
+        "work": new_workspace(element.constants),
+        "state": state,
+        "new": state,
+    }
+    arguments: dict[str, Any] = {"x": 0.0, "dt": 0.0, "ambient": element.ambient}
+    begins, arrays = {}, {}
+    for name, value in values.items():
+        begins[name] = image.add(b"")
+        slots = image.slots(kinds[name], value)
+        arrays[name] = [slot[0] for slot in slots if isinstance(slot, list)]
+        size = len(image.content) - begins[name]
+        arguments[name] = [image.table(slots)]
+    begin = begins["state"]
+    start = image.add(bytes(image.content[begin : begin + size]))
+    call = image.table([*(arguments[name] for name in kinds), 0.0, 0.0, 0])
+    texts = (str(library.file), library.description["sources"])
+    places = [image.add(text.encode() + b"\0") for text in texts]
+    count = len(image.pointers)
+    offsets = (len(image.content), count, call, start, begin, begins["new"], size, *places)
+    head = HEAD.pack(KIND, *offsets, length, force, dt or 0.0, LEAST_DT)
+    return head + struct.pack(f"={count}q", *image.pointers) + image.content, arrays["state"]
+
+
+@cache
+def _material_library() -> ctypes.PyDLL:
+    """Load `ThermoBearing.so`; a loader that is asked for this name finds it from then on."""
+    file = native.FOLDER / f"{NAME}.so"
+    try:
+        code = ctypes.PyDLL(str(file))  # openseespy writes messages through Python
+    except OSError as problem:
+        raise InputError(f"materials of OpenSees: {problem}; `make kernels` builds it") from None
+    code.thermobearing_problem.restype = ctypes.c_char_p
+    code.thermobearing_image.restype = ctypes.c_void_p
+    return code
+
+
+@dataclass(frozen=True)
+class Material:
+    """A bearing as a uniaxial material of a program.
+
+    Attributes
+    ----------
+    tag : of the material.
+    """
+
+    tag: int
+    _template: State
+    _arrays: list[int]
+
+    def states(self) -> list[State]:
+        """Return copies of the committed states of all elements with this material.
+
+        They have the order in which the elements were added, and the fields of
+        `BearingElement.state`.
+        """
+        code = _material_library()
+        found: list[State] = []
+        while address := code.thermobearing_image(self.tag, len(found) + 1):
+            arrays: list[Any] = []
+            for at, one in zip(self._arrays, self._template, strict=True):
+                content = np.frombuffer(ctypes.string_at(address + at, one.nbytes), one.dtype)
+                arrays.append(content.reshape(one.shape).copy())
+            found.append(State(*arrays))
+        return found
+
+
+def add_material(
+    program: Any,
+    tag: int,
+    element: BearingElement,
+    *,
+    length: float = 1000.0,
+    force: float = 1000.0,
+    dt: float | None = None,
+) -> Material:
+    """Add a bearing as a uniaxial material to the model of a program; elements copy it.
+
+    Strain is displacement and stress is force: it is meant for `zeroLength`, `twoNodeLink` and
+    the like, one material of any kind for each direction.
+
+    Parameters
+    ----------
+    program : the module `openseespy.opensees`, or a `Model` of xara.
+    tag : of the material.
+    element : from `tb.element`; its committed state is that at the start.
+    length, force, dt : as of `write_material`.
+
+    Returns
+    -------
+    Material : its `states` are those of the bearings.
+
+    Raises
+    ------
+    InputError : the tag is in use; this version of the program cannot take it.
+    """
+    content, arrays = _pack(element, length, force, dt)
+    code = _material_library()
+    with tempfile.NamedTemporaryFile(suffix=".bearing") as file:
+        file.write(content)
+        file.flush()
+        if not isinstance(program.wipe, BuiltinFunctionType):  # xara, which loads by name
+            program.uniaxialMaterial(NAME, tag, file.name)
+        else:
+            module = str(sys.modules[program.wipe.__module__].__file__)
+            if code.thermobearing_add(module.encode(), tag, file.name.encode()):
+                raise InputError(f"add_material(): {code.thermobearing_problem().decode()}")
+    return Material(tag, element.save(), arrays)

@@ -1,0 +1,208 @@
+"""Bearings as materials that OpenSees runs itself, compared with `tb.element` step by step."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from kernels.build import build_material
+from tests.opensees import needs_opensees, ops
+from thermobearing.core.compiled import native
+from thermobearing.opensees import material
+from thermobearing.opensees.material import Material, add_material, write_material
+
+pytestmark = [
+    needs_opensees,
+    pytest.mark.skipif(native.open_library()[0] is None, reason=native.open_library()[1]),
+]
+MASS = 150e3  # [kg] on a bearing of a bridge
+DT = 0.02  # [s]
+CLOSE = 1e-9  # of forces, relative to the largest: rounding
+BEARING = "shen-lhdr-bridge"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def library() -> None:
+    """Build the library where an older `make kernels` has left none."""
+    if not (native.FOLDER / "ThermoBearing.so").exists():
+        build_material(native.FOLDER, ["cc"])
+
+
+@pytest.fixture
+def new_model() -> Iterator[Callable[..., Material]]:
+    """Return what builds a mass on one or more bearings in parallel, in m and N."""
+
+    def build(count: int = 1, bearing: str = BEARING, **options: Any) -> Material:
+        ops.wipe()
+        ops.model("basic", "-ndm", 2, "-ndf", 3)
+        ops.node(1, 0.0, 0.0)
+        ops.node(2, 0.0, 0.0)
+        ops.fix(1, 1, 1, 1)
+        ops.fix(2, 0, 1, 1)
+        ops.mass(2, MASS, 0.0, 0.0)
+        found = add_material(ops, 7, tb.element(bearing, ambient=-20), **options)
+        for k in range(count):
+            ops.element("zeroLength", 1 + k, 1, 2, "-mat", 7, "-dir", 1)
+        ops.constraints("Plain")
+        ops.numberer("Plain")
+        ops.system("BandGeneral")
+        ops.test("NormDispIncr", 1e-12, 30)
+        ops.algorithm("Newton")
+        return found
+
+    yield build
+    ops.wipe()
+
+
+def shake() -> None:
+    t = DT * np.arange(400)
+    ops.timeSeries("Path", 1, "-dt", DT, "-values", *(3.0 * np.sin(4.0 * t)))
+    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+    ops.integrator("Newmark", 0.5, 0.25)
+    ops.analysis("Transient")
+
+
+def steps(count: int, dt: float = DT) -> np.ndarray:
+    """Displacement [mm] and force of the first bearing [kN] at the end of each step."""
+    found = []
+    for _ in range(count):
+        assert ops.analyze(1, dt) == 0
+        found.append((1e3 * ops.nodeDisp(2, 1), 1e-3 * ops.basicForce(1)[0]))
+    return np.array(found)
+
+
+def followed(path: Any, dt: Any = DT, bearing: str = BEARING) -> tuple[np.ndarray, Any]:
+    """Forces of `tb.element` along displacements [kN], and the element."""
+    twin, force = tb.element(bearing, ambient=-20), []
+    for x, step in np.broadcast(path, dt):
+        force.append(twin.set_trial(float(x), dt=float(step)).force)
+        twin.commit()
+    return np.array(force), twin
+
+
+@pytest.mark.parametrize("bearing", ["shen-lhdr-bridge", "shen-hdr-bridge"])
+def test_an_earthquake_gives_the_forces_and_temperatures_of_the_element(
+    new_model: Any, bearing: str
+) -> None:
+    found = new_model(bearing=bearing)
+    shake()
+    x, force = steps(200).T
+    expected, twin = followed(x, bearing=bearing)
+    assert np.abs(x).max() > 20.0
+    assert_allclose(force, expected, rtol=0.0, atol=CLOSE * np.abs(expected).max())
+    (state,) = found.states()
+    assert_allclose(state.temperature, twin.state.temperature, rtol=0.0, atol=1e-9)
+    assert state.temperature.max() > -19.99
+    assert state.books["clock"][0] == pytest.approx(200 * DT)
+
+
+def test_elements_have_states_of_their_own(new_model: Any) -> None:
+    found = new_model(count=3)
+    ops.remove("ele", 2)
+    shake()
+    steps(40)
+    one, other = found.states()
+    assert_allclose(one.temperature, other.temperature, rtol=0.0, atol=0.0)
+    one.temperature[:] = 0.0
+    assert found.states()[0].temperature[0] != 0.0
+    ops.wipe()
+    assert not found.states()
+
+
+def test_reset_starts_again(new_model: Any) -> None:
+    found = new_model()
+    shake()
+    first = steps(50)
+    ops.reset()
+    (state,) = found.states()
+    assert state.temperature == pytest.approx(-20.0)
+    assert state.books["clock"][0] == 0.0
+    assert_allclose(steps(50), first, rtol=0.0, atol=CLOSE * np.abs(first).max())
+
+
+def test_time_set_back_after_gravity_is_no_step(new_model: Any) -> None:
+    found = new_model()
+    ops.timeSeries("Linear", 9)
+    ops.pattern("Plain", 9, 9)
+    ops.load(2, 0.0, -1.0, 0.0)
+    ops.integrator("LoadControl", 0.1)
+    ops.analysis("Static")
+    assert ops.analyze(10) == 0
+    ops.loadConst("-time", 0.0)
+    ops.wipeAnalysis()
+    assert found.states()[0].books["clock"][0] == pytest.approx(1.0)
+    ops.system("BandGeneral")
+    ops.test("NormDispIncr", 1e-12, 30)
+    shake()
+    x, force = steps(50).T
+    expected, _ = followed(np.append(np.zeros(10), x), np.repeat([0.1, DT], [10, 50]))
+    assert found.states()[0].books["clock"][0] == pytest.approx(1.0 + 50 * DT)
+    assert_allclose(force, expected[10:], rtol=0.0, atol=CLOSE * np.abs(expected).max())
+
+
+def test_a_failed_step_leaves_no_trace(new_model: Any) -> None:
+    new_model()
+    shake()
+    first = steps(30)
+    ops.test("NormDispIncr", 1e-30, 2)
+    assert ops.analyze(1, DT) != 0
+    ops.test("NormDispIncr", 1e-12, 30)
+    x, force = np.concatenate([first, steps(4, DT / 2)]).T
+    expected = followed(x, np.repeat([DT, DT / 2], [30, 4]))[0]
+    assert_allclose(force, expected, rtol=0.0, atol=CLOSE * np.abs(expected).max())
+
+
+def test_a_static_analysis_has_the_step_that_is_given(new_model: Any) -> None:
+    found = new_model(dt=0.5)
+    ops.timeSeries("Linear", 9)
+    ops.pattern("Plain", 9, 9)
+    ops.load(2, 1.0, 0.0, 0.0)
+    ops.analysis("Static")
+    x, force = [], []
+    for goal, step in ((30, 0.001), (-30, -0.001), (0, 0.001)):
+        ops.integrator("DisplacementControl", 2, 1, step)
+        while abs(1e3 * ops.nodeDisp(2, 1) - goal) > 0.5:
+            row = steps(1)[0]
+            x.append(row[0])
+            force.append(row[1])
+    assert len(x) == 120
+    expected = followed(np.array(x), dt=0.5)[0]
+    assert_allclose(force, expected, rtol=0.0, atol=CLOSE * np.abs(expected).max())
+    assert found.states()[0].books["clock"][0] == pytest.approx(60.0)
+
+
+def test_initial_stiffness_is_that_of_the_first_moment(new_model: Any) -> None:
+    new_model()
+    frequency = np.sqrt(ops.eigen("-fullGenLapack", 1)[0])
+    first = tb.element(BEARING, ambient=-20).set_trial(0.0, dt=material.LEAST_DT)
+    assert frequency == pytest.approx(np.sqrt(first.tangent * 1e6 / MASS), rel=1e-9)
+
+
+def test_what_cannot_be_added_is_an_error(
+    new_model: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    new_model()
+    bearing = tb.element(BEARING, ambient=-20)
+    with pytest.raises(tb.InputError) as found:
+        add_material(ops, 7, bearing)
+    assert "7" in str(found.value)
+    for options in ({"length": 0.0}, {"force": float("inf")}, {"dt": -1.0}):
+        with pytest.raises(tb.InputError) as found:
+            write_material(tmp_path / "file", bearing, **options)
+        assert next(iter(options)) in str(found.value)
+    assert not (tmp_path / "file").exists()
+    whole = material._pack
+    for cut, word in (
+        (lambda c: c[:-1], "whole"),
+        (lambda c: c.replace(b".so\0", b".no\0"), ".no"),
+    ):
+        monkeypatch.setattr(
+            material, "_pack", lambda *a, cut=cut: (cut(whole(*a)[0]), whole(*a)[1])
+        )
+        with pytest.raises(tb.InputError) as found:
+            add_material(ops, 8, bearing)
+        assert word in str(found.value)
