@@ -15,13 +15,15 @@ PROCESSOR = {
 
 def main(names: list[str]) -> None:
     """Compile the faces of all kernels that Python calls, and link them for each platform."""
-    from kernels.build import TARGETS, build
+    from kernels.build import TARGETS, build, build_material
     from kernels.entries import compile_all
     from thermobearing.core.compiled.native import FOLDER
 
     targets = [one for one in TARGETS if not names or one.name in names]
     faces, described = compile_all(lockstep=any(one.suffix != "wasm" for one in targets))
     build(faces, described, FOLDER, targets)
+    if any(target.name.startswith("linux-x86_64") for target in targets):
+        build_material(FOLDER)
 
 
 if __name__ == "__main__":

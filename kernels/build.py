@@ -46,6 +46,9 @@ _WASM = (
 )
 
 
+MATERIAL = (*_ZIG, "cc", "-target", "x86_64-linux-gnu.2.17", "-s")
+
+
 def _c_compiler(target: str) -> Sequence[str]:
     return (*_ZIG, "cc", "-target", target, "-shared", "-s", "-Wl,--gc-sections")
 
@@ -204,11 +207,9 @@ def build(
     (folder / "thermobearing.h").write_text(text, encoding="utf-8")
     whole = json.dumps({**described, "libraries": libraries}, indent=1)
     (folder / "kernels.json").write_text(whole + "\n", encoding="utf-8")
-    if any(target.name.startswith("linux-x86_64") for target in targets):
-        build_material(folder, (*_ZIG, "cc", "-target", "x86_64-linux-gnu.2.17", "-s"))
 
 
-def build_material(folder: Path, compiler: Sequence[str]) -> None:
+def build_material(folder: Path, compiler: Sequence[str] = MATERIAL) -> None:
     """Write the material of OpenSees, which loads the library of a level itself."""
     source = Path(__file__).with_name("opensees.c")
     flags = ("-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC")
