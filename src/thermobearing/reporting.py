@@ -16,6 +16,7 @@ from thermobearing.border.errors import InputError, OutputError, is_file, is_fol
 from thermobearing.border.schema import validated
 from thermobearing.border.text_file import write_through
 from thermobearing.histories import histories_by_run
+from thermobearing.live.report import live_section
 from thermobearing.loading import AnyResult, load_result
 from thermobearing.report.content import (
     comparison_pieces,
@@ -25,7 +26,7 @@ from thermobearing.report.figures import drawn
 from thermobearing.report.html import html_page
 from thermobearing.report.pdf import pdf_bytes, the_compiler
 from thermobearing.report.pieces import Pieces
-from thermobearing.report.template import document
+from thermobearing.report.template import document, on_paper
 from thermobearing.report.title import TitleBlock, read_title
 from thermobearing.report.workbook import workbook_bytes
 from thermobearing.results.directory import (
@@ -60,6 +61,7 @@ class Kinds(NamedTuple):
     html: bool = True
     pdf: bool = True
     workbook: bool = False
+    live: bool = True  # the section of the page that computes again, where there can be one
 
 
 def make_report(
@@ -70,6 +72,7 @@ def make_report(
     template: str | Path | None = None,
     pdf: bool = True,
     workbook: bool = False,
+    live: bool = True,
 ) -> list[Path]:
     """Write report.html and report.pdf of a result into its directory; nothing is run again.
 
@@ -82,6 +85,9 @@ def make_report(
     template : Markdown file that puts the pieces in order; None for that of the package.
     pdf : write report.pdf too; needs the extra `report`.
     workbook : write report.xlsx too; needs the extra `report`.
+    live : let report.html of a cyclic test or a bridge compute the analysis again in the browser,
+        at other temperatures and strains; needs kernels for web pages (`make kernels`), without
+        which the section is left out.
 
     Returns
     -------
@@ -106,7 +112,7 @@ def make_report(
     """
     block = validated(TitleBlock, dict(title), "title") if isinstance(title, Mapping) else title
     file = Path(template) if template is not None else None
-    kinds = Kinds(pdf=pdf, workbook=workbook)
+    kinds = Kinds(pdf=pdf, workbook=workbook, live=live)
     return make_documents(result, kinds, directory, title=block, template=file)
 
 
@@ -125,6 +131,8 @@ def make_documents(
     block = (title or TitleBlock()).over(read_title(kept if is_file(kept) else None))
     loaded = load_result(result) if isinstance(result, str | Path) else result
     pieces = build_pieces(loaded, place)
+    if kinds.html and kinds.live:
+        pieces = replace(pieces, live=live_section(loaded))
     content = _title_files(block)
     if kinds.html:
         content |= report_files(pieces, block, template, pdf=kinds.pdf)
@@ -205,7 +213,7 @@ def report_files(
         return {REPORT_HTML: html_page(made).encode(), REPORT_PDF: None}
     the_compiler()  # before anything is drawn
     shown = drawn(made)
-    return {REPORT_HTML: html_page(shown).encode(), REPORT_PDF: pdf_bytes(shown)}
+    return {REPORT_HTML: html_page(shown).encode(), REPORT_PDF: pdf_bytes(on_paper(shown))}
 
 
 def _title_files(title: TitleBlock) -> dict[str, bytes | None]:

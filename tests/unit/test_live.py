@@ -11,6 +11,7 @@ import thermobearing as tb
 from thermobearing.bearing.library import load_bearing
 from thermobearing.core.compiled.sources import sources_digest
 from thermobearing.live import data
+from thermobearing.model.options import build_model
 
 
 def put_module(folder: Path, sources: str, content: bytes = b"module", **library: Any) -> None:
@@ -62,7 +63,7 @@ def test_fields_have_the_limits_of_files() -> None:
 
 def test_numbers_of_a_bearing_are_those_of_its_file() -> None:
     bearing = load_bearing("shen-lhdr-specimen")
-    known = data._bearing(bearing)
+    known = data._bearing(bearing, build_model(bearing))
     assert json.dumps(known, allow_nan=False)
     assert known["values"]["lead.cores"] == bearing.lead.cores  # type: ignore[union-attr]
     assert len(known["stack"]["part"]) == known["constants"]["cells"]["capacity"]["shape"][0]

@@ -196,6 +196,7 @@ class Ending(Printed):
     workbook: bool = False
     title: Sequence[str] | None = None
     template: Path | None = None
+    no_live: bool = False
     case: Path | None = None  # the file of the command, which may have a title block
 
     def __post_init__(self) -> None:
@@ -247,7 +248,7 @@ class Ending(Printed):
             if not self.with_report:
                 keep_title(target, title)
                 return []
-            kinds = Kinds(html=self.report, pdf=self.report, workbook=self.workbook)
+            kinds = Kinds(self.report, self.report, self.workbook, live=not self.no_live)
             return make_documents(target, kinds, title=title, template=self.template)
         except (InputError, OutputError) as error:
             message = f"the result is in {target}, but its report could not be written: {error}"

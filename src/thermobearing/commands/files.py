@@ -8,6 +8,7 @@ import typer
 
 from thermobearing.commands.common import FILES, REPORT, Answer, app, echo_written, megabytes
 from thermobearing.commands.options import (
+    NoLive,
     Overwrite,
     Quiet,
     Template,
@@ -196,6 +197,7 @@ def _report(
     template: Template,
     no_pdf: Annotated[bool, option("--no-pdf", help="Write the HTML page only.", panel=REPORT)],
     xlsx: Workbook,
+    no_live: NoLive,
     quiet: Quiet,
 ) -> Answer:
     """Write report.html and report.pdf of a saved result into its directory."""
@@ -203,7 +205,8 @@ def _report(
     from thermobearing.reporting import make_report
 
     block = title_given(title or [])
-    files = make_report(directory, title=block, template=template, pdf=not no_pdf, workbook=xlsx)
+    kinds: dict[str, Any] = {"pdf": not no_pdf, "workbook": xlsx, "live": not no_live}
+    files = make_report(directory, title=block, template=template, **kinds)
     if not quiet:
         for file in files:
             echo_written(file, f" ({megabytes(file.stat().st_size)})")

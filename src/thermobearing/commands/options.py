@@ -63,6 +63,14 @@ Template = Annotated[
     ),
 ]
 Workbook = Annotated[bool, option("--xlsx", help="Write report.xlsx.", panel=REPORT)]
+NoLive = Annotated[
+    bool,
+    option(
+        "--no-live",
+        help="Leave the section that computes in the browser out of report.html.",
+        panel=REPORT,
+    ),
+]
 # Fields of `Printed`, and additional ones of `Ending`.
 RESULT_OPTIONS = {
     "output": Annotated[
@@ -79,6 +87,7 @@ REPORT_OPTIONS = {
     "workbook": Workbook,
     "title": Title,
     "template": Template,
+    "no_live": NoLive,
 }
 COMPARE = Annotated[
     bool, option("--compare", help="Compare the result with earlier models.", panel=MODEL)

@@ -199,6 +199,9 @@ def _stacked(arrays: list[NDArray[Any]], padding: float = np.nan) -> NDArray[Any
     return out
 
 
+GIVEN_IN_PYTHON = "the ambient series was given in Python"
+
+
 def _collect_warnings(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
     """Return sentences on assumptions, inputs that a file cannot hold, and coarse time steps."""
     found = list(dict.fromkeys(text for segment in segments for text in segment.assumed))
@@ -206,7 +209,7 @@ def _collect_warnings(case: Case, segments: list[Segment], climates: list[Ambien
         found += [f"{case.bearing.name}: {text}" for text in doubled_law(case.bearing)]
     if case.ambient_series is None and any(len(climate.time) > 1 for climate in climates):
         found.append(
-            "the ambient series was given in Python: case.resolved.toml has its first value only; "
+            f"{GIVEN_IN_PYTHON}: case.resolved.toml has its first value only; "
             "give it as a CSV file (ambient_series) to be able to run the case again"
         )
     if case.initial_state is not None and not case.initial_state.complete:

@@ -38,15 +38,15 @@ from thermobearing.core.types import (
     NEVER_MOVED,
     SOFTENED,
     Books,
-    Constants,
 )
-from thermobearing.cyclic.protocol import LARGEST_STRAIN, Cycles, CyclicTest, cyclic_test
+from thermobearing.cyclic.protocol import LARGEST_STRAIN, Cycles, CyclicTest, Rest, cyclic_test
 from thermobearing.model.lead_ends import longest_rest_step
 from thermobearing.model.options import BearingModel, build_model
 from thermobearing.model.outcomes import NOT_PHYSICAL, PIER_BEYOND_LIMIT, possible_temperatures
 from thermobearing.model.outcomes import SENTENCES as OF_TESTS
 from thermobearing.model.stack import MM_PER_M, Stack
 from thermobearing.motions.library import load_motion
+from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import (
     BETA,
@@ -57,6 +57,8 @@ from thermobearing.structure.run import (
     SENTENCES,
     TOLERANCE,
     Line,
+    Method,
+    Prepared,
     build_system,
     new_motion,
     prepare_structure,
@@ -152,11 +154,22 @@ def live_data(
     ------
     InputError : the installation has no module, or a name is unknown.
     """
+    names = list_bearings() if bearings is None else bearings
+    chosen = [as_bearing(name) for name in names]
+    return engine_data([(bearing, build_model(bearing)) for bearing in chosen]) | {
+        "fields": _fields(chosen),
+        "structures": {structure: structure_data(_prepared(structure))},
+        "motions": {name: motion_data(load_motion(name)) for name in motions},
+        "protocols": {"table-3.4": engine_steps(cyclic_test())},
+        "factors": read_toml(data_path("factors", "published.toml")),
+    }
+
+
+def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any]:
+    """Return what the engine needs to test some bearings; InputError without a module."""
     with _built():
         known = read_description(FOLDER)
     entries = {name: known["entries"][name] for name in KERNELS}
-    names = list_bearings() if bearings is None else bearings
-    chosen = [as_bearing(name) for name in names]
     coldest, hottest = possible_temperatures()
     return {
         "version": thermobearing.__version__,
@@ -184,12 +197,9 @@ def live_data(
             "pier_beyond_limit": PIER_BEYOND_LIMIT,
             "sentences": OF_TESTS | SENTENCES,
         },
-        "fields": _fields(chosen),
-        "bearings": {bearing.name: _bearing(bearing) for bearing in chosen},
-        "structures": {structure: _structure(structure, chosen[0])},
-        "motions": {name: _motion(name) for name in motions},
-        "protocols": {"table-3.4": _steps(cyclic_test())},
-        "factors": read_toml(data_path("factors", "published.toml")),
+        "bearings": {bearing.name: _bearing(bearing, model) for bearing, model in models},
+        "structures": {},
+        "motions": {},
     }
 
 
@@ -225,8 +235,7 @@ def _plan_sizes(bearing: Bearing) -> tuple[str, ...]:
     return tuple(name for name in ("length", "width", "side", "diameter") if hasattr(plan, name))
 
 
-def _bearing(bearing: Bearing) -> dict[str, Any]:
-    model = build_model(bearing)
+def _bearing(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
     law, cells = bearing.temperature_law, bearing.cells
     return {
         "name": bearing.name,
@@ -312,26 +321,27 @@ def _fields(bearings: Sequence[Bearing]) -> dict[str, Any]:
 
 
 @cache
-def _prepared(name: str) -> Any:
+def _prepared(name: str) -> Prepared:
     return prepare_structure(load_structure(name))
 
 
-def _structure(name: str, bearing: Bearing) -> dict[str, Any]:
-    prepared = _prepared(name)
-    constants: Constants = build_model(bearing).constants
-    lines = [Line(constants, np.zeros(len(constants.cells.capacity)))] * len(
-        prepared.structure.bearings
-    )
-    system = build_system(prepared, lines)
+def structure_data(
+    prepared: Prepared, dt: float = 0.005, method: Method = "average-acceleration"
+) -> dict[str, Any]:
+    """Return a structure as the engine takes it, with the largest time step [s] and the method."""
+    # The matrices do not depend on the bearings, of which all lines have the same.
+    nothing = build_model(as_bearing(list_bearings()[0])).constants
+    line = Line(nothing, np.zeros(len(nothing.cells.capacity)))
+    system = build_system(prepared, [line] * len(prepared.structure.bearings))
     where, structure = prepared.reported, prepared.structure
     return {
-        "name": name,
+        "name": structure.name,
         "description": structure.description,
-        "dt_s": 0.005,
+        "dt_s": dt,
         "system": _tree(system),
         "motion": _tree(new_motion(system)),
         "scheme": {
-            "beta": BETA["average-acceleration"],
+            "beta": BETA[method],
             "gamma": GAMMA,
             "tolerance": TOLERANCE,
             "iterations": ITERATIONS,
@@ -350,29 +360,33 @@ def _structure(name: str, bearing: Bearing) -> dict[str, Any]:
     }
 
 
-def _motion(name: str) -> dict[str, Any]:
-    motion = load_motion(name)
+def motion_data(motion: GroundMotion) -> dict[str, Any]:
+    """Return a ground motion as the engine takes it."""
     return {
-        "name": name,
+        "name": motion.name,
         "dt_s": motion.dt,
         "acceleration_mm_s2": _tree(np.asarray(motion.acceleration, dtype=float)),
     }
 
 
-def _steps(test: CyclicTest) -> list[dict[str, Any]]:
-    """Return the steps of a test as the engine takes them."""
+def engine_steps(test: CyclicTest) -> list[dict[str, Any]]:
+    """Return the steps of a test as the engine takes them; InputError for ramps and recordings."""
     found: list[dict[str, Any]] = []
     for step in test.steps:
         if isinstance(step, Cycles):
             found.append(
                 {
                     "strain": step.strain,
+                    "amplitude_mm": step.amplitude,
                     "cycles": step.count,
                     "wave": "triangle" if step.wave == "triangular" else "sine",
                     "speed_mm_s": step.speed,
+                    "frequency_hz": step.frequency or (step.period and 1.0 / step.period),
                     "closing_strain": step.closing_strain,
                 }
             )
+        elif isinstance(step, Rest):
+            found.append({"rest_s": step.duration, "rest_within_K": step.within})
         else:
-            found.append({"rest_s": getattr(step, "duration", None)})
+            raise InputError(f'The engine of the live page has no step "{step.step}".')
     return found

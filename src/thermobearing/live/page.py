@@ -116,10 +116,15 @@ def assemble(data: dict[str, Any], module: bytes, engine: str, start: str) -> st
             script=Markup(script),
             script_digest=Markup(policy_digest(script)),
             page_data=Markup(json.dumps(page, ensure_ascii=False).replace("<", "\\u003c")),
-            engine_data=_packed(json.dumps(data, separators=(",", ":")).encode()),
-            engine_module=_packed(module),
+            engine_data=pack(json.dumps(data, separators=(",", ":")).encode()),
+            engine_module=pack(module),
         )
     )
+
+
+def live_script(name: str) -> str:
+    """Return a script of `data/live` with the engine and the drawings, which it imports."""
+    return _bundle([engine_source(), *(_text("live", one) for one in (SCRIPTS[0], name))])
 
 
 def _text(*parts: str) -> str:
@@ -139,7 +144,8 @@ def _bundle(modules: Iterable[str]) -> str:
     return "\n".join(parts)
 
 
-def _packed(raw: bytes) -> str:
+def pack(raw: bytes) -> str:
+    """Return bytes as text for a page: gzip in base64, which `unpacked` of the engine reads."""
     return base64.b64encode(gzip.compress(raw, 9, mtime=0)).decode("ascii")
 
 

@@ -27,6 +27,7 @@ from thermobearing.report.pieces import (
     FigureBlock,
     Heading,
     Link,
+    Live,
     Paragraph,
     ReportFigure,
     TableBlock,
@@ -55,10 +56,12 @@ def html_page(document: Document) -> str:
     """
     plots = any(isinstance(b, FigureBlock) and b.figure.plot for b in document.blocks)
     scripts = [_page_file(name) for name in ("page.js", "plots.js")[: 1 + plots]]
+    live = [block.script for block in document.blocks if isinstance(block, Live)]
+    allowed = [*map(policy_digest, [*scripts, *live]), *["'wasm-unsafe-eval'"] * bool(live)]
     page: str = _page_template().render(
         document=document,
         # Only these scripts run: the policy of the page holds their digests.
-        allowed=Markup(" ".join(map(policy_digest, scripts))),
+        allowed=Markup(" ".join(allowed)),
         css=Markup(_page_file("page.css")),
         scripts=list(map(Markup, scripts)),
         logo=_image_address(document.logo) if document.logo else "",
@@ -131,12 +134,18 @@ class Section(NamedTuple):
     entries: list[dict[str, Any]]
     parts: list[dict[str, Any]]
 
+    @property
+    def look(self) -> str:
+        """Return the class of a chapter that is shown only while a browser computes in it."""
+        kinds = {part["kind"] for part in self.parts}
+        return "live-only" if "live" in kinds and kinds <= {"heading", "live"} else ""
+
 
 def _sections(blocks: Sequence[Block]) -> list[Section]:
     """Return the blocks in chapters, as the template reads them; tables and figures numbered."""
     plots = [b.figure.plot for b in blocks if isinstance(b, FigureBlock) and b.figure.plot]
     most = points_each(plots)
-    places, taken = _places(blocks), {"content", "theme", "status"}
+    places, taken = _places(blocks), {"content", "theme", "status", "live"}
     tables, figures = count(1), count(1)
     sections = [Section(None, [], [])]
     level = 0
@@ -161,6 +170,8 @@ def _sections(blocks: Sequence[Block]) -> list[Section]:
                 part = _table(block.table, next(tables), places)
             case FigureBlock():
                 part = _figure(block.figure, next(figures), most)
+            case Live():
+                part = {"kind": "live", "it": block}
         sections[-1].parts.append(part)
     return sections if sections[0].parts else sections[1:]
 

@@ -165,13 +165,29 @@ def _value_and_limit(check: Check) -> tuple[float, str]:
 
 
 @dataclass(frozen=True)
+class Live:
+    """A part of an HTML page in which the reader's browser computes; paper has none.
+
+    `runs` are the words of a menu; `strain` says whether a second slider moves the strain. The
+    script reads `data` and `module`, compressed and in base64.
+    """
+
+    runs: Sequence[str]
+    strain: bool
+    script: str = field(repr=False)
+    data: str = field(repr=False)
+    module: str = field(repr=False)
+
+
+@dataclass(frozen=True)
 class Pieces:
     """Everything that a result has to say; a template decides what is shown, and where.
 
     The question is a sentence or two, the answer three with numbers. `inputs`, `tables` and
     `figures` are by name. `validity` holds sentences on what left the range that the parameters
     were identified in, `validity_unknown` why there is no verdict on it, `notes` what is no
-    warning. `books` is the energy balance; `identity` has version, input hash and command.
+    warning. `books` is the energy balance; `identity` has version, input hash and command; `live`
+    computes the result again in an HTML page.
     """
 
     command: str
@@ -189,6 +205,7 @@ class Pieces:
     assumptions: Sequence[str] = ()
     warnings: Sequence[str] = ()
     identity: Mapping[str, str] = field(default_factory=dict)
+    live: Live | None = None
 
 
 # Blocks of a document, in reading order. Text is Markdown of the template's own sentences:
@@ -233,7 +250,7 @@ class FigureBlock:
     figure: ReportFigure
 
 
-Block = Heading | Paragraph | Bullets | TableBlock | FigureBlock
+Block = Heading | Paragraph | Bullets | TableBlock | FigureBlock | Live
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 A line is a heading (`#`), a list item (`- `), text of a paragraph, or one placeholder:
 
     {{ question }}  {{ answer }}  {{ exceeded }}  {{ actions }}  {{ inputs }}  {{ checks }}
-    {{ validity }}  {{ books }}  {{ assumptions }}  {{ warnings }}  {{ identity }}
+    {{ validity }}  {{ books }}  {{ assumptions }}  {{ warnings }}  {{ identity }}  {{ live }}
     {{ table NAME }}  {{ figure NAME }}      a table or figure by its name
     {{ tables }}  {{ figures }}              all tables or figures that are not called by name
 
@@ -13,6 +13,7 @@ A heading under which nothing stands is left out.
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from thermobearing.border.errors import InputError, closest
@@ -29,6 +30,7 @@ from thermobearing.report.pieces import (
     Document,
     FigureBlock,
     Heading,
+    Live,
     Paragraph,
     Pieces,
     TableBlock,
@@ -58,6 +60,12 @@ def document(
 ) -> Document:
     """Return the document of a result, ready to be written in any format."""
     return Document(pieces.title, block, logo, _arranged(pieces, template), pieces.identity)
+
+
+def on_paper(document: Document) -> Document:
+    """Return a document without what only a browser can show."""
+    blocks = [block for block in document.blocks if not isinstance(block, Live)]
+    return replace(document, blocks=_without_empty_headings(blocks))
 
 
 def _arranged(pieces: Pieces, path: str | Path | None = None) -> list[Block]:
@@ -172,6 +180,7 @@ SECTIONS: Mapping[str, Callable[[Pieces], list[Block]]] = {
     "assumptions": lambda pieces: _listed(pieces.assumptions),
     "warnings": lambda pieces: _listed(pieces.warnings, "warning"),
     "identity": _identity,
+    "live": lambda pieces: [pieces.live] if pieces.live else [],
 }
 
 

@@ -59,8 +59,9 @@
   const heads = links.map((link) => document.getElementById(link.hash.slice(1)));
   const mark = () => {
     const end = innerHeight + scrollY >= root.scrollHeight - 2;
-    const above = heads.filter((head) => head.getBoundingClientRect().top < 0.3 * innerHeight);
-    const now = end && scrollY > 0 ? heads.length - 1 : Math.max(above.length - 1, 0);
+    const seen = heads.filter((head) => head.getClientRects().length);
+    const above = seen.filter((head) => head.getBoundingClientRect().top < 0.3 * innerHeight);
+    const now = heads.indexOf((end && scrollY > 0 ? seen : above).at(-1) ?? heads[0]);
     links.forEach((link, place) => {
       if (place === now) link.setAttribute("aria-current", "true");
       else link.removeAttribute("aria-current");
