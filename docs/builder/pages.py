@@ -19,6 +19,7 @@ PAGES = (
     "guide/bridge.html",
     "gallery/index.html",
     "gallery/plot_01_loops.html",
+    "gallery/plot_05_bridge.html",
     "api/thermobearing.html",
     "theory.html",
     "verification.html",

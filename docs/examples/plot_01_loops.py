@@ -15,3 +15,16 @@ result.plot.loops()
 # Modulus and damping of each cycle: within five cycles the rubber warms up and softens.
 
 result.plot.measures()
+
+# %%
+# .. only:: live
+#
+#    The page below computes the same test in the browser (:doc:`how to write such a page
+#    </guide/live_page>`). Move the temperature.
+#
+#    .. raw:: html
+#
+#       <iframe class="live" loading="lazy"
+#        src="../_static/bearing.html#base=shen-hdr-specimen&protocol=table-3.4&wave=triangle"
+#        title="A bearing that is tested in this page at the temperature that you choose">
+#       </iframe>

@@ -20,3 +20,16 @@ study.plot.strain()
 # The moment at the base of the pier over the rotation, with the yield point of the hinge.
 
 study.plot.hinge()
+
+# %%
+# .. only:: live
+#
+#    The page below shakes the same pier in the browser (:doc:`how to write such a page
+#    </guide/live_page>`). Move the temperature, or choose another bearing or motion.
+#
+#    .. raw:: html
+#
+#       <iframe class="live" loading="lazy"
+#        src="../_static/bearing.html#view=bridge&base=shen-lhdr-bridge&motion=jra-ii-i-1"
+#        title="A bridge pier that is shaken in this page at the temperature that you choose">
+#       </iframe>

@@ -22,3 +22,16 @@ for quantity, colour in (("Q_d", "#0077BB"), ("K_d", "#EE7733")):
         axes.plot(rows.ambient_degC, rows.factor, style, color=colour, label=f"{quantity}, {basis}")
 axes.legend(frameon=False)
 figure
+
+# %%
+# .. only:: live
+#
+#    The page below computes such factors in the browser, at a strain of 100 %, and compares them
+#    with published ones (:doc:`how to write such a page </guide/live_page>`). Move the temperature.
+#
+#    .. raw:: html
+#
+#       <iframe class="live" loading="lazy"
+#        src="../_static/bearing.html#view=codes&base=shen-hdr-bridge"
+#        title="Temperature factors of a bearing, computed in this page, and published ones">
+#       </iframe>
