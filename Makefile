@@ -13,12 +13,14 @@ WORKERS ?= auto
 
 LOWEST := .venv-minimum
 
-.PHONY: help demo kernels dist test test-all browser test-minimum fuzz mutants bench lint docs reproduce site clean
+.PHONY: help demo kernels dist dist-check release test test-all browser test-minimum fuzz mutants bench lint docs reproduce site clean
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
 	@echo "make kernels   compile the kernels ahead of time, for all platforms (minutes)"
-	@echo "make dist   the wheel with these kernels, into ./dist"
+	@echo "make dist   the wheel with these kernels and the source distribution, into ./dist"
+	@echo "make dist-check   use both in empty environments (PYTHONS='python3.11 python3.13')"
+	@echo "make release VERSION=0.3.0   write the version everywhere, commit and tag"
 	@echo "make test   the tests, on all cores (WORKERS=0: in one process); all but the thorough ones"
 	@echo "make test-all   these too: the same claims on more and larger cases, as in CI"
 	@echo "make browser   what tests need that look at pages with the system's Chromium"
@@ -51,7 +53,23 @@ kernels: $(LINKER)
 	$(BIN)/python -m kernels $(KERNELS)
 
 dist: kernels
-	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	rm -rf dist
+	$(BIN)/python -m hatchling build -d dist
+
+PYTHONS ?= $(PYTHON)
+dist-check:
+	$(PYTHON) tests/distribution.py dist $(PYTHONS)
+
+release:
+	test -n "$(VERSION)" && git diff --quiet HEAD
+	sed -i 's/^version = .*/version = "$(VERSION)"/' pyproject.toml
+	sed -i 's/^__version__ = .*/__version__ = "$(VERSION)"/' src/thermobearing/__init__.py
+	sed -i 's/^version: .*/version: $(VERSION)/' CITATION.cff
+	sed -i 's/^  version: .*/  version: "$(VERSION)"/' recipe.yaml
+	sed -i 's/^## Unreleased$$/&\n\n## $(VERSION)/' CHANGELOG.md
+	$(BIN)/python -m pytest -q tests/unit/test_dependencies.py -k version
+	git commit --quiet --all --message "Release version $(VERSION)"
+	git tag --annotate v$(VERSION) --message "Version $(VERSION)"
 
 $(BROWSER): $(TESTS)
 	$(BIN)/python -m pip install --quiet -e ".[browser]"

@@ -1,4 +1,4 @@
-"""What is imported is declared; what is packaged is whole; BLAS has one thread."""
+"""What is imported is declared; what is packaged is whole and of one version; one BLAS thread."""
 
 import ast
 import os
@@ -13,10 +13,13 @@ from pathlib import Path
 
 import pytest
 
+import thermobearing
 from thermobearing.border.threads import VARIABLES
 
 ROOT = Path(__file__).parents[2]
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+WHOLE = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT = WHOLE["project"]
+RECIPE = (ROOT / "recipe.yaml").read_text(encoding="utf-8")
 # Tools of developers and openseespy, a peer of the tests, may be of any version.
 EXTRAS = [
     text
@@ -61,6 +64,30 @@ def test_every_dependency_has_an_upper_bound() -> None:
         text for text in [*PROJECT["dependencies"], *EXTRAS] if "<" not in text.split(";")[0]
     ]
     assert open_ended == []
+
+
+@pytest.mark.parametrize(
+    ("name", "pattern"),
+    [
+        ("CITATION.cff", r"^version: (\S+)"),
+        ("recipe.yaml", r'^  version: "(\S+)"'),
+        ("CHANGELOG.md", r"^## (\d\S+)"),
+    ],
+)
+def test_every_file_states_the_same_version(name: str, pattern: str) -> None:
+    found = re.search(pattern, (ROOT / name).read_text(encoding="utf-8"), re.MULTILINE)
+    assert found
+    assert found[1] == PROJECT["version"] == thermobearing.__version__
+
+
+def test_the_recipe_has_the_same_dependencies() -> None:
+    names = {"netCDF4": "netcdf4", "matplotlib": "matplotlib-base"}  # of conda-forge
+    texts = [*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["jit"]]
+    parts = [re.fullmatch(r"([\w.-]+)(.*)", text) for text in texts]
+    expected = {f"{names.get(part[1], part[1])} {part[2]}" for part in parts if part}
+    run = RECIPE.partition("  run:\n")[2].partition("\ntests:")[0]
+    assert set(re.findall(r"- (\w.*)", run)) - {"python >=${{ python_min }}"} == expected
+    assert f'python_min: "{PROJECT["requires-python"].removeprefix(">=")}"' in RECIPE
 
 
 COMMAND = """
@@ -110,8 +137,7 @@ def test_the_environment_may_say_otherwise() -> None:
     assert told(COMMAND, OPENBLAS_NUM_THREADS="2")[0] == "2"
 
 
-NEEDED = {"src", "README.md", "CHANGELOG.md", "CITATION.cff", "LICENSE", "pyproject.toml"}
-MADE = {"PKG-INFO", ".gitignore"}  # by the build itself
+NEEDED = set(WHOLE["tool"]["hatch"]["build"]["targets"]["sdist"]["only-include"])
 USE = """
 import sys
 import thermobearing as tb
@@ -156,7 +182,11 @@ def test_sdist_holds_what_is_needed(built: Path) -> None:
     with tarfile.open(sdist) as packed:
         names = packed.getnames()
     parts = [Path(name).parts for name in names]
-    assert {part[1] for part in parts} - MADE == NEEDED
+    assert {part[1] for part in parts} - {"PKG-INFO"} == NEEDED  # which the build adds
+    if (ROOT / ".git").exists():
+        command = ["git", "ls-files"]
+        listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+        assert set(listed.stdout.splitlines()) <= {"/".join(part[1:]) for part in parts}
     sources = [part for part in parts if part[1] == "src"]
     assert {Path(*part).suffix for part in sources} == {
         ".py",

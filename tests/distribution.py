@@ -1,0 +1,144 @@
+"""Use the wheel and the source distribution in empty environments: `make dist-check`.
+
+`python tests/distribution.py dist PYTHON...` makes an environment for each Python, installs the
+wheel with pip, and runs the commands of README.md in an empty directory that knows nothing of the
+repository. It prints the time of each. The first Python also runs tests from the source
+distribution, and the tools that check the metadata, the citation and the conda recipe.
+"""
+
+import os
+import re
+import resource
+import subprocess
+import sys
+import tarfile
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+LARGEST = 5.0  # the wheel [MB]
+STUDY = """
+kind = "study"
+name = "winter"
+[case]
+structure = "pier-p1"
+duration = "5 s"
+[design]
+kind = "factorial"
+[factors]
+bearing = ["shen-hdr-bridge", "shen-lhdr-bridge"]
+motion = "jra-ii-i-1"
+ambient = ["-20 degC", "23 degC"]
+"""
+NEEDS = (  # what each command says it needs, where only the wheel is installed
+    ("thermobearing report test", "report"),
+    ("thermobearing study study.toml -o study", "study"),
+    ("thermobearing identify tests.xlsx --bearing shen-hdr-specimen", "xlsx"),
+)
+WITH_EXTRAS = (
+    "thermobearing report test --xlsx",
+    "thermobearing study study.toml -o study",
+    "thermobearing study table study -o study.csv",
+)
+ORIGIN = """
+import importlib.util, sys
+import thermobearing
+from thermobearing.core.compiled.native import open_library
+assert thermobearing.__file__.startswith(sys.prefix), thermobearing.__file__
+assert importlib.util.find_spec("numba") is None
+assert open_library()[0] is not None, open_library()[1]
+"""
+TOOLS = ("twine", "cffconvert", "py-rattler-build")
+RENDER = "from rattler_build import Stage0Recipe as R; print(R.from_file('recipe.yaml').render())"
+SDIST_TESTS = ("tests/unit/test_dependencies.py", "tests/unit/test_public.py", "tests/docs")
+
+
+def readme_commands() -> Iterator[list[str]]:
+    """Give the commands and the Python example of README.md."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    for example in re.findall(r"```python\n(.*?)```", text, re.DOTALL):
+        yield ["python", "-c", example]
+    for command in re.findall(r"(?:^|`)(thermobearing [a-z]+ [^`\n]+)", text, re.MULTILINE):
+        yield command.split()
+
+
+class Environment:
+    """An empty environment of a Python in a directory of its own, and runs in `work`."""
+
+    def __init__(self, python: str, folder: Path) -> None:
+        self.bin, self.work = folder / "bin", folder / "work"
+        self.work.mkdir(parents=True)
+        ours = ("PYTHON", "THERMOBEARING", "NUMBA", "VIRTUAL_ENV")
+        self.variables = {k: v for k, v in os.environ.items() if not k.startswith(ours)}
+        subprocess.run([python, "-m", "venv", folder], check=True, env=self.variables)
+
+    def run(self, *command: str, status: int = 0, where: Path | None = None) -> str:
+        """Run a program of the environment, print its time and return its output."""
+        start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
+        done = subprocess.run(
+            [self.bin / command[0], *command[1:]],
+            cwd=where or self.work,
+            env=self.variables,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+        cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        line = " ".join(command).replace("\n", " ")
+        print(f"{wall:7.1f} s {cpu:7.1f} CPU s   {line[:88]}", flush=True)
+        output = done.stdout + done.stderr
+        if done.returncode != status or "Traceback" in output:
+            sys.exit(f"status {done.returncode}: {line}\n{output}")
+        return output
+
+    def install(self, *what: str) -> None:
+        """Install packages and check that their versions agree."""
+        self.run("python", "-m", "pip", "install", "--quiet", *what)
+        self.run("python", "-m", "pip", "check")
+
+
+def check_wheel(wheel: Path, environment: Environment) -> None:
+    """Run what README.md shows, then what needs extras: first without and then with them."""
+    environment.install(str(wheel))
+    environment.run("python", "-c", ORIGIN)
+    for command in readme_commands():
+        environment.run(*command)
+    (environment.work / "study.toml").write_text(STUDY, encoding="utf-8")
+    (environment.work / "tests.xlsx").write_bytes(b"PK\x03\x04")
+    for line, extra in NEEDS:
+        assert f"thermobearing[{extra}]" in environment.run(*line.split(), status=2), line
+    environment.install(f"{wheel}[report,study,xlsx]")
+    for line in WITH_EXTRAS:
+        environment.run(*line.split())
+
+
+def main(folder: Path, pythons: list[str]) -> None:
+    """Check the two files that `make dist` left in a folder."""
+    (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
+    for file in (wheel, sdist):
+        print(f"{file.stat().st_size / 1e6:6.2f} MB   {file.name}")
+    assert wheel.stat().st_size <= LARGEST * 1e6, f"the wheel is above {LARGEST} MB"
+    with tempfile.TemporaryDirectory() as name:
+        for k, python in enumerate(pythons):
+            print(f"\n{python}")
+            check_wheel(wheel, Environment(python, Path(name) / f"wheel-{k}"))
+        tools = Environment(pythons[0], Path(name) / "tools")
+        tools.install(*TOOLS)
+        tools.run("twine", "check", "--strict", str(wheel), str(sdist))
+        tools.run("cffconvert", "--validate", "-i", str(ROOT / "CITATION.cff"))
+        tools.run("python", "-c", RENDER, where=ROOT)
+        unpacked = Environment(pythons[0], Path(name) / "sdist")
+        with tarfile.open(sdist) as packed:
+            packed.extractall(unpacked.work, filter="data")
+        (source,) = unpacked.work.iterdir()
+        unpacked.install(f"{source}[test]")
+        unpacked.run(
+            "python", "-m", "pytest", "-q", "-m", "not thorough", *SDIST_TESTS, where=source
+        )
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]).resolve(), sys.argv[2:] or [sys.executable])
