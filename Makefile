@@ -65,7 +65,7 @@ release:
 	sed -i 's/^version = .*/version = "$(VERSION)"/' pyproject.toml
 	sed -i 's/^__version__ = .*/__version__ = "$(VERSION)"/' src/thermobearing/__init__.py
 	sed -i 's/^version: .*/version: $(VERSION)/' CITATION.cff
-	sed -i 's/^  version: .*/  version: "$(VERSION)"/' recipe.yaml
+	sed -i 's/^  version: ".*/  version: "$(VERSION)"/' recipe.yaml
 	sed -i 's/^## Unreleased$$/&\n\n## $(VERSION)/' CHANGELOG.md
 	$(BIN)/python -m pytest -q tests/unit/test_dependencies.py -k version
 	git commit --quiet --all --message "Release version $(VERSION)"

@@ -70,7 +70,7 @@ class Environment:
     def __init__(self, python: str, folder: Path) -> None:
         self.bin, self.work = folder / "bin", folder / "work"
         self.work.mkdir(parents=True)
-        ours = ("PYTHON", "THERMOBEARING", "NUMBA", "VIRTUAL_ENV")
+        ours = ("PYTHON", "THERMOBEARING", "NUMBA", "VIRTUAL_ENV", "CI")
         self.variables = {k: v for k, v in os.environ.items() if not k.startswith(ours)}
         subprocess.run([python, "-m", "venv", folder], check=True, env=self.variables)
 

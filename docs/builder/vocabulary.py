@@ -15,7 +15,8 @@ ROOT = Path(__file__).parents[2]
 BANNED = re.compile(
     r"\b(told|tells?|telling|beside|the print|the house|got through|gets? through|knows? no|"
     r"knows? nothing|energy books|blind to|what of|made[ -]up|stands? for itself|nobody's|"
-    r"the source(?! of| file| code|s)|a hair|is asked of|judged anew|worked rubber)\b",
+    r"the source(?! of| file| code| distribution|s)|a hair|is asked of|judged anew|"
+    r"worked rubber)\b",
     re.IGNORECASE,
 )
 ALLOWED = re.compile(r"\bsource of\b|temperature-blind|`--beside`|`tell`")  # earlier names too

@@ -160,7 +160,7 @@ Change = Callable[[list[list[str]]], object]
 
 def epw_lines(first: str = "1990-01-01", hours: int = 8760, year: int | None = None) -> list[list]:
     """Cells of hours whose temperature is their number, from -30 degC on."""
-    starts = np.datetime64(first, "h") + np.arange(hours)
+    starts = np.datetime64(first, "h") + np.arange(hours, dtype="m8[h]")
     rows = []
     for k, start in enumerate(starts):
         day = start.astype("datetime64[D]")

@@ -120,7 +120,7 @@ def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int =
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise InputError(f"seed = {seed!r}: must be an integer of 0 or more", known.name)
     random = np.random.default_rng(seed)
-    dates = BEGINS - np.timedelta64(LEAD_IN, "h") + np.arange(LEAD_IN + hours)
+    dates = BEGINS - np.timedelta64(LEAD_IN, "h") + np.arange(LEAD_IN + hours, dtype="m8[h]")
     place = _hour_of_year(dates)
     temperature = _seasonal(known)[place]
     for deviation, memory in (
@@ -137,7 +137,7 @@ def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int =
 def _hours(years: int) -> int:
     if isinstance(years, bool) or not isinstance(years, int) or not 1 <= years <= 1000:
         raise InputError(f"years = {years!r}: must be an integer from 1 to 1000")
-    later = BEGINS.astype("datetime64[M]") + 12 * years
+    later = BEGINS.astype("datetime64[M]") + np.timedelta64(12 * years, "M")
     return int((later.astype("datetime64[h]") - BEGINS) // np.timedelta64(1, "h"))
 
 

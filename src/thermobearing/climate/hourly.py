@@ -81,7 +81,7 @@ class Hourly:
         """Date of each hour; InputError without dates."""
         if self.begins is None:
             raise InputError("has no dates; write time as 2024-01-31 22:00", self.name)
-        return np.asarray(self.begins + np.arange(len(self)))
+        return np.asarray(self.begins + np.arange(len(self), dtype="m8[h]"))
 
     @property
     def months(self) -> Ints:

@@ -121,7 +121,9 @@ def _read_epw(path: Path) -> Hourly:
         raise error.located(path) from None
     begins = dates[0]
     year = begins.astype("datetime64[Y]")
-    later = (year + 1).astype("datetime64[h]") + (begins - year.astype("datetime64[h]"))
+    later = (year + np.timedelta64(1, "Y")).astype("datetime64[h]") + (
+        begins - year.astype("datetime64[h]")
+    )
     full_year = dates[-1] + np.timedelta64(1, "h") == later
     return Hourly(values, begins, bool(full_year), place or path.stem, (*notes, *filled))
 
