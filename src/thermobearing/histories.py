@@ -9,6 +9,7 @@ from thermobearing.cyclic.dataset import written_part
 from thermobearing.cyclic.result import Result, history_columns
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.loading import AnyResult
+from thermobearing.opensees.result import ServedResult
 from thermobearing.quantities.register import Quantity
 from thermobearing.report.content import (
     MOST_ROWS,
@@ -30,6 +31,9 @@ def histories_by_run(result: AnyResult) -> dict[str, History]:
         return _of_tables(result)
     if isinstance(result, StudyResult):
         return {}  # its table may have a million rows: `study table` writes it
+    if isinstance(result, ServedResult):
+        names = map(str, result.dataset["element"].values)
+        return {n: _history({"Element": n}, result.history(k)) for k, n in enumerate(names)}
     if isinstance(result, EarthquakeResult):
         return dict(zip(result.run_names, _of_study(result), strict=True))
     if isinstance(result, Result):

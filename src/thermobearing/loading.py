@@ -10,14 +10,15 @@ from thermobearing.border.errors import InputError, is_file, is_folder
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.opensees.result import ServedResult
 from thermobearing.results.directory import BEARINGS, DATASET, IDENTIFIED, PARTS
 from thermobearing.results.saved import SavedResult, is_saved, read_dataset, read_saved
 from thermobearing.sequences.result import SequenceResult, load_sequence
 from thermobearing.studies.result import StudyResult, is_study, study_result
 
 POOR_FIT = "poor_fit"
-WITH_DATASET = {"cyclic", "bridge", "hybrid", "sequence"}  # commands
-AnyResult = Result | EarthquakeResult | SequenceResult | StudyResult | SavedResult
+WITH_DATASET = {"cyclic", "bridge", "hybrid", "sequence", "serve"}  # commands
+AnyResult = Result | EarthquakeResult | SequenceResult | ServedResult | StudyResult | SavedResult
 
 
 def load_result(path: str | Path) -> AnyResult:
@@ -30,7 +31,7 @@ def load_result(path: str | Path) -> AnyResult:
     Returns
     -------
     Result, or EarthquakeResult of `bridge` and `hybrid`, or SequenceResult of `sequence`, or
-    StudyResult of `study`;
+    ServedResult of `serve`, or StudyResult of `study`;
     of all others (identify, validate, design, lambda, bounds, motions) a SavedResult: summary,
     tables, figures and bearings.
 
@@ -59,6 +60,8 @@ def load_result(path: str | Path) -> AnyResult:
     data = read_dataset(path, ["case"])
     if "structure" in data.attrs:
         return EarthquakeResult(data)
+    if data.attrs.get("command") == "serve":
+        return ServedResult(data)
     return Result(read_dataset(path, ("bearing", "case", "segments")))
 
 

@@ -47,7 +47,7 @@ PACKAGES = {
     **{"cyclic": "cyclic", "bridge": "earthquake", "hybrid": "earthquake"},
     **{"sequence": "sequences", "identify": "identify", "validate": "validate"},
     **dict.fromkeys(("design", "bounds", "lambda"), "design"),
-    **{"study": "studies", "structures show": "structure"},
+    **{"study": "studies", "structures show": "structure", "serve": "opensees"},
     **dict.fromkeys(("motions show", "motions make", "motions spectrum"), "motions"),
 }
 COMPARED = {"cyclic", "bridge", "hybrid"}  # commands with --compare

@@ -169,9 +169,16 @@ def parameters(name: str, kind: str) -> tuple[Constants, Bearing]:
 def compare(name: str, kind: str) -> tuple[dict[str, Floats], dict[str, Floats]]:
     """Histories of deck and pier [mm], line force [kN] and deck acceleration [mm/s2], relative to
     the ground: ours, and those of OpenSees."""
+    ours, theirs = parameters(name, kind)
+    return compare_bearings(name, ours, theirs)
+
+
+def compare_bearings(
+    name: str, ours: Constants, theirs: Bearing
+) -> tuple[dict[str, Floats], dict[str, Floats]]:
+    """`compare` for any bearing."""
     structure = elastic_pier() if name == "pier-p1" else load_structure(name)
     ground = ground_of(MOTION, DT, DURATION)
-    ours, theirs = parameters(name, kind)
     prepared, history = shaken(structure, ours, ground, DT, damping="source")
     assert history.outcome == "completed"
     nodes = build(prepared, theirs, ground, DT, rayleigh_factors(prepared))

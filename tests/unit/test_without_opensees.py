@@ -21,6 +21,7 @@ ROOT = Path(__file__).parents[2]
 NEED_IT = (
     "tests/cross_code/test_opensees_material.py",
     "tests/cross_code/test_opensees_pier.py",
+    "tests/cross_code/test_opensees_serve.py",
     "tests/docs/test_site.py",
     "tests/verification/test_factors.py",
 )

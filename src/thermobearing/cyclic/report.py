@@ -75,7 +75,7 @@ def build_pieces(result: Result) -> Pieces:
         checks=_checks(result, case),
         lead_rise=float(np.nanmax(lead - lead[:, :1])),
         residuals=residual_rows(result.energy, case["analysis"]),
-        books=energy_table(result),
+        books=energy_table(result.energy),
         assumptions=[*_start(case), *model_assumptions(case["analysis"], [case["bearing"]])],
         **content.result_parts(result, str(data.attrs["case"]), "cyclic", range_given=known),
     )

@@ -34,7 +34,7 @@ MEANINGS = (
 def result_tables(result: Result) -> dict[str, Table]:
     """Return the tables that the console prints: cycles, energy balance, other models."""
     found = {"cycles": cycles_table(result)} if len(result.cycles) else {}
-    found["energy"] = energy_table(result)
+    found["energy"] = energy_table(result.energy)
     if result.compared:
         errors = comparison_table(result.compared)
         names = ["ambient_degC", "model", *MODELS]
@@ -143,11 +143,11 @@ def warming(result: Result) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["ambient_degC", "part", "highest_degC", "rise_K"])
 
 
-def energy_table(result: Result) -> Table:
-    """Return the energy balance at the end of each run."""
+def energy_table(energy: pd.DataFrame) -> Table:
+    """Return the energy balance of bearings at the end of each run."""
     note = "Work in = heat released + recoverable; heat released = stored + lost. Residuals are "
     note += "relative to the largest of these energies."
-    return make_table(result.energy, caption="Energy balance at the end of each run", note=note)
+    return make_table(energy, caption="Energy balance at the end of each run", note=note)
 
 
 def measured_table(

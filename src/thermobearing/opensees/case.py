@@ -1,0 +1,267 @@
+"""What is served to OpenSees, as data: bearing, ambient temperature, count, units, options.
+
+Units and signs are converted in one place, `Units`. Displacements of an element are those of its
+second node relative to its first; forces on the second node resist them (positive with a positive
+displacement), and those on the first node are their opposites.
+"""
+
+import math
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, Self
+
+import numpy as np
+from pydantic import Field
+
+from thermobearing.bearing.library import BEARINGS, load_bearing
+from thermobearing.bearing.model import Bearing, CircularPlan
+from thermobearing.border.cases import load_all, read_case
+from thermobearing.border.errors import InputError
+from thermobearing.border.library import data_path, sources_to_keep
+from thermobearing.border.schema import Strict, in_unit, overridden
+from thermobearing.border.toml import read_toml, split_sources, to_toml
+from thermobearing.border.units import conversion
+from thermobearing.core.records import Floats
+from thermobearing.cyclic.case import Temperature
+from thermobearing.model.element import DEFAULT_AMBIENT, BearingElement
+from thermobearing.model.handover import SpecimenState
+from thermobearing.model.options import ModelOptions
+from thermobearing.opensees.wire import MOST_DOFS
+from thermobearing.report.title import case_table
+
+UnitNames = Literal["kN-mm", "kN-m", "N-mm", "N-m", "MN-m", "kip-in", "lbf-in"]
+ROTATIONS = (4, 5, 6)  # degrees of freedom of a node in space
+IN_SPACE = 6
+HORIZONTAL = (1, 2, 3)
+
+
+class Units(NamedTuple):
+    """Factors from the units of a client to those of this package."""
+
+    force: float  # [kN]
+    length: float  # [mm]
+
+    @classmethod
+    def named(cls, name: str) -> Self:
+        """Return the factors of a name such as "kN-m".
+
+        >>> Units.named("N-m")
+        Units(force=0.001, length=1000.0)
+        """
+        force, length = name.split("-")
+        return cls(conversion(force, "kN")[0], conversion(length, "mm")[0])
+
+
+class ServedCase(Strict):
+    """A bearing that is served.
+
+    Attributes
+    ----------
+    command : "serve".
+    bearing : the bearing: a name, a TOML file, or a table.
+    ambient : ambient temperature [degC], in [-100, 100].
+    initial : temperature of the bearing at the start [degC]; the ambient temperature by default.
+    initial_state : where an earlier analysis left the bearing, from `tb.end_state`.
+    count : number of equal bearings side by side that an element stands for, in [1, 1000].
+    units : force and length of the OpenSees model, such as "kN-mm" (default), "kN-m" or "N-m"; the
+        time is in s and rotations are in rad.
+    rate : speed [mm/s] at which a static analysis moves the bearing, in [1e-6, 1e6]. Steps without
+        any velocity then last as long as this speed needs. By default the time of the model is the
+        clock of the bearing in static analyses too, and must advance.
+    analysis : how to model the bearing.
+    """
+
+    command: Literal["serve"] = "serve"
+    bearing: Bearing
+    ambient: Temperature = DEFAULT_AMBIENT
+    initial: Temperature | None = None
+    initial_state: SpecimenState | None = None
+    count: Annotated[int, Field(ge=1, le=1000)] = 1
+    units: UnitNames = "kN-mm"
+    rate: Annotated[float, in_unit("mm/s"), Field(ge=1e-6, le=1e6)] | None = None
+    analysis: ModelOptions = ModelOptions()
+    sources: dict[str, dict[str, str]] | None = None
+
+    def to_toml(self) -> str:
+        """The case with every default filled in, as TOML; reads back to the same bits."""
+        return to_toml(self)
+
+    def new_bearing(self) -> BearingElement:
+        """Return a bearing at the start."""
+        start = self.initial if self.initial_state is None else self.initial_state
+        return BearingElement(self.bearing, self.ambient, initial=start, model=self.analysis)
+
+
+def make_served_case(
+    table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
+) -> ServedCase:
+    """Check a case from a table of a file and overrides, with the defaults filled in.
+
+    >>> make_served_case({}, "example", bearing="shen-hdr-bridge", count=5).count
+    5
+    """
+    table, given, faults = load_all(table, overrides, {"bearing": load_bearing}, folder)
+    table = overridden(table, given, ServedCase, {"analysis": ModelOptions})
+    own: dict[str, str] = {}
+    if isinstance(table.get("bearing"), dict):
+        table["bearing"], own = split_sources(table["bearing"])
+    case = read_case(ServedCase, table, where, faults)
+    faults = [f"analysis.{text}" for text in case.analysis.misfits(case.bearing)]
+    if case.analysis.model == "bilinear":
+        faults.append('analysis.model = "bilinear": use bilinear bounds (thermobearing lambda)')
+    if case.initial is not None and case.initial_state is not None:
+        faults.append("give initial or initial_state, not both")
+    if faults:
+        raise InputError(faults, where)
+    bearing = case.bearing.with_sources(own | case.bearing.sources)
+    sources = sources_to_keep([(BEARINGS, bearing)], case.sources)
+    analysis = case.analysis.settled(case.bearing)
+    return case.model_copy(update={"analysis": analysis, "sources": sources})
+
+
+def load_served_case(path: str | Path, **overrides: Any) -> ServedCase:
+    """Read a case from TOML; overrides as of `make_served_case`."""
+    return make_served_case(case_table(Path(path)), str(path), Path(path).parent, **overrides)
+
+
+class Layout(NamedTuple):
+    """Which springs an element of OpenSees has.
+
+    Attributes
+    ----------
+    pairs : bearings in the element, each between two nodes.
+    dofs : degrees of freedom of each node, numbered as in OpenSees.
+    directions : those of them in which the bearing shears.
+    vertical : the vertical one; None where the element has shear springs only.
+    """
+
+    pairs: int
+    dofs: tuple[int, ...]
+    directions: tuple[int, ...]
+    vertical: int | None
+
+    @classmethod
+    def of(cls, pairs: int, directions: Any, vertical: int | None, where: str) -> Self:
+        """Return the layout of an element, checked.
+
+        >>> Layout.of(1, (1,), 3, "example").dofs
+        (1, 2, 3, 4, 5, 6)
+        """
+        given = directions if isinstance(directions, list | tuple) else (directions,)
+        faults = []
+        if not given or not set(given) <= set(HORIZONTAL) or len(set(given)) != len(given):
+            faults.append(f"directions = {directions!r}: must be different ones of 1, 2, 3")
+        elif vertical is not None and (vertical not in HORIZONTAL or vertical in given):
+            faults.append(f"vertical = {vertical!r}: must be 1, 2 or 3, and none of directions")
+        if len(given) > 2:
+            faults.append(f"directions = {directions!r}: a bearing shears in two at most")
+        most = MOST_DOFS // 2 // (IN_SPACE if vertical is not None else max(1, len(given)))
+        if not 1 <= pairs <= most:
+            faults.append(f"nodes: {pairs} pairs; must be from 1 to {most} in one element")
+        if faults:
+            raise InputError(faults, where)
+        ways = tuple(int(way) for way in given)
+        dofs = tuple(sorted(ways)) if vertical is None else tuple(range(1, IN_SPACE + 1))
+        return cls(pairs, dofs, ways, vertical)
+
+    @property
+    def size(self) -> int:
+        """Degrees of freedom of the whole element."""
+        return 2 * self.pairs * len(self.dofs)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Sentences on what the element neglects."""
+        if len(self.directions) < 2:
+            return []
+        return [
+            "an element shears in two directions: the model has one direction, so that the two "
+            "act as independent bearings; heat and hysteresis of one do not affect the other"
+        ]
+
+
+@cache
+def _constants() -> dict[str, Any]:
+    table, _ = split_sources(read_toml(data_path("materials", "vertical.toml")))
+    return dict(table)
+
+
+class LinearStiffness(NamedTuple):
+    """Stiffness of a bearing that neither temperature nor history changes during an analysis."""
+
+    shear: float  # G A / T_r [kN/mm]
+    vertical: float  # E_c A / T_r [kN/mm]
+    rotation: tuple[float, float]  # E_c I / (3 T_r) about the axes along and across [kN mm/rad]
+    torsion: float  # G J / T_r [kN mm/rad]
+
+
+def linear_stiffness(case: ServedCase) -> LinearStiffness:
+    r"""Return vertical, rotational, torsional and lateral stiffness of one bearing.
+
+    .. math::
+        E_c = (1 / (c G S^2) + 4 / (3 K))^{-1}, \quad K_v = E_c A / T_r, \quad
+        K_r = E_c I / (3 T_r), \quad K_t = G J / T_r
+
+    after Kumar, Whittaker & Constantinou (2014), "An advanced numerical model of elastomeric
+    seismic isolation bearings", Earthquake Engineering & Structural Dynamics 43, with the shape
+    factor S of one layer, c = 6 for round and 6.73 for other plans and the bulk modulus K
+    (data/materials/vertical.toml). G is the secant modulus of the rubber of this bearing at 100 %
+    shear strain and the temperature at the start, in the first loading. A lead core counts as
+    rubber. Tension, buckling and the interaction of axial force and shear are neglected.
+
+    Examples
+    --------
+    >>> case = make_served_case({}, "example", bearing="shen-hdr-bridge", ambient=23)
+    >>> stiffness = linear_stiffness(case)
+    >>> stiffness.vertical > 100 * stiffness.shear
+    True
+    """
+    bearing, known = case.bearing, _constants()
+    plan, height = bearing.geometry.plan, bearing.total_rubber_thickness
+    shear = _secant_stiffness(case)
+    modulus = shear * height / plan.area  # [GPa]
+    bulk = float(str(known["bulk_modulus"]).split()[0]) / 1e3
+    round_plan = isinstance(plan, CircularPlan)
+    factor = known["compression_round" if round_plan else "compression_square"]
+    shape = bearing.geometry.first_shape_factor
+    compression = 1.0 / (1.0 / (factor * modulus * shape**2) + 4.0 / (3.0 * bulk))
+    along, across = plan._sides()
+    share = math.pi / 64.0 if round_plan else 1.0 / 12.0
+    inertia = (share * along * across**3, share * across * along**3)  # axes along, across
+    return LinearStiffness(
+        shear,
+        compression * plan.area / height,
+        (compression * inertia[0] / (3.0 * height), compression * inertia[1] / (3.0 * height)),
+        modulus * sum(inertia) / height,
+    )
+
+
+def _secant_stiffness(case: ServedCase) -> float:
+    """Return the secant stiffness of the rubber at 100 % strain in the first loading [kN/mm]."""
+    bearing, height = case.new_bearing(), case.bearing.total_rubber_thickness
+    begin = float(bearing.state.books["displacement"][0])
+    for x in np.linspace(begin, begin + height, 201)[1:]:
+        bearing.set_trial(float(x), dt=0.005)
+        bearing.commit()
+    return float(bearing.state.books["rubber_force"][0]) / height
+
+
+def spring_constants(layout: Layout, case: ServedCase) -> Floats:
+    """Return the stiffness of the linear springs of an element by degree of freedom [kN, mm, rad].
+
+    It is zero where the bearing shears by its own law. The second horizontal direction of an
+    element in space that shears in one direction has the shear stiffness G A / T_r.
+    """
+    found = np.zeros(len(layout.dofs))
+    if layout.vertical is None:
+        return found
+    known = linear_stiffness(case)
+    first = layout.directions[0]
+    second = next(way for way in HORIZONTAL if way not in (first, layout.vertical))
+    by_dof = {second: known.shear, layout.vertical: known.vertical}
+    by_dof |= {first + 3: known.rotation[0], second + 3: known.rotation[1]}
+    by_dof[layout.vertical + 3] = known.torsion
+    for place, dof in enumerate(layout.dofs):
+        if dof not in layout.directions:
+            found[place] = by_dof[dof]
+    return found

@@ -1,0 +1,283 @@
+"""One element of an OpenSees model: requests in, forces and matrices out, histories kept.
+
+A trial starts from the committed state only. The duration of a step is the difference of the times
+of the domain; heat comes from work, never from velocities. The element recognises `reset` by a
+trial at time zero without any displacement, which the reset of a domain sends, and begins again
+with a new bearing.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from thermobearing.core.records import Floats
+from thermobearing.model.element import BearingElement
+from thermobearing.opensees.case import Layout, ServedCase, Units, spring_constants
+from thermobearing.opensees.wire import Action, Request
+
+SHORTEST = 1e-6  # duration of a step in which the time does not advance [s]
+FIRST_ROWS = 4096  # of a history, doubled when it is full
+NOT_ADVANCING = (
+    "the time of the model goes back from {0:g} to {1:g} while the bearing moves without velocity, "
+    "as in displacement control, where the time is the load factor: give the speed of the static "
+    "analysis, rate, in mm/s"
+)
+
+
+class StepError(RuntimeError):
+    """A step that cannot be computed; OpenSees may try a smaller one."""
+
+
+class Served(NamedTuple):
+    """The history of one bearing in one direction, from the start or a reset to the end."""
+
+    tag: int
+    pair: int  # place of the bearing in its element, from 1
+    direction: int
+    run: int  # 1, and one more for each reset or new element of the same tag
+    outcome: str
+    time: Floats  # of the model
+    books: Any  # rows of core.types.Books
+    rubber: Floats  # temperatures of the layers [degC]
+    initial: Floats  # temperatures of the cells [degC]
+    final: Floats
+
+
+class _Recorded:
+    """A bearing that keeps the end of every committed step."""
+
+    def __init__(self, bearing: BearingElement) -> None:
+        self.bearing = bearing
+        self._cells = bearing._constants.layer_cells
+        self._upper, self._lower = self._cells["upper_middle"], self._cells["lower_middle"]
+        self.initial = bearing.state.temperature.copy()
+        self._rows = 0
+        self._time = np.empty(FIRST_ROWS)
+        self._books: Any = np.empty(FIRST_ROWS, dtype=np.asarray(bearing.state.books).dtype)
+        self._rubber = np.empty((FIRST_ROWS, len(self._cells)))
+        self.outcome = "completed"
+        self.keep(0.0)
+
+    def keep(self, time: float) -> None:
+        """Append the committed state."""
+        row = self._rows
+        if row == len(self._time):
+            self._time, self._books, self._rubber = (
+                np.concatenate([old, np.empty_like(old)])
+                for old in (self._time, self._books, self._rubber)
+            )
+        state = self.bearing.state
+        self._time[row] = time
+        self._books[row] = state.books[0]
+        self._rubber[row] = 0.5 * (state.temperature[self._upper] + state.temperature[self._lower])
+        self._rows = row + 1
+
+    @property
+    def moved(self) -> bool:
+        """Whether the bearing was displaced: a gravity stage alone leaves no history."""
+        return bool(np.ptp(self._books["displacement"][: self._rows]))
+
+    def served(self, tag: int, pair: int, direction: int, run: int) -> Served:
+        """Return the history so far."""
+        kept = slice(self._rows)
+        return Served(
+            *(tag, pair, direction, run, self.outcome),
+            *(self._time[kept].copy(), self._books[kept].copy(), self._rubber[kept].copy()),
+            *(self.initial, self.bearing.state.temperature.copy()),
+        )
+
+
+class ServedElement:
+    """Bearings between pairs of nodes, as OpenSees sees them.
+
+    Parameters
+    ----------
+    case : what is served.
+    layout : degrees of freedom, and which of them shear.
+    tag, run : names of the history.
+    """
+
+    def __init__(self, case: ServedCase, layout: Layout, tag: int, run: int = 1) -> None:
+        self.case, self.layout, self.tag, self.run = case, layout, tag, run
+        units = Units.named(case.units)
+        self._length = units.length
+        self._force = case.count / units.force  # of the element in the units of the client, per kN
+        rotations = np.array([dof > 3 and layout.vertical is not None for dof in layout.dofs])
+        stiffness = spring_constants(layout, case) * self._force
+        self._linear = stiffness * np.where(rotations, 1.0 / units.length, units.length)
+        self._any_linear = bool(self._linear.any())
+        d = len(layout.dofs)
+        self._ends = [  # places of the first and second node, of each bearing in each direction
+            (2 * pair * d + place, (2 * pair + 1) * d + place)
+            for pair in range(layout.pairs)
+            for place in map(layout.dofs.index, layout.directions)
+        ]
+        self.finished: list[Served] = []
+        self._begin()
+
+    def _begin(self) -> None:
+        """Put new bearings at the start."""
+        self._bearings = [_Recorded(self.case.new_bearing()) for _ in self._ends]
+        self._at = [float(b.bearing.state.books["displacement"][0]) for b in self._bearings]
+        self._zero = list(self._at)  # displacement of the bearings where the model has none
+        self._forces = [float(b.bearing.state.books["force"][0]) for b in self._bearings]
+        self._tangents = [b.bearing.set_trial(x, SHORTEST).tangent for b, x in self._pairs()]
+        self._time = 0.0
+        self._trial_time = 0.0
+        self._pending = False
+        self._last: tuple[Any, ...] = ()
+        self._problem = ""
+        self._x: list[float] = [0.0] * self.layout.size
+        self._f, self._k = list(self._forces), list(self._tangents)
+
+    def _pairs(self) -> Any:
+        return zip(self._bearings, self._at, strict=True)
+
+    def reset(self) -> None:
+        """Keep the history so far, and begin again."""
+        if any(bearing.moved for bearing in self._bearings):
+            self.finished += self._present()
+            self.run += 1
+        self._begin()
+
+    def _present(self) -> list[Served]:
+        ways = self.layout.directions
+        return [
+            bearing.served(self.tag, k // len(ways) + 1, ways[k % len(ways)], self.run)
+            for k, bearing in enumerate(self._bearings)
+        ]
+
+    def histories(self) -> list[Served]:
+        """Return the histories of all bearings so far."""
+        return [*self.finished, *self._present()]
+
+    def answer(self, request: Request) -> Floats | list[float] | None:
+        """Carry out a request; return the force vector or the matrix, where there is a reply.
+
+        Raises
+        ------
+        StepError : the trial failed, or a failed trial was committed.
+        """
+        match request.action:
+            case Action.SET_TRIAL:
+                self._try(request)
+            case Action.COMMIT:
+                self._commit()
+            case Action.FORCE:
+                self._check()
+                return self._vector()
+            case Action.TANGENT | Action.INITIAL_STIFFNESS:
+                self._check()
+                return self._matrix()
+            case Action.DAMPING | Action.MASS:
+                return [0.0] * self.layout.size**2
+        return None
+
+    def _check(self) -> None:
+        if self._problem:
+            raise StepError(self._problem)
+
+    def _try(self, request: Request) -> None:
+        """Move the bearings from the committed state to a trial displacement."""
+        x, time = request.displacement, request.time
+        moving = any(request.velocity) or any(request.acceleration)
+        if self._last == (x, time, moving):
+            return  # OpenSees sends each trial twice
+        self._last, self._problem = (x, time, moving), ""
+        if not request.finite:
+            self._problem = "OpenSees sends a displacement or a time that is not finite"
+            return
+        if time == 0.0 and self._time != 0.0 and not any(x):
+            self.reset()
+            self._last = (x, time, moving)
+        self._x = list(x)
+        goals = [
+            zero + self._length * (x[second] - x[first])
+            for (first, second), zero in zip(self._ends, self._zero, strict=True)
+        ]
+        most = max(abs(goal - at) for goal, at in zip(goals, self._at, strict=True))
+        try:
+            dt = self._duration(time, most, moving)
+        except StepError as error:
+            self._problem = str(error)
+            return
+        self._pending = dt > 0.0
+        self._trial_time = time
+        if not self._pending:
+            self._f, self._k = list(self._forces), list(self._tangents)
+            return
+        for k, (bearing, goal) in enumerate(zip(self._bearings, goals, strict=True)):
+            trial = bearing.bearing.set_trial(goal, dt)
+            self._f[k], self._k[k] = trial.force, trial.tangent
+            if trial.outcome != "completed":
+                self._problem = f"the step to {goal:.6g} mm in {dt:.3g} s ended: {trial.outcome}"
+                bearing.outcome = trial.outcome
+                return
+            bearing.outcome = "completed"
+
+    def _duration(self, time: float, most: float, moving: bool) -> float:
+        """Return how long a step lasts [s]; zero where there is nothing to compute."""
+        dt = time - self._time
+        if self.case.rate is not None and not moving:
+            return max(most / self.case.rate, SHORTEST) if most else 0.0
+        if dt > 0.0:
+            return dt
+        if dt < 0.0 and time > 0.0:
+            if most and not moving:
+                raise StepError(NOT_ADVANCING.format(self._time, time))
+            return time  # the clock was set to zero, as after a gravity stage
+        if dt < 0.0 and most and not moving:
+            raise StepError(NOT_ADVANCING.format(self._time, time))
+        return SHORTEST if most else 0.0
+
+    def _commit(self) -> None:
+        self._check()
+        self._time = self._trial_time
+        if not self._pending:
+            return
+        for k, bearing in enumerate(self._bearings):
+            bearing.bearing.commit()
+            bearing.keep(self._trial_time)
+            self._at[k] = float(bearing.bearing.state.books["displacement"][0])
+        self._forces, self._tangents = list(self._f), list(self._k)
+        self._pending = False
+        self._last = ()
+
+    def _vector(self) -> Floats | list[float]:
+        """Return the resisting forces, in the units and the order of the client."""
+        found = [0.0] * self.layout.size
+        for (first, second), force in zip(self._ends, self._f, strict=True):
+            found[second] = self._force * force
+            found[first] = -found[second]
+        if not self._any_linear:
+            return found
+        x = np.reshape(self._x, (self.layout.pairs, 2, -1))
+        springs = self._linear * (x[:, 1] - x[:, 0])
+        total: Floats = np.array(found) + np.stack([-springs, springs], axis=1).ravel()
+        return total
+
+    def _matrix(self) -> Floats | list[float]:
+        """Return the tangent stiffness by columns; the matrix is symmetric."""
+        n, d = self.layout.size, len(self.layout.dofs)
+        found = np.zeros((n, n))
+        scale = self._force * self._length
+        entries = [(*ends, scale * k) for ends, k in zip(self._ends, self._k, strict=True)]
+        if self._any_linear:
+            entries += [
+                (2 * pair * d + place, (2 * pair + 1) * d + place, float(k))
+                for pair in range(self.layout.pairs)
+                for place, k in enumerate(self._linear)
+                if k
+            ]
+        for i, j, k in entries:
+            found[i, i] += k
+            found[j, j] += k
+            found[i, j] -= k
+            found[j, i] -= k
+        return found
+
+
+def finite(values: Floats | list[float]) -> bool:
+    """Return whether a reply can be sent."""
+    return all(map(math.isfinite, np.ravel(values)))

@@ -1,0 +1,339 @@
+"""`thermobearing.opensees.serve`: bearings as elements of an OpenSees model in the same script."""
+
+import os
+import pickle
+import queue
+import subprocess
+import sys
+import threading
+import warnings
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self, Unpack
+
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError, ThermobearingError
+from thermobearing.model.element import DEFAULT_AMBIENT
+from thermobearing.model.handover import SpecimenState
+from thermobearing.model.options import ModelKeywords, ModelOptions, model_table
+from thermobearing.opensees.case import Layout, ServedCase, UnitNames, make_served_case
+from thermobearing.opensees.result import ServedResult
+from thermobearing.opensees.wire import Setup
+
+ANSWER = 60.0  # longest time for an answer of the server [s]
+READY = 300.0  # for its start, where kernels may be compiled [s]
+Pair = tuple[int, int]
+
+
+class ServingError(ThermobearingError):
+    """An element could not be served to the end; the result holds what was served."""
+
+
+class Line:
+    """Served bearings: elements for OpenSees, and their result.
+
+    Made by `serve`; a context manager, at whose end the server ends. Elements that OpenSees still
+    has then receive NaN.
+
+    Parameters
+    ----------
+    case : what is served, with its units.
+
+    Examples
+    --------
+    >>> with serve("shen-hdr-bridge", ambient=-20) as line:
+    ...     line.case.ambient
+    -20.0
+    """
+
+    def __init__(self, case: ServedCase) -> None:
+        self.case = case
+        self._layouts: dict[int, tuple[Layout, int]] = {}
+        self._last: list[Any] = []
+        self._said: tuple[list[str], list[str]] = ([], [])
+        self._lock = threading.Lock()
+        self._process = _start()
+        self._answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        threading.Thread(target=self._read, daemon=True).start()
+        try:
+            self._send(case)
+            self._take(READY)
+        except BaseException:
+            self._end()
+            raise
+
+    def __repr__(self) -> str:
+        name, state = self.case.bearing.name, "ended" if self._closed else "running"
+        return f"<Line of {name}, {len(self._layouts)} elements, {state}>"
+
+    def element(
+        self,
+        tag: int,
+        nodes: Pair | Sequence[Pair],
+        directions: int | Sequence[int] = (1,),
+        *,
+        vertical: int | None = None,
+        size: int = 0,
+    ) -> tuple[Any, ...]:
+        """Return the arguments of `ops.element` for a bearing between two nodes.
+
+        Parameters
+        ----------
+        tag : of the element, a positive integer. A tag that is used again after `wipe` or `remove`
+            begins a new history.
+        nodes : lower and upper node, at the same place; or several such pairs, whose bearings form
+            one element, which is quicker than an element for each.
+        directions : degrees of freedom in which the bearing shears, one or two of 1, 2 and 3.
+        vertical : the vertical one of the degrees of freedom 1, 2 and 3 of nodes with six. The
+            element then has vertical, rotational and torsional springs (`linear_stiffness`) and,
+            with one of `directions`, a linear spring in the other horizontal direction. By default
+            it has the springs of `directions` only.
+        size : least length of a message [doubles], OpenSees' dataSize.
+
+        Returns
+        -------
+        tuple : pass it on at once, ``ops.element(*line.element(...))``.
+
+        Raises
+        ------
+        InputError : tag, nodes or directions that cannot be used.
+        ServingError : the server has ended.
+
+        Examples
+        --------
+        >>> with serve("shen-hdr-bridge", ambient=-20, count=5) as line:
+        ...     arguments = line.element(tag=101, nodes=(11, 21))
+        >>> arguments[:9]
+        ('genericClient', 101, '-node', 11, 21, '-dof', 1, '-dof', 1)
+        """
+        pairs = _pairs(nodes)
+        if not isinstance(tag, int) or isinstance(tag, bool) or not 0 < tag < 2**31:
+            raise InputError(f"element(): tag = {tag!r}: must be a positive integer")
+        layout = Layout.of(len(pairs), directions, vertical, "element()")
+        known, port = self._layouts.get(tag, (layout, 0))
+        if known != layout:
+            raise InputError(
+                f"element(): tag = {tag}: had other nodes or directions in this line; use another "
+                "tag"
+            )
+        for text in layout.warnings:
+            warnings.warn(text, stacklevel=2)
+        if not port:
+            port = self._ask("listen", layout, tag)
+            self._layouts[tag] = layout, port
+        ends = [node for pair in pairs for node in pair]
+        dofs = [word for _ in ends for word in ("-dof", *layout.dofs)]
+        length = Setup.smallest(layout.size, size).size
+        return (
+            *("genericClient", tag, "-node", *ends, *dofs, "-server", port, "127.0.0.1"),
+            *("-dataSize", length, "-noRayleigh"),
+        )
+
+    def reset(self) -> None:
+        """Put all bearings at the start, as after `ops.reset()`, which does so by itself."""
+        self._ask("reset")
+
+    def check(self) -> None:
+        """Raise an error if an element could not be served.
+
+        Raises
+        ------
+        ServingError : all problems since the start, in one message.
+        """
+        if not self._closed:
+            self._said = self._ask("problems")
+        if self._said[0]:
+            raise ServingError("\n".join(self._said[0]))
+
+    def results(self) -> ServedResult:
+        """Return the histories of all elements so far, also after the end of the line.
+
+        Returns
+        -------
+        ServedResult
+
+        Raises
+        ------
+        InputError : no element has been connected.
+        ServingError : the server was killed.
+        """
+        if not self._closed:
+            self._last, self._said = self._ask("histories"), self._ask("problems")
+        problems, notes = self._said
+        warned = [text for layout, _ in self._layouts.values() for text in layout.warnings]
+        said = [*dict.fromkeys(warned), *problems, *notes]
+        return ServedResult.of(self.case, self._last, said)
+
+    def close(self) -> None:
+        """End the server; the result remains."""
+        if self._closed:
+            return
+        try:
+            self._last, self._said = self._ask("histories"), self._ask("problems")
+        finally:
+            self._end()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        try:
+            self.close()
+            self.check()
+        except ServingError as problem:
+            if error is None:
+                raise
+            error.add_note(str(problem))
+
+    @property
+    def _closed(self) -> bool:
+        return self._process.stdin is None or self._process.stdin.closed
+
+    def _send(self, message: Any) -> None:
+        assert self._process.stdin is not None
+        with suppress(BrokenPipeError):  # `_take` says why
+            pickle.dump(message, self._process.stdin)
+            self._process.stdin.flush()
+
+    def _read(self) -> None:
+        """Pass answers of the server on; None at its end."""
+        answers = self._process.stdout
+        assert answers is not None
+        with suppress(EOFError, OSError, ValueError, pickle.UnpicklingError):
+            while True:
+                self._answers.put((pickle.load(answers),))
+        self._answers.put(None)
+
+    def _take(self, limit: float) -> Any:
+        try:
+            found = self._answers.get(timeout=limit)
+        except queue.Empty:
+            self._end()
+            raise ServingError(
+                f"the server of the bearings does not answer within {limit:g} s; it was ended"
+            ) from None
+        if found is None:
+            self._end()
+            status = self._process.returncode
+            raise ServingError(
+                f"the server of the bearings has ended (exit status {status}); its histories are "
+                "lost. Elements that it served receive NaN: start a new line and a new model"
+            )
+        (answer,) = found
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def _ask(self, *command: Any) -> Any:
+        if self._closed:
+            raise ServingError("the server of the bearings has ended")
+        with self._lock:
+            self._send(command)
+            return self._take(ANSWER)
+
+    def _end(self) -> None:
+        """End the server, if need be by force."""
+        if not self._closed:
+            assert self._process.stdin is not None
+            with suppress(OSError):
+                self._process.stdin.close()
+        try:
+            self._process.wait(5.0)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+
+def _pairs(nodes: Any) -> list[Pair]:
+    """Return the pairs of nodes of an element."""
+    try:
+        given = [nodes] if isinstance(nodes[0], int) else list(nodes)
+        pairs = [(int(lower), int(upper)) for lower, upper in given]
+    except (TypeError, ValueError, IndexError):
+        raise InputError(
+            f"element(): nodes = {nodes!r}: must be a pair of node tags, or several pairs"
+        ) from None
+    ends = [node for pair in pairs for node in pair]
+    if len(set(ends)) < len(ends):
+        raise InputError(f"element(): nodes = {nodes!r}: a node occurs twice")
+    return pairs
+
+
+def _start() -> "subprocess.Popen[bytes]":
+    """Start the server as a process that does not receive the Ctrl-C of this one."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    detached: dict[str, Any] = {"start_new_session": True}
+    if sys.platform == "win32":
+        detached = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
+    return subprocess.Popen(
+        [sys.executable, "-m", "thermobearing.opensees.server"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env=environment,
+        **detached,
+    )
+
+
+def serve(
+    bearing: Bearing | str | Path,
+    ambient: float = DEFAULT_AMBIENT,
+    *,
+    count: int = 1,
+    units: UnitNames = "kN-mm",
+    rate: float | None = None,
+    initial: float | SpecimenState | None = None,
+    model: ModelOptions | str | None = None,
+    **options: Unpack[ModelKeywords],
+) -> Line:
+    """Serve a bearing to OpenSees models of this script, as elements.
+
+    Parameters
+    ----------
+    bearing : a Bearing, a library name, or a TOML file.
+    ambient : ambient temperature [degC], in [-100, 100].
+    count : number of equal bearings that an element stands for, in [1, 1000].
+    units : force and length of the model, "kN-mm" (default), "kN-m", "N-mm", "N-m", "MN-m",
+        "kip-in" or "lbf-in"; the time of the model must be in s.
+    rate : speed of static analyses [mm/s], in [1e-6, 1e6]; needed for displacement control, where
+        the time of the model is a load factor. By default the time of the model is the clock.
+    initial : temperature at the start [degC], by default the ambient temperature; or the state at
+        the end of an earlier analysis, from `tb.end_state`.
+    model : `ModelOptions`, or the name of an earlier model (model/earlier.py) but "bilinear".
+    options : fields of `ModelOptions`, such as scheme or lead_ends.
+
+    Returns
+    -------
+    Line : a context manager. Its server is ready, and ends with the context or with this process.
+
+    Raises
+    ------
+    InputError : no such bearing or option, or values that do not fit.
+    ServingError : the server cannot be started.
+
+    Examples
+    --------
+    >>> with serve("shen-hdr-bridge", ambient=-20, units="kN-m") as line:
+    ...     line  # ops.element(*line.element(tag=101, nodes=(11, 21)))
+    <Line of shen-hdr-bridge, 0 elements, running>
+    """
+    state = isinstance(initial, SpecimenState)
+    case = make_served_case(
+        {},
+        "serve()",
+        bearing=bearing,
+        ambient=ambient,
+        count=count,
+        units=units,
+        rate=rate,
+        initial=None if state else initial,
+        initial_state=initial if state else None,
+        **model_table(model, options),
+    )
+    return Line(case)

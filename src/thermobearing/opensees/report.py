@@ -1,0 +1,89 @@
+"""Report of bearings that were elements of an OpenSees model."""
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from thermobearing.cyclic.reported import (
+    analysis_table,
+    bearing_tables,
+    bearing_words,
+    early_end,
+    model_assumptions,
+    residual_rows,
+)
+from thermobearing.cyclic.tables import energy_table
+from thermobearing.model.options import ModelOptions
+from thermobearing.opensees.result import ServedResult
+from thermobearing.report import content
+from thermobearing.report.pieces import Pieces, ReportFigure
+from thermobearing.report.words import counted, number, quantity
+
+CAPTION = (
+    "Force over shear displacement, and temperatures of rubber layers and lead, of one bearing of "
+    "each element."
+)
+ASSUMPTIONS = (
+    "OpenSees computes the structure. Displacements of an element are those of its second node "
+    "relative to its first; the duration of each step is that of the model.",
+    "Vertical, rotational and torsional springs, where an element has them, are linear and do not "
+    "depend on temperature; axial force and shear do not interact.",
+    "Directions in which an element shears act as independent bearings.",
+)
+
+
+def build_pieces(result: ServedResult) -> Pieces:
+    """Return the content of the report of served bearings."""
+    data = result.dataset
+    case = tomllib.loads(data.attrs["case"])
+    own = case.get("sources", {}).get(case["bearing"]["name"])
+    known = case["bearing"].get("tested_range") is not None
+    source = f"{content.TESTED_RANGE} of {case['bearing']['name']}"
+    given = ("ambient", "initial", "count", "units", "rate")
+    inputs: dict[str, Any] = {key: case[key] for key in given if key in case}
+    return content.build_pieces(
+        "serve",
+        f"{case['bearing']['name']} in an OpenSees model",
+        _question(result, case),
+        _answer(result),
+        checks=content.limit_checks(
+            result.tested_range.to_dict("records"), content.IN_EARTHQUAKES, source
+        ),
+        rate_rows=result.tested_range.to_dict("records"),
+        residuals=residual_rows(result.energy, case["analysis"]),
+        inputs={
+            **bearing_tables(case["bearing"], own),
+            "serving": content.input_table("Serving", inputs, otherwise="input"),
+            "analysis": analysis_table(case["analysis"], ModelOptions()),
+        },
+        tables={"elements": result.tables()["elements"]},
+        figures={"elements": ReportFigure(CAPTION, draw=result.plot.elements)},
+        books=energy_table(result.energy),
+        assumptions=[*ASSUMPTIONS, *model_assumptions(case["analysis"], [case["bearing"]])],
+        **content.result_parts(result, str(data.attrs["case"]), "serve", range_given=known),
+    )
+
+
+def _question(result: ServedResult, case: Mapping[str, Any]) -> str:
+    elements = len(set(result.dataset["tag"].values.tolist()))
+    side_by_side = counted(int(case.get("count", 1)), "bearing")
+    return (
+        f"This report gives the response of {bearing_words(case['bearing'])} as "
+        f"{counted(elements, 'element')} of an OpenSees model, each of {side_by_side}, at ambient "
+        f"temperature {quantity(case['ambient'])}."
+    )
+
+
+def _answer(result: ServedResult) -> list[str]:
+    table = result.table
+    moved, pushed = int(table["strain_max"].argmax()), int(table["bearing_force_max_kN"].argmax())
+    warm = int(table["rubber_highest_degC"].argmax())
+    found = (
+        f"The largest shear strain is {100.0 * table['strain_max'][moved]:.0f} % (element "
+        f"{table['element'][moved]}), the largest force of one bearing "
+        f"{number(table['bearing_force_max_kN'][pushed])} kN (element {table['element'][pushed]}). "
+        f"The rubber reaches {number(table['rubber_highest_degC'][warm])} °C"
+    )
+    if result.has_lead:
+        found += f", the lead {number(table['lead_highest_degC'].max())} °C"
+    return [*early_end("The analysis", "", result), f"{found}."]

@@ -1,0 +1,296 @@
+"""The result of served bearings: histories, extremes, energy balance, files."""
+
+from collections.abc import Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+import thermobearing
+from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
+from thermobearing.bearing.model import calibration_ranges
+from thermobearing.border.errors import InputError
+from thermobearing.core.records import Floats
+from thermobearing.cyclic.dataset import depth_attributes, stack_labels
+from thermobearing.cyclic.tables import energy_table
+from thermobearing.model.constants import outside_law
+from thermobearing.model.earlier import BLIND
+from thermobearing.model.options import build_model
+from thermobearing.model.outcomes import SENTENCES
+from thermobearing.opensees.case import ServedCase
+from thermobearing.opensees.element import Served
+from thermobearing.quantities.register import quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.results.base import DatasetResult
+from thermobearing.results.directory import DATASET, RESOLVED, TABLE
+from thermobearing.results.metrics import LEAST_WARMING, relative_residual
+from thermobearing.results.ranges import compare_with_tests, outside_tests, reached_by
+from thermobearing.results.writing import as_attribute, write_csv, write_dataset
+
+BALANCE = (
+    *("work_in", "heat_released", "recoverable", "heat_stored"),
+    *("heat_lost_ends", "heat_lost_sides"),
+)
+COLUMNS = (
+    *("element", "direction", "ambient_degC", "strain_max"),
+    quantity("bearing_force_max_kN", head="Largest force"),
+    *("energy_kN_mm", "rubber_highest_degC", "lead_highest_degC", "steps"),
+)
+
+
+class ServedResult(DatasetResult):
+    """The result of bearings that were elements of an OpenSees model.
+
+    Attributes
+    ----------
+    dataset : xarray.Dataset
+        Dimensions: `element` (a bearing in a direction, from the start or a reset to the end),
+        `step` (committed steps; shorter histories are padded with NaN), `layer` and `cell`.
+        `clock` is the time of the bearing, `model_time` that of the model. All values are those of
+        one bearing, in kN, mm, s and degC.
+    """
+
+    title: ClassVar[str] = "Bearings served to OpenSees"
+    _figures = "ServedFigures"
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self.dataset = dataset
+
+    @classmethod
+    def of(cls, case: ServedCase, histories: Sequence[Served], said: Sequence[str] = ()) -> Self:
+        """Return the result of a case; `said` are problems and notes of the server.
+
+        Raises
+        ------
+        InputError : no element has been connected.
+        """
+        if not histories:
+            raise InputError(
+                "no element has been connected: pass line.element(...) to ops.element, or connect "
+                "a genericClient element to the port",
+                "results()",
+            )
+        return cls(_dataset(case, histories, said))
+
+    @property
+    def headline(self) -> str:
+        """Bearing, number of elements and outcome in a line."""
+        data = self.dataset
+        count = len(set(data["tag"].values.tolist()))
+        elements = f"{count} elements" if count > 1 else "1 element"
+        bearing, steps = data.attrs["bearing"], int(data["steps"].values.sum())
+        return f"{self.title}: {bearing}, {elements}, {steps} steps, {self.outcome}"
+
+    @property
+    def runs(self) -> int:
+        """Number of histories."""
+        return int(self.dataset.sizes["element"])
+
+    def time(self, run: int) -> Floats:
+        """Return the clock of a bearing at its committed steps [s]."""
+        clock: Floats = self.dataset["clock"].values[run]
+        return clock[np.isfinite(clock)]
+
+    def history(self, run: int) -> pd.DataFrame:
+        """Return times [s], displacement [mm], force [kN] and temperatures [degC] of a bearing."""
+        data, rows = self.dataset.isel(element=run), len(self.time(run))
+        names = {"time_s": "clock", "model_time_s": "model_time"}
+        names |= {"displacement_mm": "displacement", "force_kN": "force"}
+        frame = {head: data[name].values[:rows] for head, name in names.items()}
+        layers = data["rubber_temperature"].values[:rows].T
+        frame |= {f"rubber{j}_degC": values for j, values in enumerate(layers, 1)}
+        if self.has_lead:
+            frame["lead_degC"] = data["lead_temperature"].values[:rows]
+        return pd.DataFrame(frame)
+
+    @property
+    def has_lead(self) -> bool:
+        """Whether the bearing has lead cores."""
+        return bool(self.dataset.attrs["has_lead"])
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """One row per history: extremes, energy, temperatures at the end and at most."""
+        data, rows = self.dataset, []
+        rubber = float(data.attrs["total_rubber_thickness_mm"])
+        for run, name in enumerate(data["element"].values):
+            mine = self.history(run)
+            layers = mine.filter(regex=r"^rubber\d").to_numpy()
+            far = float(mine["displacement_mm"].abs().max())
+            row = {
+                "element": str(name),
+                "direction": int(data["direction"].values[run]),
+                "ambient_degC": float(data.attrs["ambient_degC"]),
+                "outcome": str(data["outcome"].values[run]),
+                "steps": int(data["steps"].values[run]),
+                "displacement_max_mm": far,
+                "strain_max": far / rubber,
+                "bearing_force_max_kN": float(mine["force_kN"].abs().max()),
+                "energy_kN_mm": self.energy["work_in_kN_mm"][run],
+                "rubber_highest_degC": float(layers.max()),
+                "rubber_end_degC": float(layers[-1].max()),
+            }
+            if self.has_lead:
+                row["lead_highest_degC"] = float(mine["lead_degC"].max())
+                row["lead_end_degC"] = float(mine["lead_degC"].iloc[-1])
+            rows.append(row)
+        return pd.DataFrame(rows)
+
+    @cached_property
+    def energy(self) -> pd.DataFrame:
+        """Energy balance at the end of each history [kN mm], as of a cyclic test."""
+        data, rows = self.dataset, []
+        least = LEAST_WARMING * float(data.attrs["heat_capacity_kN_mm_per_K"])
+        for run, name in enumerate(data["element"].values):
+            last = len(self.time(run)) - 1
+            work, heat, elastic, stored, ends, sides = (
+                float(data[key].values[run, last]) for key in BALANCE
+            )
+            elastic -= float(data["recoverable"].values[run, 0])  # of an earlier analysis
+            energies = [work, stored, ends + sides]
+            values = dict(zip(BALANCE, (work, heat, elastic, stored, ends, sides), strict=True))
+            rows.append(
+                {"element": str(name)}
+                | {f"{key}_kN_mm": value for key, value in values.items()}
+                | {
+                    "mechanical_residual": relative_residual(work - heat - elastic, energies),
+                    "thermal_residual": relative_residual(
+                        heat - stored - (ends + sides), energies, least
+                    ),
+                }
+            )
+        return pd.DataFrame(rows)
+
+    def tables(self) -> dict[str, Table]:
+        """Return the extremes of all elements, and their energy balance."""
+        columns = [name for name in COLUMNS if not isinstance(name, str) or name in self.table]
+        extremes = make_table(self.table, columns, "Extremes of one bearing of each element")
+        return {"elements": extremes, "energy": energy_table(self.energy)}
+
+    def summary(self) -> dict[str, Any]:
+        """Return the content of summary.json."""
+        attrs = self.dataset.attrs
+        return {
+            **{key: attrs[key] for key in ("command", "bearing", "scheme", "version")},
+            "outcome": self.outcome,
+            "warnings": self.warnings,
+            **self._limits_summary(),
+            "elements": self.table.to_dict("records"),
+            "energy": self.energy.to_dict("records"),
+        }
+
+    def _write(self, folder: Path) -> None:
+        (folder / RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
+        write_csv(folder / TABLE, self.table)
+        write_dataset(self.dataset, folder / DATASET)
+
+
+def _labels(histories: Sequence[Served]) -> list[str]:
+    """Return a name for each history: its tag, and what distinguishes those of one tag."""
+    several = {key: len({getattr(h, key) for h in histories}) > 1 for key in ("pair", "run")}
+    two = len({h.direction for h in histories}) > 1
+    return [
+        f"{h.tag}"
+        + (f".{h.pair}" if several["pair"] else "")
+        + (" " + "xyz"[h.direction - 1] if two else "")
+        + (f", run {h.run}" if several["run"] else "")
+        for h in histories
+    ]
+
+
+def _dataset(case: ServedCase, histories: Sequence[Served], said: Sequence[str]) -> xr.Dataset:
+    """Return the labelled dataset of histories."""
+    model = build_model(case.bearing, case.analysis)
+    stack, steps = stack_labels(model), max(len(h.time) for h in histories)
+    both, each = ("element", "step"), ("element",)
+
+    def _padded(values: Sequence[Any]) -> Any:
+        shape = (len(values), steps, *values[0].shape[1:])
+        found = np.full(shape, np.nan)
+        for row, one in zip(found, values, strict=True):
+            row[: len(one)] = one
+        return found
+
+    data: dict[str, Any] = {"model_time": (both, _padded([h.time for h in histories]))}
+    for name, unit, text in stack.books:
+        values = _padded([h.books[name] for h in histories])
+        data[name] = xr.Variable(both, values, {"units": unit, "long_name": text})
+    data["strain"] = (both, data["displacement"].values / case.bearing.total_rubber_thickness)
+    data["rubber_temperature"] = ((*both, "layer"), _padded([h.rubber for h in histories]))
+    data["initial_temperature"] = (("element", "cell"), np.array([h.initial for h in histories]))
+    data["final_temperature"] = (("element", "cell"), np.array([h.final for h in histories]))
+    data["outcome"] = (each, np.array([h.outcome for h in histories], dtype=object))
+    data["steps"] = (each, np.array([len(h.time) - 1 for h in histories]))
+    coordinates: dict[str, Any] = {
+        "element": (each, np.array(_labels(histories), dtype=object)),
+        **{
+            name: (each, np.array([getattr(h, name) for h in histories]))
+            for name in ("tag", "pair", "direction", "run")
+        },
+        "layer": ("layer", np.arange(1, stack.layers + 1)),
+        "cell": ("cell", np.arange(1, len(stack.depth) + 1)),
+        "depth": ("cell", stack.depth, depth_attributes(model.stack.fold == 2)),
+    }
+    found = xr.Dataset(data, coords=coordinates, attrs=_attributes(case, model, histories, said))
+    for key, variable in found.variables.items():
+        if not variable.attrs:
+            variable.attrs = dict(quantity(str(key)).attributes)
+    return found
+
+
+def _attributes(
+    case: ServedCase, model: Any, histories: Sequence[Served], said: Sequence[str]
+) -> dict[str, Any]:
+    """Return provenance, warnings and the calibration range as attributes."""
+    bearing, constants = case.bearing, model.constants
+    ranges, names, rows = calibration_ranges(bearing), _labels(histories), []
+    for name, history in zip(names, histories, strict=True):
+        clock, x = history.books["clock"], history.books["displacement"]
+        dt = np.maximum(np.diff(clock), np.finfo(float).tiny)
+        speed = float((np.abs(np.diff(x)) / dt)[dt > 1e-5].max(initial=0.0))
+        reached = reached_by(
+            clock,
+            x,
+            speed,
+            rubber=bearing.total_rubber_thickness,
+            ambient=(case.ambient, case.ambient),
+            lead=history.books["lead_temperature"] if bearing.lead else None,
+        )
+        rows += compare_with_tests(name, reached, ranges)
+    law: list[str] = []
+    if case.analysis.model not in BLIND:
+        runs = [
+            (name, h.books["clock"], np.asarray(h.rubber))
+            for name, h in zip(names, histories, strict=True)
+        ]
+        law = outside_law(bearing.name, bearing.temperature_law, runs)
+    factors = exposures([bearing], case.analysis.exposure)
+    lead = constants.lead.cores * constants.lead.capacity if bearing.lead else 0.0
+    found = {
+        "title": f"{bearing.name} in OpenSees",
+        "command": "serve",
+        "bearing": bearing.name,
+        **{key: getattr(model.options, key) for key in ("model", "scheme", "integrator")},
+        "version": thermobearing.__version__,
+        "case": case.to_toml(),
+        "ambient_degC": case.ambient,
+        "count": case.count,
+        "area_mm2": bearing.area,
+        "total_rubber_thickness_mm": bearing.total_rubber_thickness,
+        "heat_capacity_kN_mm_per_K": float(constants.cells.capacity.sum() + lead),
+        "has_lead": int(bearing.lead is not None),
+        "half_stack": int(model.stack.fold == 2),
+        "warnings": [
+            *describe_all(factors),
+            *law,
+            *outside_tests(bearing.name, rows, ranges),
+            *said,
+        ],
+        **({"tested_range": rows} if rows else {}),
+        **exposure_attribute(factors),
+        "sentences": SENTENCES,
+    }
+    return {key: as_attribute(value) for key, value in found.items()}

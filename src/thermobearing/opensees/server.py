@@ -1,0 +1,397 @@
+"""The process that answers OpenSees: one loop over listeners, connections and its parent.
+
+`thermobearing serve` runs it in the foreground, `thermobearing.opensees.serve` as a child process:
+commands of the parent are pickled on the standard input, answers on the standard output. The end
+of the standard input is the end of the parent, on every system.
+"""
+
+import contextlib
+import os
+import pickle
+import queue
+import selectors
+import signal
+import socket
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from thermobearing.border.errors import InputError
+from thermobearing.opensees.case import Layout, ServedCase
+from thermobearing.opensees.element import Served, ServedElement, StepError, finite
+from thermobearing.opensees.keeper import NOTHING, Keeper, flood
+from thermobearing.opensees.wire import (
+    SETUP,
+    SILENT,
+    Action,
+    Request,
+    Setup,
+    WireError,
+    acknowledge,
+    encode_reply,
+    prepare,
+)
+
+HALF = 10.0  # longest time for the rest of a message [s]
+TICK = 0.5  # between two looks at unfinished messages [s]
+FULL = 20.0  # longest time in which OpenSees does not read an answer [s]
+MOST_NOTES = 20
+CHUNK = 1 << 20
+SPIN = 5e-5  # look for the next message this long before sleeping [s]
+LOOPBACK = "127.0.0.1"
+Say = Callable[[str], None]
+
+
+class Connection:
+    """One `genericClient` element that has connected."""
+
+    def __init__(self, client: socket.socket, layout: Layout, tag: int, run: int) -> None:
+        self.client, self.layout, self.tag, self.run = client, layout, tag, run
+        self.buffer = bytearray()
+        self.since = 0.0  # when the first bytes of an unfinished message arrived
+        self.setup: Setup | None = None
+        self.element: ServedElement | None = None
+        self.lost = False  # receives NaN from now on
+
+    def __str__(self) -> str:
+        return f"element {self.tag}"
+
+
+class Server:
+    """Listeners and connections of one process.
+
+    Parameters
+    ----------
+    case : what is served.
+    say : takes messages for the user at once; all are kept in `problems`.
+    keeper : process that answers if this one is killed.
+    """
+
+    def __init__(self, case: ServedCase, say: Say, keeper: Keeper | None = None) -> None:
+        self.case, self._say, self._keeper = case, say, keeper
+        self.problems: list[str] = []  # each ended the service of an element
+        self.notes: list[str] = []  # steps that failed, and that OpenSees may have repeated
+        self.stopped = False
+        self._selector = selectors.DefaultSelector()
+        self._listeners: list[socket.socket] = []
+        self._open: dict[socket.socket, Connection] = {}
+        self._ended: list[Connection] = []
+        self._runs: dict[int, int] = {}
+        self._looked = 0.0
+
+    def listen(self, layout: Layout, tag: int | None, address: str, port: int) -> int:
+        """Listen for an element, or without a tag for several, numbered as they come.
+
+        Returns
+        -------
+        int : the port; a free one where `port` is 0.
+
+        Raises
+        ------
+        InputError : the port is in use, or there is no such address.
+        """
+        try:
+            listener = socket.create_server((address, port), backlog=128)
+        except (OSError, OverflowError) as error:
+            why = getattr(error, "strerror", None) or error
+            raise InputError(
+                f"port = {port}: cannot listen at {address}: {why}; choose another port, or 0 for "
+                "a free one"
+            ) from None
+        listener.setblocking(False)
+        self._listeners.append(listener)
+
+        def _accept() -> None:
+            self._accept(listener, layout, tag)
+
+        self._selector.register(listener, selectors.EVENT_READ, _accept)
+        return int(listener.getsockname()[1])
+
+    def _accept(self, listener: socket.socket, layout: Layout, tag: int | None) -> None:
+        try:
+            client, _ = listener.accept()
+        except OSError:
+            return  # gone before it was accepted
+        number = len(self._runs) + 1 if tag is None else tag
+        for earlier in [one for one in self._open.values() if one.tag == number]:
+            if not earlier.lost:
+                self._receive(earlier)  # its end may have arrived
+        run = self._runs[number] = self._runs.get(number, 0) + 1
+        client.setblocking(False)
+        prepare(client)
+        acknowledge(client)
+        connection = Connection(client, layout, number, run)
+        if any(other.tag == number and not other.lost for other in self._open.values()):
+            self.problem(connection, "a second client connects while the first is served")
+            connection.lost = True
+        self._open[client] = connection
+        if self._keeper is not None:
+            self._keeper.hold(client)
+        if connection.lost:
+            self._drown(connection)
+        else:
+            self._selector.register(client, selectors.EVENT_READ, lambda: self._receive(connection))
+
+    def watch(self, file: Any, handle: Callable[[], None]) -> None:
+        """Call a function whenever something can be read from a socket."""
+        self._selector.register(file, selectors.EVENT_READ, handle)
+
+    def run(self, done: Callable[[], bool] = lambda: False) -> None:
+        """Serve until stopped, or until `done`, which is looked at every half a second."""
+        while not self.stopped:
+            for key, _ in self._selector.select(TICK):
+                key.data()
+            now = time.monotonic()
+            if now - self._looked > TICK:
+                self._looked = now
+                self._look_for_halves(now)
+                if done():
+                    return
+
+    @property
+    def clients(self) -> tuple[int, int]:
+        """Numbers of connections that are open, and of all so far."""
+        return len(self._open), len(self._open) + len(self._ended)
+
+    def problem(self, connection: Connection, text: str) -> None:
+        """Keep and say what went wrong with an element."""
+        message = f"{connection}: {text}"
+        if message not in self.problems:
+            self.problems.append(message)
+            self._say(message)
+
+    def note(self, connection: Connection, text: str) -> None:
+        """Keep a step that failed; say the first ones."""
+        message = f"{connection}: {text}"
+        if len(self.notes) < MOST_NOTES and message not in self.notes:
+            self.notes.append(message)
+            self._say(message)
+
+    def _receive(self, connection: Connection) -> None:
+        """Answer all messages that have arrived, and those that follow within microseconds."""
+        client, until = connection.client, 0.0
+        while True:
+            try:
+                data = client.recv(CHUNK)
+            except BlockingIOError:
+                if time.perf_counter() < until:
+                    continue
+                return
+            except OSError as error:
+                self._leave(connection, f"the connection was lost: {error.strerror or error}")
+                return
+            acknowledge(client)
+            if not data:
+                cut = f" after {len(connection.buffer)} bytes of a message"
+                self._leave(connection, f"OpenSees closed it{cut}" if connection.buffer else "")
+                return
+            connection.buffer += data
+            try:
+                if self._answer_all(connection):
+                    return
+            except (WireError, StepError, InputError) as error:
+                self.problem(connection, str(error))
+                self._drown(connection)
+                return
+            except OSError as error:
+                self._leave(connection, f"an answer could not be sent: {error.strerror or error}")
+                return
+            until = time.perf_counter() + SPIN
+
+    def _answer_all(self, connection: Connection) -> bool:
+        """Answer the complete messages in the buffer; True once the element has ended."""
+        buffer = connection.buffer
+        if connection.setup is None:
+            if len(buffer) < SETUP.size:
+                connection.since = connection.since or time.monotonic()
+                return False
+            self._begin(connection, Setup.decode(bytes(buffer[: SETUP.size])))
+            del buffer[: SETUP.size]
+        setup, element = connection.setup, connection.element
+        assert setup is not None
+        assert element is not None
+        while len(buffer) >= setup.length:
+            request = Request.decode(buffer, setup)
+            del buffer[: setup.length]
+            if request.action == Action.END:
+                self._leave(connection, "")
+                return True
+            self._answer(connection, element, request, setup)
+        connection.since = time.monotonic() if buffer else 0.0
+        return False
+
+    def _begin(self, connection: Connection, setup: Setup) -> None:
+        """Begin to serve an element whose sizes are known."""
+        layout = connection.layout
+        connection.setup = setup
+        if setup.dofs != layout.size:
+            raise WireError(
+                f"OpenSees lists {setup.dofs} degrees of freedom, but the bearing has "
+                f"{layout.size}: {len(layout.dofs)} ({', '.join(map(str, layout.dofs))}) of each "
+                f"of {2 * layout.pairs} nodes; use the arguments of line.element()"
+            )
+        connection.element = ServedElement(self.case, layout, connection.tag, connection.run)
+
+    def _answer(
+        self, connection: Connection, element: ServedElement, request: Request, setup: Setup
+    ) -> None:
+        """Carry out one request; NaN answers a step that fails, so that OpenSees tries another."""
+        try:
+            values = element.answer(request)
+        except StepError as error:
+            if request.action != Action.COMMIT:
+                self.note(connection, str(error))
+            else:
+                raise StepError(f"OpenSees committed a step that had failed: {error}") from None
+            _send(connection.client, NOTHING[: setup.length].ljust(setup.length, b"\xff"))
+            return
+        if request.action in SILENT:
+            return
+        assert values is not None
+        if not finite(values):
+            raise StepError(f"the answer to {request.action.name} is not finite")
+        _send(connection.client, encode_reply(values, setup))
+
+    def _drown(self, connection: Connection) -> None:
+        """Send NaN from now on: the element cannot be served, and must not wait for ever."""
+        connection.lost = True
+        client = connection.client
+        if client in self._selector.get_map():
+            self._selector.unregister(client)
+
+        def _flood() -> None:
+            if not flood(client):
+                self._leave(connection, "")
+
+        both = selectors.EVENT_READ | selectors.EVENT_WRITE
+        self._selector.register(client, both, _flood)
+
+    def _leave(self, connection: Connection, why: str) -> None:
+        """Close a connection that OpenSees has closed; its history is kept."""
+        if why:
+            self.problem(connection, why)
+        client = connection.client
+        if client in self._selector.get_map():
+            self._selector.unregister(client)
+        del self._open[client]
+        self._ended.append(connection)
+        with contextlib.suppress(OSError):
+            client.shutdown(socket.SHUT_RDWR)
+        client.close()
+
+    def _look_for_halves(self, now: float) -> None:
+        for connection in list(self._open.values()):
+            if connection.since and now - connection.since > HALF and not connection.lost:
+                count = len(connection.buffer)
+                self.problem(
+                    connection, f"the rest of a message did not arrive: {count} bytes in {HALF:g} s"
+                )
+                self._drown(connection)
+
+    def reset(self) -> None:
+        """Put all bearings of open connections at the start."""
+        for connection in self._open.values():
+            if connection.element is not None:
+                connection.element.reset()
+
+    def histories(self) -> list[Served]:
+        """Return the histories of all elements so far, in the order in which they began."""
+        everyone = [*self._ended, *self._open.values()]
+        elements = [one.element for one in everyone if one.element is not None]
+        return [history for element in elements for history in element.histories()]
+
+    def close(self) -> None:
+        """Stop listening; the keeper answers what is still connected."""
+        self.stopped = True
+        for listener in self._listeners:
+            listener.close()
+        if self._keeper is not None:
+            self._keeper.release(stay=bool(self._open))
+
+
+def _send(client: socket.socket, data: bytes) -> None:
+    """Send an answer; OSError if OpenSees does not read it."""
+    try:
+        sent = client.send(data)
+    except BlockingIOError:
+        sent = 0
+    if sent < len(data):  # a large matrix
+        client.settimeout(FULL)
+        try:
+            client.sendall(memoryview(data)[sent:])
+        finally:
+            client.setblocking(False)
+
+
+class _Child:
+    """The server as a child of a Python process: commands in, answers out."""
+
+    def __init__(self) -> None:
+        self._answers = os.fdopen(os.dup(1), "wb")
+        os.dup2(2, 1)  # what is printed by accident is no answer
+        keeper = Keeper.start()
+        self.case: ServedCase = pickle.load(sys.stdin.buffer)
+        self.server = Server(self.case, self._say, keeper)
+        ServedElement(self.case, Layout(1, (1,), (1,), None), 0)  # loads or compiles the kernels
+        self._commands: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._bell, self._rung = socket.socketpair()
+        self.server.watch(self._rung, self._obey)
+        self._reply(None)
+
+    @staticmethod
+    def _say(message: str) -> None:
+        sys.stderr.write(f"thermobearing: {message}\n")
+        sys.stderr.flush()
+
+    def _reply(self, answer: Any) -> None:
+        try:
+            pickle.dump(answer, self._answers)
+            self._answers.flush()
+        except OSError:
+            self.server.stopped = True  # the parent is gone
+
+    def listen(self) -> None:
+        """Wait for commands; None, and the end of the parent, end the server."""
+        command: Any = ()
+        while command is not None:
+            try:
+                command = pickle.load(sys.stdin.buffer)
+            except (EOFError, OSError, pickle.UnpicklingError):
+                command = None
+            self._commands.put(command)
+            self._bell.send(b"!")
+
+    def _obey(self) -> None:
+        self._rung.recv(1)
+        command = self._commands.get()
+        if command is None:
+            self.server.stopped = True
+            return
+        server, (name, *arguments) = self.server, command
+        orders: dict[str, Callable[..., Any]] = {
+            "listen": lambda layout, tag: server.listen(layout, tag, LOOPBACK, 0),
+            "problems": lambda: (list(server.problems), list(server.notes)),
+            "histories": server.histories,
+            "reset": server.reset,
+        }
+        try:
+            answer = orders[name](*arguments)
+        except Exception as error:
+            answer = error
+        self._reply(answer)
+
+
+def main() -> None:
+    """Serve as a child process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
+    child = _Child()
+    threading.Thread(target=child.listen, daemon=True).start()
+    child.server.run()
+    child.server.close()
+    os._exit(0)  # the thread may be waiting for the standard input
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,160 @@
+"""Bearings as elements of OpenSees models, against our own integrators."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from tests import tolerances as tol
+from tests.conftest import Recorder
+from tests.opensees import needs_opensees, ops
+from tests.reference.opensees_pier import compare_bearings
+from tests.verification.structures import ground_of, real_bearing
+from thermobearing.core.types import Floats
+from thermobearing.opensees.line import Line, serve
+from thermobearing.structure.model import load_structure
+
+pytestmark = needs_opensees
+
+BEARING, AMBIENT = "shen-hdr-bridge", -20.0
+MASS, DT = 785 / 9810, 0.01  # kN s2/mm, s
+GROUND = ground_of("jra-ii-i-1", DT, 12.0)
+
+
+@pytest.fixture(scope="module")
+def line() -> Iterator[Line]:
+    """A server that several tests share, each with an own tag."""
+    with serve(BEARING, ambient=AMBIENT) as made:
+        yield made
+        ops.wipe()
+
+
+def one_mass(arguments: tuple[object, ...], scale: float = 1.0) -> None:
+    """A mass on a bearing under a ground motion, ready to be analysed."""
+    ops.wipe()
+    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    ops.node(1, 0.0)
+    ops.node(2, 0.0, "-mass", MASS)
+    ops.fix(1, 1)
+    ops.element(*arguments)
+    ops.timeSeries("Path", 1, "-dt", DT, "-values", *(scale * GROUND))
+    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+    solver("Newmark", 0.5, 0.25)
+    ops.analysis("Transient")
+
+
+def solver(*integrator: object) -> None:
+    ops.constraints("Plain")
+    ops.numberer("Plain")
+    ops.system("FullGeneral")
+    ops.test("NormDispIncr", 1e-11, 50)
+    ops.algorithm("Newton")
+    ops.integrator(*integrator)
+
+
+def shake(steps: int) -> Floats:
+    """Displacement of the mass after each step."""
+    found = []
+    for _ in range(steps):
+        assert ops.analyze(1, DT) == 0
+        found.append(ops.nodeDisp(2, 1))
+    return np.array(found)
+
+
+def own(ground: Floats) -> tuple[Floats, tb.BearingElement]:
+    """The same with Newmark's method here."""
+    bearing = tb.element(BEARING, ambient=AMBIENT)
+    x = v = a = 0.0
+    found = []
+    for acceleration in ground[1:]:
+        new = x
+        for _ in range(50):
+            mine = 4.0 * (new - x - DT * v) / DT**2 - a
+            trial = bearing.set_trial(new, dt=DT)
+            residual = -MASS * (mine + acceleration) - trial.force
+            step = residual / (4.0 * MASS / DT**2 + trial.tangent)
+            new += step
+            if abs(step) < 1e-11:
+                break
+        bearing.set_trial(new, dt=DT)
+        bearing.commit()
+        v, a, x = 2.0 * (new - x) / DT - v, 4.0 * (new - x - DT * v) / DT**2 - a, new
+        found.append(x)
+    return np.array(found), bearing
+
+
+@pytest.fixture(scope="module")
+def expected() -> tuple[Floats, tb.BearingElement]:
+    return own(GROUND)
+
+
+def off(found: Floats, right: Floats) -> float:
+    return float(np.abs(found - right).max() / np.abs(right).max())
+
+
+def test_one_mass_against_our_integrator(
+    line: Line, expected: tuple[Floats, tb.BearingElement], measured: Recorder, tmp_path: Path
+) -> None:
+    right, bearing = expected
+    one_mass(line.element(1, (1, 2)))
+    found = shake(len(right))
+    result = line.results()
+    error = off(found, right)
+    assert error < tol.OPENSEES_SERVED
+    measured("one mass on a served bearing in OpenSees", f"{error:.1e}", f"{tol.OPENSEES_SERVED:g}")
+    assert off(result["displacement"].values[0, 1:], right) < tol.OPENSEES_SERVED
+    warm = result["final_temperature"].values[0]
+    assert np.abs(warm - bearing.state.temperature).max() < 1e-8
+    assert result.energy["mechanical_residual"][0] < 1e-12
+    assert result.outcome == "completed"
+    saved = result.save(tmp_path / "served")
+    again = tb.load_result(saved)
+    assert (again["force"].values == result["force"].values).all()
+    assert [f.name for f in tb.make_report(saved, pdf=False)] == ["report.html"]
+    assert (saved / "figures" / "elements.png").exists()
+
+
+def test_units_of_the_model_and_bearings_side_by_side(
+    expected: tuple[Floats, tb.BearingElement],
+) -> None:
+    right, count = expected[0][:300], 3
+    with serve(BEARING, ambient=AMBIENT, count=count, units="N-m") as line:
+        ops.wipe()
+        ops.model("basic", "-ndm", 2, "-ndf", 3)
+        ops.node(1, 0.0, 0.0)
+        ops.node(2, 0.0, 0.0, "-mass", count * MASS * 1e6, 0.0, 0.0)  # kg
+        ops.fix(1, 1, 1, 1)
+        ops.fix(2, 0, 1, 1)
+        ops.element(*line.element(7, (1, 2)))
+        ops.timeSeries("Path", 1, "-dt", DT, "-values", *(GROUND / 1e3))
+        ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+        solver("Newmark", 0.5, 0.25)
+        ops.test("NormDispIncr", 1e-14, 50)
+        ops.analysis("Transient")
+        found = 1e3 * shake(len(right))
+        shear = 1e-3 * ops.eleForce(7)[3] / count
+        ops.wipe()
+        force = line.results()["force"].values[0, -1]
+    assert off(found, right) < tol.OPENSEES_SERVED
+    assert shear == pytest.approx(force, rel=1e-12)  # on the upper node, of one bearing
+
+
+@pytest.mark.thorough
+def test_pier_p1_against_our_structure(measured: Recorder) -> None:
+    count = load_structure("pier-p1").bearings[0].count
+    with serve(BEARING, ambient=AMBIENT, count=count, units="N-m") as line:
+
+        def make(tag: int, lower: int, upper: int) -> None:
+            ops.element(*line.element(tag, (lower, upper)))
+
+        ours, theirs = compare_bearings("pier-p1", real_bearing(BEARING), make)
+    for quantity, values in ours.items():
+        peak = abs(np.abs(theirs[quantity]).max() / np.abs(values).max() - 1.0)
+        assert peak < tol.OPENSEES_SERVED_PIER, quantity
+        measured(
+            f"pier P1 on served bearings, peak of {quantity} against our structure",
+            f"{peak:.1e}",
+            f"{tol.OPENSEES_SERVED_PIER:g}",
+        )

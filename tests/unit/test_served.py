@@ -1,0 +1,413 @@
+"""Served bearings without OpenSees: a client of our own in its place, and its faults."""
+
+import socket
+import struct
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from thermobearing.core.types import Floats
+from thermobearing.opensees import server as server_module
+from thermobearing.opensees.case import (
+    Layout,
+    ServedCase,
+    linear_stiffness,
+    make_served_case,
+    spring_constants,
+)
+from thermobearing.opensees.element import ServedElement, StepError
+from thermobearing.opensees.line import ServingError, serve
+from thermobearing.opensees.server import LOOPBACK, Server
+from thermobearing.opensees.wire import (
+    Action,
+    Request,
+    Setup,
+    decode_reply,
+    receive_exactly,
+)
+
+LIMIT = 20.0  # s, for what takes milliseconds
+ONE = Layout(1, (1,), (1,), None)
+
+
+def case(**given: Any) -> ServedCase:
+    return make_served_case({}, "test", **({"bearing": "shen-hdr-bridge", "ambient": -20} | given))
+
+
+class Client:
+    """What OpenSees sends and receives."""
+
+    def __init__(self, port: int, dofs: int = 2, size: int = 0) -> None:
+        self.setup = Setup.smallest(dofs, size)
+        self.socket = socket.create_connection((LOOPBACK, port), timeout=LIMIT)
+        self.socket.sendall(self.setup.encode())
+
+    def send(self, action: Action, x: list[float], time: float, moving: float = 1.0) -> None:
+        zeros = [0.0] * self.setup.dofs
+        v = [0.0] * (self.setup.dofs - 1) + [moving]
+        self.socket.sendall(Request(action, x, v, zeros, time).encode(self.setup))
+
+    def ask(self, action: Action, x: list[float], time: float, moving: float = 1.0) -> Floats:
+        self.send(action, x, time, moving)
+        return decode_reply(
+            receive_exactly(self.socket, self.setup.length, LIMIT), action, self.setup
+        )
+
+    def force(self, x: float, time: float, moving: float = 1.0) -> float:
+        """Force on the second node at a trial displacement."""
+        self.send(Action.SET_TRIAL, [0.0, x], time, moving)
+        return float(self.ask(Action.FORCE, [0.0, x], time, moving)[1])
+
+    def step(self, x: float, time: float, moving: float = 1.0) -> float:
+        force = self.force(x, time, moving)
+        self.send(Action.COMMIT, [0.0, x], time, moving)
+        return force
+
+    def end(self) -> None:
+        self.send(Action.END, [0.0] * self.setup.dofs, 0.0)
+        self.socket.close()
+
+
+class Running:
+    """A server in a thread, one port for elements that are numbered as they come."""
+
+    def __init__(self, given: ServedCase, layout: Layout = ONE, tag: int | None = None) -> None:
+        self.server = Server(given, lambda text: None)
+        self.port = self.server.listen(layout, tag, LOOPBACK, 0)
+        self.thread = threading.Thread(target=self.server.run)
+        self.thread.start()
+
+    def stop(self) -> Server:
+        self.server.stopped = True
+        self.thread.join(LIMIT)
+        self.server.close()
+        return self.server
+
+    def wait_for_problem(self) -> str:
+        end = time.monotonic() + LIMIT
+        while not self.server.problems and time.monotonic() < end:
+            time.sleep(0.01)
+        return self.server.problems[0]
+
+
+@pytest.fixture
+def running() -> Iterator[Running]:
+    made = Running(case())
+    yield made
+    made.stop()
+
+
+def expected(path: list[tuple[float, float]]) -> list[float]:
+    """Forces of `tb.element` at times and displacements."""
+    bearing, before, found = tb.element("shen-hdr-bridge", ambient=-20), 0.0, []
+    for t, x in path:
+        found.append(bearing.set_trial(x, dt=t - before).force)
+        bearing.commit()
+        before = t
+    return found
+
+
+PATH = [(0.1, 3.0), (0.2, 8.0), (0.3, 2.0), (0.4, -6.0), (0.5, 0.0)]
+
+
+def assert_only_nan(client: Client) -> None:
+    """Whatever is asked, the answer comes and is NaN."""
+    for _ in range(3):
+        assert np.isnan(client.force(1.0, 1.0))
+
+
+def test_a_trial_starts_from_the_committed_state(running: Running) -> None:
+    client = Client(running.port, size=100)
+    found = []
+    for t, x in PATH:
+        assert np.isfinite(client.force(x + 40.0, t + 0.7))
+        found.append(client.step(x, t))
+    assert found == expected(PATH)
+    client.end()
+    (history,) = running.stop().histories()
+    assert history.time.tolist() == [0.0, *(t for t, _ in PATH)]
+    assert history.books["force"][1:].tolist() == expected(PATH)
+
+
+def test_after_a_gravity_stage_the_clock_may_be_set_to_zero(running: Running) -> None:
+    client = Client(running.port)
+    for t in (0.5, 1.0):
+        assert client.step(0.0, t, moving=0.0) == 0.0
+    found = [client.step(x, t) for t, x in PATH]
+    assert found == pytest.approx(expected(PATH), rel=1e-12)
+    client.end()
+
+
+def test_a_load_factor_is_no_clock_without_a_rate(running: Running) -> None:
+    client = Client(running.port)
+    assert client.step(5.0, 100.0, moving=0.0) > 0.0
+    assert np.isnan(client.force(4.0, 90.0, moving=0.0))
+    assert np.isfinite(client.force(4.0, 101.0, moving=0.0))
+    client.end()
+    (note,) = running.stop().notes
+    assert "rate" in note
+
+
+def test_a_rate_makes_time_of_displacement() -> None:
+    running = Running(case(rate=20.0))
+    client = Client(running.port)
+    found = [client.step(x, factor, 0.0) for x, factor in ((5.0, 80.0), (2.0, 10.0), (-3.0, -40.0))]
+    assert found == pytest.approx(expected([(0.25, 5.0), (0.4, 2.0), (0.65, -3.0)]), rel=1e-12)
+    client.end()
+    running.stop()
+
+
+def test_a_reset_begins_again(running: Running) -> None:
+    client = Client(running.port)
+    for _ in range(2):
+        assert [client.step(x, t) for t, x in PATH] == expected(PATH)
+        assert client.force(0.0, 0.0) == 0.0  # sent by the reset of a domain
+    client.end()
+    first, second, third = running.stop().histories()
+    assert [h.run for h in (first, second, third)] == [1, 2, 3]
+    assert (first.books == second.books).all()
+    assert len(third.time) == 1
+
+
+def test_not_a_number_is_answered_by_not_a_number(running: Running) -> None:
+    client = Client(running.port)
+    assert np.isnan(client.force(np.nan, 0.1))
+    assert [client.step(x, t) for t, x in PATH] == expected(PATH)
+    client.end()
+
+
+def test_a_failed_step_that_is_committed_ends_the_service(running: Running) -> None:
+    client = Client(running.port)
+    assert client.step(3.0, 0.1) > 0.0
+    client.step(np.inf, 0.2)
+    assert_only_nan(client)
+    client.socket.close()
+    server = running.stop()
+    assert len(server.problems) == 1
+    assert len(server.histories()[0].time) == 2  # what was committed before
+
+
+def test_wrong_degrees_of_freedom(running: Running) -> None:
+    client = Client(running.port, dofs=6)
+    client.send(Action.SET_TRIAL, [0.0] * 6, 0.1)
+    assert np.isnan(client.ask(Action.FORCE, [0.0] * 6, 0.1)).all()
+    assert "6 degrees of freedom" in running.wait_for_problem()
+    client.socket.close()
+
+
+def test_another_program(running: Running) -> None:
+    with socket.create_connection((LOOPBACK, running.port), timeout=LIMIT) as other:
+        other.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nAccept: */*\r\n\r\n")
+        assert "setup" in running.wait_for_problem()
+    client = Client(running.port)  # others are served
+    assert [client.step(x, t) for t, x in PATH] == expected(PATH)
+    client.end()
+
+
+def test_messages_of_a_wrong_size(running: Running) -> None:
+    client = Client(running.port)
+    client.socket.sendall(struct.pack("=9d", 3, *[0.5] * 8))
+    client.send(Action.FORCE, [0.0, 0.0], 0.1)
+    assert "action code" in running.wait_for_problem()
+    assert_only_nan(client)
+    client.socket.close()
+
+
+def test_half_a_message(running: Running, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(server_module, "HALF", 0.1)
+    client = Client(running.port)
+    client.socket.sendall(bytes(12))
+    assert "12 bytes" in running.wait_for_problem()
+    assert_only_nan(client)
+    client.socket.close()
+
+
+def test_a_client_that_is_killed_leaves_its_history(running: Running) -> None:
+    client = Client(running.port)
+    forces = [client.step(x, t) for t, x in PATH]
+    client.socket.sendall(bytes(20))
+    client.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    client.socket.close()  # as the system does for a killed process: no END
+    running.wait_for_problem()
+    (history,) = running.stop().histories()
+    assert history.books["force"][1:].tolist() == forces
+
+
+def test_two_clients_of_one_element() -> None:
+    running = Running(case(), tag=7)
+    first, second = Client(running.port), Client(running.port)
+    assert "second client" in running.wait_for_problem()
+    assert_only_nan(second)
+    assert [first.step(x, t) for t, x in PATH] == expected(PATH)
+    first.end()
+    third = Client(running.port)  # after the end of the first
+    assert [third.step(x, t) for t, x in PATH] == expected(PATH)
+    third.end()
+    for client in (second,):
+        client.socket.close()
+    assert sorted((h.tag, h.run) for h in running.stop().histories()) == [(7, 1), (7, 3)]
+
+
+def test_a_port_in_use(running: Running) -> None:
+    with pytest.raises(tb.InputError, match=str(running.port)):
+        Server(case(), print).listen(ONE, None, LOOPBACK, running.port)
+
+
+def test_several_bearings_in_one_element() -> None:
+    layout = Layout.of(3, (1,), None, "test")
+    running = Running(case(), layout)
+    client = Client(running.port, dofs=6)
+    forces = []
+    for t, x in PATH:
+        u = [0.0, x, 1.0, 1.0 + x, -2.0 * x, -x]
+        client.send(Action.SET_TRIAL, u, t)
+        forces.append(client.ask(Action.FORCE, u, t))
+        client.send(Action.COMMIT, u, t)
+    client.end()
+    running.stop()
+    for pair in range(3):
+        assert np.array(forces)[:, 2 * pair + 1].tolist() == pytest.approx(expected(PATH))
+        assert (np.array(forces)[:, 2 * pair] == -np.array(forces)[:, 2 * pair + 1]).all()
+
+
+@pytest.mark.parametrize("units", ["kN-mm", "N-m", "kip-in"])
+def test_an_element_in_space_has_the_slope_of_its_forces(units: Any) -> None:
+    layout = Layout.of(2, (2,), 3, "test")
+    element = ServedElement(case(units=units, count=2), layout, 1)
+    n = layout.size
+    rng = np.random.default_rng(1)
+    x = 1e-3 * rng.standard_normal(n)
+
+    def force(at: Floats) -> Floats:
+        element.answer(Request(Action.SET_TRIAL, tuple(at), (1.0,) * n, (0.0,) * n, 0.01))
+        return np.array(element.answer(Request(Action.FORCE, tuple(at), (), (), 0.01)))
+
+    force(x)
+    k = np.array(element.answer(Request(Action.TANGENT, (), (), (), 0.01)))
+    assert (k == k.T).all()
+    h = 1e-7
+    for column in range(n):
+        step = np.eye(n)[column] * h
+        slope = (force(x + step) - force(x - step)) / (2 * h)
+        assert slope == pytest.approx(k[:, column], rel=1e-4, abs=1e-6 * np.abs(k).max())
+    rigid = np.tile(rng.standard_normal(6), 4)
+    assert np.abs(k @ rigid).max() < 1e-9 * np.abs(k).max()
+
+
+def test_springs_of_the_geometry() -> None:
+    """Round and square: Kumar, Whittaker & Constantinou (2014), by hand."""
+    given = case(bearing="shen-hdr-bridge", ambient=23)
+    bearing, known = given.bearing, linear_stiffness(given)
+    side, height = bearing.geometry.plan.breadth, bearing.total_rubber_thickness
+    modulus = known.shear * height / side**2  # kN/mm2
+    assert 0.5e-3 < modulus < 2e-3
+    shape = side / (4 * bearing.geometry.rubber_thickness)
+    e = 1 / (1 / (6.73 * modulus * shape**2) + 4 / (3 * 2.0))
+    assert known.vertical == pytest.approx(e * side**2 / height, rel=1e-12)
+    assert known.rotation == pytest.approx([e * side**4 / 36 / height] * 2, rel=1e-12)
+    assert known.torsion == pytest.approx(modulus * side**4 / 6 / height, rel=1e-12)
+    cold = linear_stiffness(case(ambient=-20))
+    assert cold.shear > 1.2 * known.shear
+    springs = spring_constants(Layout.of(1, (1,), 3, "test"), given)
+    assert springs.tolist() == [0.0, known.shear, known.vertical, *known.rotation, known.torsion]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        {"directions": (1, 2, 3)},
+        {"directions": (1, 1)},
+        {"directions": (4,)},
+        {"directions": (1,), "vertical": 1},
+        {"directions": ()},
+        {"pairs": 0},
+        {"pairs": 11, "vertical": 3},
+    ],
+)
+def test_layouts_that_cannot_be(words: dict[str, Any]) -> None:
+    given = {"pairs": 1, "directions": (1,), "vertical": None} | words
+    with pytest.raises(tb.InputError):
+        Layout.of(**given, where="test")
+
+
+def test_two_directions_bring_a_warning() -> None:
+    assert len(Layout.of(1, (1, 2), 3, "test").warnings) == 1
+    assert not Layout.of(1, (1,), 3, "test").warnings
+
+
+def test_a_step_that_never_was_is_not_committed() -> None:
+    element = ServedElement(case(), ONE, 1)
+    element.answer(Request(Action.COMMIT, (), (), (), 0.0))
+    assert len(element.histories()[0].time) == 1
+    element.answer(Request(Action.SET_TRIAL, (0.0, np.nan), (0.0, 0.0), (0.0, 0.0), 1.0))
+    with pytest.raises(StepError):
+        element.answer(Request(Action.COMMIT, (), (), (), 1.0))
+
+
+def port_of(arguments: tuple[Any, ...]) -> int:
+    return int(arguments[arguments.index("-server") + 1])
+
+
+def test_a_line_serves_and_keeps_its_result() -> None:
+    with serve("shen-hdr-bridge", ambient=-20) as line:
+        with pytest.raises(tb.InputError):
+            line.results()
+        client = Client(port_of(line.element(5, (1, 2))))
+        assert [client.step(x, t) for t, x in PATH] == expected(PATH)
+        line.reset()
+        assert [client.step(x, t) for t, x in PATH] == expected(PATH)
+        client.end()
+        for nodes in ((1, 1), (1,), "ab", ((1, 2), (2, 3))):
+            with pytest.raises(tb.InputError):
+                line.element(6, nodes)  # type: ignore[arg-type]
+        with pytest.raises(tb.InputError):
+            line.element(5, (1, 2), (1, 2))
+    result = line.results()
+    assert result["element"].values.tolist() == ["5, run 1", "5, run 2"]
+    assert (result["force"].values[0] == result["force"].values[1]).all()
+    with pytest.raises(ServingError):
+        line.element(8, (1, 2))
+
+
+def test_a_killed_server_lets_nobody_wait() -> None:
+    line = serve("shen-hdr-bridge", ambient=-20)
+    client = Client(port_of(line.element(5, (1, 2))))
+    assert client.step(3.0, 0.1) > 0.0
+    line._process.kill()
+    assert_only_nan(client)
+    client.socket.close()
+    with pytest.raises(ServingError, match="-9"):
+        line.results()
+
+
+def test_a_killed_script_takes_its_server_along(tmp_path: Path) -> None:
+    script = (
+        "import time; from thermobearing.opensees.line import serve\n"
+        "line = serve('shen-hdr-bridge'); print(line._process.pid, flush=True); time.sleep(99)"
+    )
+    parent = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
+    assert parent.stdout is not None
+    child = int(parent.stdout.readline())
+    parent.kill()
+    parent.wait()
+    parent.stdout.close()
+    end = time.monotonic() + LIMIT
+    while alive(child) and time.monotonic() < end:
+        time.sleep(0.02)
+    assert not alive(child)
+
+
+def alive(process: int) -> bool:
+    stat = Path(f"/proc/{process}/stat")
+    try:
+        return stat.read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
