@@ -39,8 +39,10 @@ TESTS: dict[str, tuple[str, CyclicTest, dict[str, Any]]] = {
     "one temperature": (LHDR, SHORT, {"model": "single-temperature"}),
     "lead alone": (LHDR, SHORT, {"model": "lead-alone"}),
 }
+TWO_PIERS = Path(__file__).parents[1] / "regression" / "inputs" / "two-piers.toml"
 BRIDGES: dict[str, dict[str, Any]] = {
     "cut": {"duration": 8.005},
+    "two piers": {"duration": 6.0, "structure": TWO_PIERS, "dt": 0.01},
     "options": {"duration": 6.0, "fixed_base": True, "damping": "rayleigh", "mass": "published",
                 "method": "linear-acceleration", "dt": 0.004, "lead_ends": "half-space"},
 }  # fmt: skip

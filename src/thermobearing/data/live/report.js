@@ -80,8 +80,9 @@ const kept = new Map(); // runs at the conditions of the report, by their place
 function show() {
   const place = given.runs.indexOf(now.run);
   if (!kept.has(place)) kept.clear(), kept.set(place, computed(ofReport()));
-  const [before, live] = [kept.get(place), computed(now)];
   const moved = now.ambient !== now.run.ambient || now.strain !== given.strain;
+  const before = kept.get(place);
+  const live = moved ? computed(now) : before;
   const { rows, same } = table(live.numbers, now.run.numbers);
   fillTable(el("live-table"), ["Quantity", `Report, ${conditions(ofReport())}`, `Live, ${conditions(now)}`, "Live / report"], rows);
   const agreed = same ? "The live numbers agree with those of the report within one unit of the last digit."
