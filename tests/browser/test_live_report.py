@@ -151,7 +151,7 @@ def assert_bridge(found: dict[str, Any], result: Any) -> None:
         assert live[key] == pytest.approx(row[name], rel=1e-6)
     hottest = result.hottest(0)
     assert live["layer_temperature_degC"] == pytest.approx(hottest["rubber"], abs=KEPT)
-    assert live["lead"] == pytest.approx(hottest["lead"], abs=KEPT)
+    assert live["lead_temperature_degC"] == pytest.approx(hottest["lead"], abs=KEPT)
 
 
 @pytest.mark.parametrize("name", BRIDGES)

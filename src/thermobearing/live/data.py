@@ -47,7 +47,7 @@ from thermobearing.model.outcomes import SENTENCES as OF_TESTS
 from thermobearing.model.stack import MM_PER_M, Stack
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.record import GroundMotion
-from thermobearing.structure.model import load_structure
+from thermobearing.structure.model import load_structure, reported_line
 from thermobearing.structure.run import (
     BETA,
     GAMMA,
@@ -351,9 +351,10 @@ def structure_data(
         "top": where.top.tolist(),
         "base": where.base.tolist(),
         "hinge": where.hinge,
+        "line": reported_line(structure),
         "yield_rotations": [hinge.yield_rotation for hinge in structure.hinges],
         "piers": [
-            {"height_mm": pier.height, "moved": (top - base).tolist()}
+            {"height_mm": pier.height, "moved": (top - base).tolist(), "hinge": pier.hinge}
             for pier, top, base in prepared.piers
         ],
         "limits": {"ductility": structure.limits.ductility, "drift": structure.limits.drift},

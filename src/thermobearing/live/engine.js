@@ -191,8 +191,8 @@ class Kernels {
     return found;
   }
 
-  /** Write numbers of a row. @param {string} row @param {Record<string, number>} values @param {number} count @param {number} [axes] @returns {Room} */
-  rows(row, values, count, axes = 1) {
+  /** Write numbers of a row. @param {string} row @param {Record<string, number>} values @param {number} count @returns {Room} */
+  rows(row, values, count) {
     const { fields, size } = this.layouts.rows[row];
     const bytes = new Uint8Array(size * count);
     const view = new DataView(bytes.buffer);
@@ -203,7 +203,7 @@ class Kernels {
         else view.setFloat64(k * size + offset, values[name], true);
       }
     }
-    return { shape: axes === 1 ? [count] : [1, count], bytes };
+    return { shape: [count], bytes };
   }
 }
 
@@ -213,6 +213,9 @@ function part(array, first, end = array.shape[0]) {
   const address = /** @type {number} */ (array.address) + first * stride;
   return { ...array, shape: [end - first, ...array.shape.slice(1)], address };
 }
+
+/** An array in memory without its first entries. @param {any} array @param {number} count @returns {any} */
+const shifted = (array, count) => ({ ...array, address: array.address + count * array.size });
 
 /** All rows from `first` on. @param {Tree} rows @param {number} first @returns {Tree} */
 function parts(rows, first) {
@@ -245,6 +248,8 @@ function interpolated(values, dt, at) {
 
 /** @param {Float64Array} values @returns {number} the largest magnitude */
 const largest = (values) => values.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
+/** @param {Float64Array} values @returns {number} */
+const highest = (values) => values.reduce((most, value) => Math.max(most, value), -Infinity);
 
 /** One engine; `createEngine` makes it. */
 export class Engine {
@@ -476,23 +481,24 @@ export class Engine {
     };
   }
 
-  /** A virgin bearing. @param {Tree} constants @param {number} ambient @param {boolean} [line] with the axis of lines of a structure @returns {Tree} */
-  newState(constants, ambient, line = false) {
+  /** A virgin bearing, or one on each of some lines of a structure. @param {Tree} constants @param {number} ambient @param {number} [lines] @returns {Tree} */
+  newState(constants, ambient, lines) {
     const { kernels } = this;
     const layers = constants.multiplicity.shape[0];
     const cells = constants.cells.capacity.shape[0];
     /** @type {Record<string, number>} */
     const warm = constants.lead.cores > 0 ? { lead_temperature: ambient } : {};
-    const axis = (/** @type {number[]} */ shape) => (line ? [1, ...shape] : shape);
-    const state = {
-      layers: kernels.rows("Layer", { virgin: 1 }, layers),
-      turns: room(layers, constants.rubber.closed_loops ? this.data.start.turns : 0),
-      temperature: floats(new Float64Array(cells).fill(ambient)),
-      branches: kernels.rows("Branches", { idle: this.data.start.idle, ...warm }, 1),
-      ends: room(constants.lead_modes.shape[0]),
-      books: kernels.rows("Books", warm, 1),
+    const n = lines ?? 1;
+    const per = (/** @type {Room} */ one, /** @type {number[]} */ ...shape) =>
+      ({ ...one, shape: lines === undefined ? shape : [lines, ...shape] });
+    return {
+      layers: per(kernels.rows("Layer", { virgin: 1 }, n * layers), layers),
+      turns: per(room(), layers, constants.rubber.closed_loops ? this.data.start.turns : 0),
+      temperature: per(floats(new Float64Array(n * cells).fill(ambient)), cells),
+      branches: per(kernels.rows("Branches", { idle: this.data.start.idle, ...warm }, n), 1),
+      ends: per(room(), constants.lead_modes.shape[0]),
+      books: per(kernels.rows("Books", warm, n), 1),
     };
-    return Object.fromEntries(Object.entries(state).map(([name, one]) => [name, { ...one, shape: axis(one.shape) }]));
   }
 
   /** Displacements and time steps of a test, one entry a segment. @param {any} test @param {any} bearing @returns {any[]} */
@@ -638,7 +644,7 @@ export class Engine {
     const kind = {
       constants, lines: wholes(Array.from({ length: lines }, (_, b) => b)), durations: room(lines),
       work: newWorkspace(constants), elastic: room(lines, layers), hysteretic: room(lines, layers),
-      states: this.newState(constants, ambient, true), trials: this.newState(constants, ambient, true),
+      states: this.newState(constants, ambient, lines), trials: this.newState(constants, ambient, lines),
     };
     const rows = {
       books: room(count), q: room(count, n), v: room(count, n), a: room(count, n),
@@ -667,11 +673,15 @@ export class Engine {
       return sums;
     };
     const rubber = bearing.rubber_thickness_mm;
-    const column = (/** @type {string} */ name) => kernels.column(name, rows.bearings, kept, lines);
+    const { line } = pier; // that is reported, of all whose peaks are
+    const column = (/** @type {string} */ name, /** @type {number} */ b = line) =>
+      kernels.column(name, shifted(rows.bearings, b), kept, lines);
+    const each = Array.from({ length: lines }, (_, b) => b);
+    const most = (/** @type {string} */ name) => Math.max(...each.map((b) => largest(column(name, b))));
     const displacement = column("displacement");
     const hinges = rows.hinges.shape[1];
-    const bend = (/** @type {string} */ name) => pier.hinge === null ? null :
-      kernels.column(name, rows.hinges, kept, hinges);
+    const bend = (/** @type {string} */ name, /** @type {number | null} */ h = pier.hinge) => h === null ? null :
+      kernels.column(name, shifted(rows.hinges, h), kept, hinges);
     const rotation = bend("rotation");
     const yielding = pier.hinge === null ? NaN : pier.yield_rotations[pier.hinge];
     const strain = displacement.map((d) => d / rubber);
@@ -680,9 +690,17 @@ export class Engine {
     for (let k = 0, at = 1; k < keep.length && at < kept; k++) if (keep[k]) places[at++] = k + 1;
     const layerWidth = rows.layers[0].shape[2];
     const temperature = kernels.read(part(rows.layers[0], 0), kept);
-    const first = lines === 1 ? temperature : temperature.filter((_, k) => k % (layerWidth * lines) < layerWidth);
-    const ductility = rotation ? largest(rotation) / yielding : NaN;
-    const outcome = this.judged({ kind, rows, ended, constants, pier, strain, ductility, along });
+    const first = lines === 1 ? temperature : temperature.filter((_, k) => Math.floor(k / layerWidth) % lines === line);
+    const turned = pier.yield_rotations.map((/** @type {number} */ one, /** @type {number} */ h) => largest(bend("rotation", h)) / one);
+    const hinged = pier.piers.filter((/** @type {any} */ one) => one.hinge !== null).map((/** @type {any} */ one) => turned[one.hinge]);
+    const peaks = {
+      bearing_strain: most("displacement") / rubber, bearing_displacement_mm: most("displacement"), bearing_force_kN: most("force"),
+      pier_ductility: hinged.length ? Math.max(...hinged) : NaN,
+      pier_displacement_mm: Math.max(...pier.piers.map((/** @type {any} */ one) => largest(along(one.moved)))),
+      layer_temperature_degC: highest(temperature),
+      lead_temperature_degC: constants.lead.cores > 0 ? Math.max(...each.map((b) => highest(column("lead_temperature", b)))) : NaN,
+    };
+    const outcome = this.judged({ kind, rows, ended, constants, pier, strain: peaks.bearing_strain, ductility: Math.max(0, ...turned), along });
     return {
       outcome,
       sentence: this.data.outcomes.sentences[outcome],
@@ -697,11 +715,7 @@ export class Engine {
         displacement_mm: moved, rotation, moment_kN_m: bend("moment")?.map((m) => m / 1e3) ?? null,
         ductility: rotation?.map((r) => r / yielding) ?? null, deck_mm: along(pier.deck),
       },
-      peaks: {
-        bearing_strain: largest(strain), bearing_displacement_mm: largest(displacement), bearing_force_kN: largest(column("force")),
-        pier_ductility: ductility, pier_displacement_mm: largest(moved), layer_temperature_degC: first.reduce((m, v) => Math.max(m, v), -Infinity),
-        lead_temperature_degC: constants.lead.cores > 0 ? column("lead_temperature").reduce((m, v) => Math.max(m, v), -Infinity) : NaN,
-      },
+      peaks,
     };
   }
 
@@ -709,10 +723,13 @@ export class Engine {
   judged({ kind, rows, ended, constants, pier, strain, ductility, along }) {
     const { names, not_physical: impossible, pier_beyond_limit: beyond } = this.data.outcomes;
     if (names[ended] !== "completed") return names[ended];
-    const before = this.kernels.column("recoverable", rows.bearings, 1)[0];
-    const last = (/** @type {Room} */ array) => ({ ...array, shape: array.shape.slice(1) });
-    const state = { temperature: last(kind.states.temperature), books: last(kind.states.books) };
-    if (!this.isPossible(constants, state, before) || largest(strain) > this.data.limits.strain) return impossible;
+    const before = this.kernels.column("recoverable", rows.bearings, rows.bearings.shape[1]);
+    for (const [b, energy] of before.entries()) {
+      const of = (/** @type {Room} */ array) => ({ ...part(array, b, b + 1), shape: array.shape.slice(1) });
+      const state = { temperature: of(kind.states.temperature), books: of(kind.states.books) };
+      if (!this.isPossible(constants, state, energy)) return impossible;
+    }
+    if (strain > this.data.limits.strain) return impossible;
     const drift = pier.piers.map((/** @type {any} */ one) => largest(along(one.moved)) / one.height_mm);
     if (ductility > pier.limits.ductility || Math.max(...drift) > pier.limits.drift) return beyond;
     return "completed";

@@ -54,7 +54,7 @@ PEAKS = {  # columns of `EarthquakeResult.table` and names of the engine
     "pier_ductility": "pier_ductility",
     "deck_displacement_max_mm": "deck_mm",
     "rubber_max_degC": "layer_temperature_degC",
-    "lead_max_degC": "lead",
+    "lead_max_degC": "lead_temperature_degC",
 }
 
 
@@ -165,7 +165,7 @@ def _of_bridge(result: EarthquakeResult) -> Live | None:
         return None
     case = make_earthquake_case(table, "report")
     method, options = case.analysis.method, case.analysis
-    if method == "predictor-corrector" or options.model == "bilinear" or case.reported_line_number:
+    if method == "predictor-corrector" or options.model == "bilinear":
         return None
     bearings = {one.name: one for one in case.bearings if isinstance(one, Bearing)}
     motions = _motions(case)

@@ -40,8 +40,8 @@ function cyclic(bearing, ambient, strain) {
 /** A bridge in an earthquake, the same way. */
 function bridge(bearing, ambient, motion) {
   const found = engine.bridge({ bearing, ambient, motion, keepEvery: 1 });
-  const { strain, force_kN: force, lead } = found.bearing;
-  const numbers = { ...found.peaks, deck_mm: largest(found.pier.deck_mm), lead: lead ? highest(lead) : NaN };
+  const { strain, force_kN: force } = found.bearing;
+  const numbers = { ...found.peaks, deck_mm: largest(found.pier.deck_mm) };
   return { ...found, numbers, x: strain.map((value) => 100 * value), y: force };
 }
 
