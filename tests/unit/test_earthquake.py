@@ -339,6 +339,21 @@ def test_motion_is_scaled_cut_and_met_at_every_sample() -> None:
     assert len(whole.ground) == 2 * (len(motion.acceleration) - 1) + 1
 
 
+def test_a_motion_file_is_read_once_until_it_changes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, read = tmp_path / "mine.csv", []
+    monkeypatch.setattr(
+        "thermobearing.earthquake.case.load_motion",
+        lambda *a, **_: read.append(a) or tb.load_motion(*a),
+    )
+    for size in (150.0, 200.5):
+        path.write_text("t_s,acc_gal\n" + f"0,0\n0.01,{size}\n0.02,{-size}\n0.03,0\n")
+        task = run.build_tasks(case_of(motions=[str(path)]))[0]
+        assert np.max(task.shaking.ground) == pytest.approx(10.0 * size)
+    assert len(read) == 2
+
+
 @pytest.mark.parametrize(("mode", "speed"), [("rt", 0.0), ("pd", 25.0)])
 def test_laboratory_by_hand(mode: str, speed: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Noise with the standard deviation that was asked for; a clock of its own in pd only."""

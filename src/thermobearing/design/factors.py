@@ -174,7 +174,7 @@ def _check(
     for name, values, low, high, unit in (
         ("reference_temperature", [reference], COLDEST, HOTTEST, "degC"),
         ("temperatures", temperatures, COLDEST, HOTTEST, "degC"),
-        ("strains", strains, 0.1, 3.0, ""),
+        ("strains", strains, 0.1, 3.0, "(a ratio: 1 is 100 %)"),
         ("period", [period], 0.2, 1000.0, "s"),
     ):
         if not len(values):

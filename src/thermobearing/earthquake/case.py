@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -86,8 +87,20 @@ class Motion(Strict):
                 trust_unit=True,
             )
         else:
-            loaded = load_motion(self.name, unit=self.unit, dt=self.dt, component=self.component)
+            stamp = None
+            if is_file(Path(self.name)):
+                status = Path(self.name).stat()
+                stamp = (status.st_mtime_ns, status.st_size)
+            loaded = _read(self.name, self.unit, self.dt, self.component, stamp)
         return replace(loaded, name=self.label) if self.label is not None else loaded
+
+
+@lru_cache(maxsize=16)
+def _read(
+    name: str, unit: str | None, dt: float | None, component: str | None, _: tuple[int, int] | None
+) -> GroundMotion:
+    """Return a motion; a file is read once for the check and all runs, until its stamp changes."""
+    return load_motion(name, unit=unit, dt=dt, component=component)
 
 
 def motion_table(motion: GroundMotion) -> dict[str, Any]:
