@@ -22,7 +22,8 @@
 typedef struct {                         /* the start of a file; offsets count from its image */
     char kind[8];
     int64_t size, pointers, call, start, committed, trial, state, library, sources;
-    double length, force, dt, least_dt;  /* mm per length, force per kN of the model, s, s */
+    double length, force;                /* mm per length, force per kN of the model */
+    double zero, rate, least_dt;         /* mm where the model has zero; mm/s or 0; s */
 } Head;
 
 typedef struct Bearing {                 /* follows the program's object in memory */
@@ -32,7 +33,8 @@ typedef struct Bearing {                 /* follows the program's object in memo
     char *image;
     void (*step)(tb_step_call *);
     tb_step_call *call;
-    double strain, dt, stress, tangent, last_stress, last_tangent, first_tangent;
+    double strain, dt, stress, tangent;  /* of the last trial */
+    double last_strain, last_stress, last_tangent, first_stress, first_tangent;
     int tag, failed;
 } Bearing;
 
@@ -81,7 +83,7 @@ static int apply(Bearing *one, double strain, double dt)
 {
     if (strain == one->strain && dt == one->dt)
         return one->failed;
-    one->call->x = (one->strain = strain) * one->head.length;
+    one->call->x = one->head.zero + (one->strain = strain) * one->head.length;
     one->call->dt = one->dt = dt;
     one->step(one->call);
     one->failed = one->call->result2 > 1 || !isfinite(one->call->result0) ? -1 : 0;
@@ -94,10 +96,17 @@ static int apply(Bearing *one, double strain, double dt)
 
 static int set_trial_strain(void *object, double strain, double rate)
 {
-    const Head *head = &BEARING(object)->head;
+    Bearing *one = BEARING(object);
+    double dt = *program.dt, moved = fabs(strain - one->last_strain) * one->head.length;
     program.set_trial(object, strain, rate); /* for the strain that it returns itself */
-    return apply(BEARING(object), strain,
-                 head->dt > 0.0 ? head->dt : fmax(*program.dt, head->least_dt));
+    if (one->head.rate > 0.0 && rate == 0.0)
+        dt = moved / one->head.rate;
+    else if (dt < 0.0 && moved > 0.0) {
+        fprintf(stderr, "ThermoBearing %d: the time goes back while the bearing moves, as in "
+                        "displacement control: write the material with a rate [mm/s]\n", one->tag);
+        return one->failed = -1;
+    }
+    return apply(one, strain, fmax(dt, one->head.least_dt));
 }
 
 static double get_stress(void *object) { return BEARING(object)->stress; }
@@ -118,6 +127,7 @@ static int commit_state(void *object)
     if (one->failed)
         return -1;
     keep_state(one, one->head.trial, one->head.committed);
+    one->last_strain = one->strain;
     one->last_stress = one->stress;
     one->last_tangent = one->tangent;
     return 0;
@@ -136,7 +146,8 @@ static int revert_to_start(void *object)
 {
     Bearing *one = BEARING(object);
     keep_state(one, one->head.start, one->head.committed);
-    one->last_stress = 0.0;
+    one->last_strain = 0.0;
+    one->last_stress = one->first_stress;
     one->last_tangent = one->first_tangent;
     program.revert_to_start(object);
     return revert_to_last_commit(object);
@@ -261,6 +272,7 @@ static void *new_material(const char *file, int tag, const char *path)
     if (find_program(file) && read_bearing(path, &one)) {
         object = new_object(&one, NULL);
         apply(BEARING(object), 0.0, one.head.least_dt);
+        BEARING(object)->first_stress = BEARING(object)->stress;
         BEARING(object)->first_tangent = BEARING(object)->tangent;
         revert_to_start(object);
     }

@@ -36,7 +36,7 @@ def library() -> None:
 def new_model() -> Iterator[Callable[..., Material]]:
     """Return what builds a mass on one or more bearings in parallel, in m and N."""
 
-    def build(count: int = 1, bearing: str = BEARING, **options: Any) -> Material:
+    def build(elements: int = 1, bearing: str = BEARING, **options: Any) -> Material:
         ops.wipe()
         ops.model("basic", "-ndm", 2, "-ndf", 3)
         ops.node(1, 0.0, 0.0)
@@ -44,8 +44,8 @@ def new_model() -> Iterator[Callable[..., Material]]:
         ops.fix(1, 1, 1, 1)
         ops.fix(2, 0, 1, 1)
         ops.mass(2, MASS, 0.0, 0.0)
-        found = add_material(ops, 7, tb.element(bearing, ambient=-20), **options)
-        for k in range(count):
+        found = add_material(ops, 7, tb.element(bearing, ambient=-20), units="N-m", **options)
+        for k in range(elements):
             ops.element("zeroLength", 1 + k, 1, 2, "-mat", 7, "-dir", 1)
         ops.constraints("Plain")
         ops.numberer("Plain")
@@ -101,7 +101,7 @@ def test_an_earthquake_gives_the_forces_and_temperatures_of_the_element(
 
 
 def test_elements_have_states_of_their_own(new_model: Any) -> None:
-    found = new_model(count=3)
+    found = new_model(elements=3)
     ops.remove("ele", 2)
     shake()
     steps(40)
@@ -156,23 +156,54 @@ def test_a_failed_step_leaves_no_trace(new_model: Any) -> None:
     assert_allclose(force, expected, rtol=0.0, atol=CLOSE * np.abs(expected).max())
 
 
-def test_a_static_analysis_has_the_step_that_is_given(new_model: Any) -> None:
-    found = new_model(dt=0.5)
+def static(goals: list[tuple[float, float]]) -> np.ndarray:
+    """Displacement [mm] and force [kN] under displacement control, to goals [mm] by steps [m]."""
     ops.timeSeries("Linear", 9)
     ops.pattern("Plain", 9, 9)
     ops.load(2, 1.0, 0.0, 0.0)
     ops.analysis("Static")
-    x, force = [], []
-    for goal, step in ((30, 0.001), (-30, -0.001), (0, 0.001)):
+    rows = []
+    for goal, step in goals:
         ops.integrator("DisplacementControl", 2, 1, step)
         while abs(1e3 * ops.nodeDisp(2, 1) - goal) > 0.5:
-            row = steps(1)[0]
-            x.append(row[0])
-            force.append(row[1])
+            rows.append(steps(1)[0])
+    return np.array(rows)
+
+
+def test_a_static_analysis_has_the_rate_that_is_given(new_model: Any) -> None:
+    found = new_model(rate=2.0, count=3)
+    x, force = static([(30, 0.001), (-30, -0.001), (0, 0.001)]).T
     assert len(x) == 120
-    expected = followed(np.array(x), dt=0.5)[0]
+    expected = 3.0 * followed(x, dt=0.5)[0]
     assert_allclose(force, expected, rtol=0.0, atol=CLOSE * np.abs(expected).max())
     assert found.states()[0].books["clock"][0] == pytest.approx(60.0)
+
+
+def test_a_load_factor_that_falls_is_no_time(
+    new_model: Any, capfd: pytest.CaptureFixture[str]
+) -> None:
+    new_model()
+    static([(5, 0.001)])
+    ops.integrator("DisplacementControl", 2, 1, -0.001)
+    assert ops.analyze(1) != 0
+    assert "rate" in capfd.readouterr().err
+
+
+def test_zero_of_the_model_is_where_the_bearing_starts() -> None:
+    ops.wipe()
+    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    ops.node(1, 0.0)
+    ops.node(2, 0.0)
+    ops.fix(1, 1)
+    start = tb.element(BEARING, ambient=-20)
+    start.set_trial(12.0, dt=10.0)
+    start.commit()
+    add_material(ops, 7, start)
+    force = start.set_trial(12.0, dt=material.LEAST_DT).force
+    ops.element("zeroLength", 1, 1, 2, "-mat", 7, "-dir", 1)
+    assert ops.basicForce(1)[0] == pytest.approx(force, rel=1e-9)
+    assert force > 50.0
+    ops.wipe()
 
 
 def test_initial_stiffness_is_that_of_the_first_moment(new_model: Any) -> None:
@@ -190,10 +221,10 @@ def test_what_cannot_be_added_is_an_error(
     with pytest.raises(tb.InputError) as found:
         add_material(ops, 7, bearing)
     assert "7" in str(found.value)
-    for options in ({"length": 0.0}, {"force": float("inf")}, {"dt": -1.0}):
+    for options in ({"count": 0}, {"rate": -1.0}, {"units": "N-stone"}):
         with pytest.raises(tb.InputError) as found:
             write_material(tmp_path / "file", bearing, **options)
-        assert next(iter(options)) in str(found.value)
+        assert str(next(iter(options.values()))).partition("-")[2] in str(found.value)
     assert not (tmp_path / "file").exists()
     whole = material._pack
     for cut, word in (

@@ -25,7 +25,7 @@ NEED_IT = (
     "tests/docs/test_site.py",
     "tests/verification/test_factors.py",
 )
-SKIPPED = 9 + 1 + 6 + 1 + 1
+SKIPPED = 11 + 1 + 6 + 1 + 1
 
 
 @pytest.fixture

@@ -6,8 +6,9 @@ states and calls the coupled step; it adds no physics.
 """
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Self, Unpack
 
@@ -21,6 +22,7 @@ from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.schema import validated
 from thermobearing.border.units import HUGEST, is_number, refuse_hidden
+from thermobearing.core.compiled.kernel import prepare
 from thermobearing.core.march import copy_state
 from thermobearing.core.step import step
 from thermobearing.core.types import (
@@ -158,6 +160,20 @@ class BearingElement:
         copy_state(start, self._trial)
         self._failed = ""
 
+    @cached_property
+    def _run_step(self) -> Callable[[float, float, float], tuple[float, float, int]]:
+        records = (self._constants, self._work, self._committed)
+        return prepare(step, *records, 0.0, 0.0, 0.0, self._trial)
+
+    @cached_property
+    def _accept(self) -> Callable[[], None]:
+        return prepare(copy_state, self._trial, self._committed)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy has in common; prepared calls belong to the own arrays."""
+        prepared = ("_run_step", "_accept")
+        return {key: value for key, value in vars(self).items() if key not in prepared}
+
     @property
     def state(self) -> State:
         """The committed state (a live record: copy it, or `save`, to keep it).
@@ -212,9 +228,7 @@ class BearingElement:
         around = self._ambient
         if ambient is not None:
             around = float(check_temperature(ambient, "set_trial(): ambient"))
-        force, tangent, outcome = step(
-            self._constants, self._work, self._committed, x, dt, around, self._trial
-        )
+        force, tangent, outcome = self._run_step(x, dt, around)
         self._failed = "" if outcome in (COMPLETED, SOFTENED) else NAMES[outcome]
         return Trial(force, tangent, NAMES[outcome])
 
@@ -230,7 +244,7 @@ class BearingElement:
                 f"commit(): the last trial ended as {self._failed} (its `outcome`); try a smaller "
                 "step from the committed state"
             )
-        copy_state(self._trial, self._committed)
+        self._accept()
 
     def revert_to_start(self) -> None:
         """Reset to the initial state: a virgin bearing, or the end of an earlier test."""

@@ -18,14 +18,14 @@ from typing import Any
 import numpy as np
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.units import is_number
+from thermobearing.border.units import HUGEST, conversion, is_number
 from thermobearing.core.compiled import native
 from thermobearing.core.types import State, new_workspace
 from thermobearing.model.element import BearingElement
 
 NAME = "ThermoBearing"  # of the type of material
 KIND = b"tb-ops-1"
-HEAD = struct.Struct("=8s9q4d")  # `Head` in kernels/opensees.c
+HEAD = struct.Struct("=8s9q5d")  # `Head` in kernels/opensees.c
 ALIGNED = 64  # [bytes]
 STEP = "core.step.step"
 LEAST_DT = 1e-6  # of a step whose domain time does not advance [s]
@@ -68,9 +68,9 @@ def write_material(
     file: str | Path,
     element: BearingElement,
     *,
-    length: float = 1000.0,
-    force: float = 1000.0,
-    dt: float | None = None,
+    units: str = "kN-mm",
+    count: int = 1,
+    rate: float | None = None,
 ) -> Path:
     """Write what `uniaxialMaterial ThermoBearing TAG FILE` reads in Tcl and xara.
 
@@ -80,10 +80,10 @@ def write_material(
     ----------
     file : to be written.
     element : from `tb.element`; its committed state is that at the start.
-    length : millimetres in a unit of length of the model; 1000 for metres.
-    force : units of force of the model in a kilonewton; 1000 for newtons.
-    dt : length of every step [s], for static analyses, where the time of the domain is a load
-        factor; that by which the domain's time advances by default.
+    units : force and length of the model, such as "kN-mm", "kN-m" or "N-m".
+    count : number of equal bearings side by side that an element stands for.
+    rate : speed [mm/s] of static analyses, > 0. Steps without velocity then last as long as this
+        speed needs; by default, the time of the model is the clock, and must not go back.
 
     Returns
     -------
@@ -91,28 +91,31 @@ def write_material(
 
     Raises
     ------
-    InputError : a number that is not positive; no compiled kernels for this machine.
+    InputError : a number that is not positive, unknown units, or no compiled kernels for this
+        machine.
 
     Examples
     --------
     >>> import tempfile, thermobearing as tb
     >>> pier = tb.element("shen-hdr-bridge", ambient=-20)
     >>> folder = tempfile.mkdtemp()
-    >>> write_material(Path(folder, "pier"), pier, force=1.0).name  # the model has kN and m
+    >>> write_material(Path(folder, "pier"), pier, units="kN-m").name
     'pier'
     """
     file = Path(file)
-    file.write_bytes(_pack(element, length, force, dt)[0])
+    file.write_bytes(_pack(element, units, count, rate)[0])
     return file
 
 
 def _pack(
-    element: BearingElement, length: float, force: float, dt: float | None
+    element: BearingElement, units: str, count: int, rate: float | None
 ) -> tuple[bytes, list[int]]:
     """Return the content of a file, and the offsets of the arrays of the committed state."""
-    for name, number in {"length": length, "force": force, "dt": 1.0 if dt is None else dt}.items():
-        if not is_number(number) or not 0.0 < number < np.inf:
+    for name, number in {"count": count, "rate": 1.0 if rate is None else rate}.items():
+        if not is_number(number) or not 0.0 < number < HUGEST:
             raise InputError(f"{name} = {number!r}: must be a positive number")
+    force, _, length = units.partition("-")
+    scales = conversion(length, "mm")[0], count / conversion(force, "kN")[0]
     library, reason = native.open_library()
     if library is None:
         raise InputError(f"{reason} A material of OpenSees needs them.")
@@ -138,10 +141,11 @@ def _pack(
     call = image.table([*(arguments[name] for name in kinds), 0.0, 0.0, 0])
     texts = (str(library.file), library.description["sources"])
     places = [image.add(text.encode() + b"\0") for text in texts]
-    count = len(image.pointers)
-    offsets = (len(image.content), count, call, start, begin, begins["new"], size, *places)
-    head = HEAD.pack(KIND, *offsets, length, force, dt or 0.0, LEAST_DT)
-    return head + struct.pack(f"={count}q", *image.pointers) + image.content, arrays["state"]
+    pointers = len(image.pointers)
+    offsets = (len(image.content), pointers, call, start, begin, begins["new"], size, *places)
+    zero = float(state.books["displacement"][0])
+    head = HEAD.pack(KIND, *offsets, *scales, zero, rate or 0.0, LEAST_DT)
+    return head + struct.pack(f"={pointers}q", *image.pointers) + image.content, arrays["state"]
 
 
 @cache
@@ -192,9 +196,9 @@ def add_material(
     tag: int,
     element: BearingElement,
     *,
-    length: float = 1000.0,
-    force: float = 1000.0,
-    dt: float | None = None,
+    units: str = "kN-mm",
+    count: int = 1,
+    rate: float | None = None,
 ) -> Material:
     """Add a bearing as a uniaxial material to the model of a program; elements copy it.
 
@@ -206,7 +210,7 @@ def add_material(
     program : the module `openseespy.opensees`, or a `Model` of xara.
     tag : of the material.
     element : from `tb.element`; its committed state is that at the start.
-    length, force, dt : as of `write_material`.
+    units, count, rate : as of `write_material`.
 
     Returns
     -------
@@ -216,7 +220,7 @@ def add_material(
     ------
     InputError : the tag is in use; this version of the program cannot take it.
     """
-    content, arrays = _pack(element, length, force, dt)
+    content, arrays = _pack(element, units, count, rate)
     code = _material_library()
     with tempfile.NamedTemporaryFile(suffix=".bearing") as file:
         file.write(content)

@@ -15,6 +15,7 @@ from typing import Any, TypeVar, cast
 from thermobearing.core.compiled.sources import cache_directory
 
 F = TypeVar("F", bound=Callable[..., Any])
+R = TypeVar("R")
 
 
 class MissingKernelsError(RuntimeError):
@@ -48,8 +49,13 @@ class Kernel:
         return self.run(*given)
 
     def _first_call(self, *given: Any) -> Any:
-        self.run = self._choose()
-        return self.run(*given)
+        return self.chosen()(*given)
+
+    def chosen(self) -> Callable[..., Any]:
+        """Return what runs the kernel, which is decided here unless a call has done so."""
+        if self.run == self._first_call:
+            self.run = self._choose()
+        return self.run
 
     def _choose(self) -> Callable[..., Any]:
         """Return what runs the kernel from now on."""
@@ -75,6 +81,26 @@ class Kernel:
     def __reduce__(self) -> str:
         """Return the name, by which another process finds the kernel."""
         return self.py_func.__qualname__
+
+
+def prepare(kernel: Callable[..., R], *given: Any) -> Callable[..., R]:
+    """Return what runs a kernel on the same records each time; it takes the numbers only.
+
+    Parameters
+    ----------
+    kernel : marked with `compiled`.
+    given : all arguments of a call; those that are numbers stand for any.
+    """
+    face = getattr(cast("Kernel", kernel).chosen(), "__self__", None)
+    places = [k for k, one in enumerate(given) if isinstance(one, float | int)]
+
+    def call(*numbers: float) -> R:
+        arguments = [*given]
+        for place, number in zip(places, numbers, strict=True):
+            arguments[place] = number
+        return kernel(*arguments)
+
+    return (face and face.prepare(*given)) or call
 
 
 NO_NUMBA = (

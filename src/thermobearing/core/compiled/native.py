@@ -310,6 +310,39 @@ class Face:
         self.table = ctypes.c_char * (8 * (len(arguments) + len(results)))
         self.single = entry["single"]
 
+    def prepare(self, *given: Any) -> Callable[..., Any] | None:
+        """Return a function of the numbers among the arguments; None if they do not fit.
+
+        The table of the call is filled once, with the addresses of the records.
+        """
+        slots: Slots = []
+        held: Slots = []
+        table = self.table()
+        content = memoryview(table).cast("B")
+        views = {code: content.cast(code) for code in "dq"}  # type: ignore[call-overload]
+        places = []
+        try:
+            for kind, one in zip(self.kinds, given, strict=True):
+                if isinstance(kind, NumberKind):
+                    places.append((views[kind.format], len(slots)))
+                kind.add(one, slots, held)
+            self.arguments.pack_into(table, 0, *slots)
+        except (UnsuitableError, struct.error, ValueError):
+            return None
+        function, results, first, single = (
+            *(self.function, self.results.unpack_from),
+            *(self.arguments.size, self.single),
+        )
+
+        def call(*numbers: Any, _: Slots = held) -> Any:
+            for (view, place), number in zip(places, numbers, strict=True):
+                view[place] = number
+            function(table)
+            found = results(table, first)
+            return found[0] if single else found or None
+
+        return call
+
     def call(self, *given: Any) -> Any:
         """Call the kernel; arguments that do not fit are left to numba."""
         slots: Slots = []
