@@ -47,6 +47,7 @@ from .intake.run import take_in as take_in
 from .live.page import live_page as live_page
 from .loading import load_result as load_result
 from .model.element import BearingElement as BearingElement
+from .model.element import BearingElements as BearingElements
 from .model.element import element as element
 from .model.options import ModelOptions as ModelOptions
 from .model.stack import EndFace as EndFace

@@ -19,9 +19,10 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from tests.fixtures.kernels import calls
-from thermobearing.core import march, types
+from tests.verification.structures import real_bearing
+from thermobearing.core import march, step, types
 from thermobearing.core.compiled import native
-from thermobearing.core.compiled.kernel import Kernel, MissingKernelsError
+from thermobearing.core.compiled.kernel import Kernel, MissingKernelsError, prepare
 from thermobearing.core.records import row_type
 from thermobearing.structure import forces
 from thermobearing.structure import types as structure_types
@@ -306,3 +307,25 @@ def test_c_runs_a_test_of_a_bearing(library_with_march: Path, tmp_path: Path) ->
     assert warm[-1] > warm[0] > -20.0
     assert warm[-1] + 20.0 < work / 2000.0
     assert force[99] == pytest.approx(force[199], rel=0.05)
+
+
+@pytest.mark.parametrize("misfit", [False, True])
+def test_a_prepared_call_is_the_call(misfit: bool) -> None:
+    """It takes new numbers and the present content of records; a misfit is left to the kernel."""
+    constants = real_bearing("shen-lhdr-specimen")
+    start = np.linspace(-20.0, -10.0, len(constants.cells.capacity))
+    state, new = types.new_state(constants, start), types.new_state(constants, start)
+    work = types.new_workspace(constants)
+    target = types.new_state(constants, start[::-1])
+    if misfit:
+        target = target._replace(temperature=np.zeros(2 * len(start))[::2])
+    run = prepare(step.step, constants, work, state, 0.0, 0.0, 0.0, new)
+    accept = prepare(march.copy_state, new, target)
+    for x in (3.0, 4.0):
+        found = run(x, 0.1, -20.0)
+        accept()
+        assert_array_equal(target.temperature, new.temperature)
+        other = types.new_state(constants, start)
+        assert found == step.step(constants, work, state, x, 0.1, -20.0, other)
+        assert_array_equal(other.temperature, new.temperature)
+        march.copy_state(new, state)

@@ -359,3 +359,45 @@ def test_an_element_begins_only_where_its_bearing_was() -> None:
     fine = tb.changed_bearing("shen-hdr-specimen", cells={"rubber": 4})
     with pytest.raises(tb.InputError, match="cells"):
         tb.element(fine, initial=warm)
+
+
+def test_elements_in_one_call_are_the_single_ones() -> None:
+    kinds = ((HDR, -20.0), ("shen-lhdr-bridge", 0.0), (HDR, 23.0))
+    alone, together = ([tb.element(name, ambient=t) for name, t in kinds] for _ in range(2))
+    line = tb.BearingElements(together)
+    for step, x in enumerate(30.0 * np.sin(np.outer(np.arange(1, 60), [0.1, 0.2, 0.3]))):
+        air = None if step % 2 else np.array([-10.0, 0.0, 10.0])
+        found = line.set_trial(x, 0.05, air)
+        line.commit()
+        for k, one in enumerate(alone):
+            trial = one.set_trial(float(x[k]), 0.05, None if air is None else float(air[k]))
+            one.commit()
+            assert (found.force[k], found.tangent[k], found.outcome[k]) == (
+                *(trial.force, trial.tangent, trial.outcome),
+            )
+    for one, other in zip(alone, line.elements, strict=True):
+        assert_array_equal(one.state.temperature, other.state.temperature)
+    line.revert_to_start()
+    assert [one.state.books["clock"][0] for one in together] == [0.0, 0.0, 0.0]
+
+
+def test_elements_in_one_call_commit_all_or_none() -> None:
+    line = tb.BearingElements([tb.element(HDR), tb.element(HDR)])
+    assert line.set_trial([5.0, 1e9], 0.1).outcome[0] == "completed"
+    with pytest.raises(tb.InputError):
+        line.commit()
+    assert line.elements[0].state.books["displacement"][0] == 0.0
+    assert line.set_trial(5.0, 0.1).force[1] > 0.0
+    line.commit()
+    assert line.elements[1].state.books["displacement"][0] == 5.0
+    one = tb.element(HDR)
+    for make in (
+        lambda: tb.BearingElements([]),
+        lambda: tb.BearingElements([one, one]),
+        lambda: line.set_trial([1.0, 2.0, 3.0], 0.1),
+        lambda: line.set_trial([1.0, float("nan")], 0.1),
+        lambda: line.set_trial(1.0, 0.0),
+        lambda: line.set_trial(1.0, 0.1, [-20.0, -200.0]),
+    ):
+        with pytest.raises(tb.InputError):
+            make()

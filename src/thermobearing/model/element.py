@@ -21,7 +21,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.schema import validated
-from thermobearing.border.units import HUGEST, is_number, refuse_hidden
+from thermobearing.border.units import HUGEST, is_number, number_list, refuse_hidden
 from thermobearing.core.compiled.kernel import prepare
 from thermobearing.core.march import copy_state
 from thermobearing.core.step import step
@@ -220,17 +220,17 @@ class BearingElement:
         ------
         InputError : not a number, a step that is not positive, an ambient temperature out of range.
         """
-        x, dt = _number("x", "mm", x), _number("dt", "s", dt)
-        if not 0.0 < dt < HUGEST:
-            raise InputError(
-                f"set_trial(): dt = {dt!r}: must be more than 0 s and below {HUGEST:g}"
-            )
+        x, dt = _number("x", "mm", x), _step_length(dt)
         around = self._ambient
         if ambient is not None:
             around = float(check_temperature(ambient, "set_trial(): ambient"))
         force, tangent, outcome = self._run_step(x, dt, around)
+        return Trial(force, tangent, self._note(outcome))
+
+    def _note(self, outcome: int) -> str:
+        """Return the name of the outcome of a trial, which decides whether it can be accepted."""
         self._failed = "" if outcome in (COMPLETED, SOFTENED) else NAMES[outcome]
-        return Trial(force, tangent, NAMES[outcome])
+        return NAMES[outcome]
 
     def commit(self) -> None:
         """Accept the last trial.
@@ -239,12 +239,16 @@ class BearingElement:
         ------
         InputError : the trial did not complete; the committed state is unchanged.
         """
+        self._check_trial()
+        self._accept()
+
+    def _check_trial(self) -> None:
+        """Refuse a trial that did not complete."""
         if self._failed:
             raise InputError(
                 f"commit(): the last trial ended as {self._failed} (its `outcome`); try a smaller "
                 "step from the committed state"
             )
-        self._accept()
 
     def revert_to_start(self) -> None:
         """Reset to the initial state: a virgin bearing, or the end of an earlier test."""
@@ -276,6 +280,102 @@ class BearingElement:
         self._failed = ""
         copy_state(saved, self._committed)
         copy_state(saved, self._trial)
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Responses of several bearings to one trial displacement each.
+
+    Attributes
+    ----------
+    force : restoring forces [kN].
+    tangent : their slopes [kN/mm].
+    outcome : "completed", or the reason why the step of a bearing ended early.
+    """
+
+    force: NDArray[np.float64]
+    tangent: NDArray[np.float64]
+    outcome: tuple[str, ...]
+
+
+class BearingElements:
+    """Several bearings that an outside solver moves in one call.
+
+    Parameters
+    ----------
+    elements : of any bearings, each with an ambient temperature and a start of its own; `elements`
+        remains the list of them.
+
+    Raises
+    ------
+    InputError : none, or one element twice.
+
+    Examples
+    --------
+    >>> piers = BearingElements(
+    ...     [BearingElement("shen-hdr-bridge", ambient=ambient) for ambient in (-20, 0, 23)]
+    ... )
+    >>> trial = piers.set_trial([40.0, 45.0, 50.0], dt=0.01)  # mm, s
+    >>> piers.commit()
+    >>> trial.force.round(), trial.tangent.shape  # kN
+    (array([321., 301., 296.]), (3,))
+    """
+
+    def __init__(self, elements: Sequence[BearingElement]) -> None:
+        self.elements = [*elements]
+        if not elements or len({id(one) for one in elements}) < len(elements):
+            raise InputError("BearingElements(): needs one element or more, each of them once")
+
+    def set_trial(
+        self,
+        x: Sequence[float] | NDArray[np.float64],
+        dt: float,
+        ambient: float | Sequence[float] | NDArray[np.float64] | None = None,
+    ) -> Trials:
+        """Apply one displacement to each bearing after a step from the committed states.
+
+        Parameters
+        ----------
+        x : displacements of the upper faces relative to the lower ones [mm].
+        dt : length of the step [s], > 0.
+        ambient : ambient temperatures, or that of all [degC]; those of the elements by default.
+
+        Returns
+        -------
+        Trials : after any outcome but "completed" there is nothing to commit.
+
+        Raises
+        ------
+        InputError : not one number for each bearing, or a number that one element refuses.
+        """
+        goals, dt = _row("x", x, len(self.elements)), _step_length(dt)
+        air = [one.ambient for one in self.elements]
+        if ambient is not None:
+            air = _row("ambient", ambient, len(air))
+            for extreme in (min(air), max(air)):
+                check_temperature(extreme, "set_trial(): ambient")
+        force, tangent, outcomes = np.empty(len(air)), np.empty(len(air)), []
+        for k, one in enumerate(self.elements):
+            force[k], tangent[k], outcome = one._run_step(goals[k], dt, air[k])
+            outcomes.append(one._note(outcome))
+        return Trials(force, tangent, tuple(outcomes))
+
+    def commit(self) -> None:
+        """Accept the last trials of all bearings.
+
+        Raises
+        ------
+        InputError : one trial did not complete; no committed state is changed.
+        """
+        for one in self.elements:
+            one._check_trial()
+        for one in self.elements:
+            one._accept()
+
+    def revert_to_start(self) -> None:
+        """Reset all bearings to their initial states."""
+        for one in self.elements:
+            one.revert_to_start()
 
 
 @renamed()
@@ -326,6 +426,25 @@ def _number(key: str, unit: str, value: Any) -> float:
             f"set_trial(): {key} = {shortened(repr(value))}: must be a number of {unit}"
         )
     return float(value)
+
+
+def _step_length(dt: Any) -> float:
+    """Return the length of a step as a float [s]."""
+    length = _number("dt", "s", dt)
+    if not 0.0 < length < HUGEST:
+        raise InputError(
+            f"set_trial(): dt = {length!r}: must be more than 0 s and below {HUGEST:g}"
+        )
+    return length
+
+
+def _row(key: str, values: Any, count: int) -> list[float]:
+    """Return one number for each bearing; a single one stands for all."""
+    found = number_list(values, f"set_trial(): {key}")
+    if found.shape not in ((1,), (count,)):
+        raise InputError(f"set_trial(): {key}: has {found.size} numbers for {count} bearings")
+    row: list[float] = np.broadcast_to(found, count).tolist()
+    return row
 
 
 def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:
