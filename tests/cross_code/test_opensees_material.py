@@ -13,6 +13,7 @@ from kernels.build import build_material
 from tests.opensees import needs_opensees, ops
 from thermobearing.core.compiled import native
 from thermobearing.opensees import material
+from thermobearing.opensees.element import SHORTEST
 from thermobearing.opensees.material import Material, add_material, write_material
 
 pytestmark = [
@@ -199,7 +200,7 @@ def test_zero_of_the_model_is_where_the_bearing_starts() -> None:
     start.set_trial(12.0, dt=10.0)
     start.commit()
     add_material(ops, 7, start)
-    force = start.set_trial(12.0, dt=material.LEAST_DT).force
+    force = start.set_trial(12.0, dt=SHORTEST).force
     ops.element("zeroLength", 1, 1, 2, "-mat", 7, "-dir", 1)
     assert ops.basicForce(1)[0] == pytest.approx(force, rel=1e-9)
     assert force > 50.0
@@ -209,7 +210,7 @@ def test_zero_of_the_model_is_where_the_bearing_starts() -> None:
 def test_initial_stiffness_is_that_of_the_first_moment(new_model: Any) -> None:
     new_model()
     frequency = np.sqrt(ops.eigen("-fullGenLapack", 1)[0])
-    first = tb.element(BEARING, ambient=-20).set_trial(0.0, dt=material.LEAST_DT)
+    first = tb.element(BEARING, ambient=-20).set_trial(0.0, dt=SHORTEST)
     assert frequency == pytest.approx(np.sqrt(first.tangent * 1e6 / MASS), rel=1e-9)
 
 
@@ -224,7 +225,7 @@ def test_what_cannot_be_added_is_an_error(
     for options in ({"count": 0}, {"rate": -1.0}, {"units": "N-stone"}):
         with pytest.raises(tb.InputError) as found:
             write_material(tmp_path / "file", bearing, **options)
-        assert str(next(iter(options.values()))).partition("-")[2] in str(found.value)
+        assert next(iter(options)) in str(found.value)
     assert not (tmp_path / "file").exists()
     whole = material._pack
     for cut, word in (

@@ -76,7 +76,7 @@ def test_examples_in_python_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     exec(compile(halved, "python.md, half the step", "exec"), finer)
     assert 50.0 < finer["peak"] < 300.0
     assert names["peak"] == pytest.approx(finer["peak"], rel=tol.SIMPLEST_INTEGRATOR)
-    assert names["peaks"][0] == names["peak"]
+    assert names["farthest"][0] == names["peak"]
 
 
 def test_the_mass_of_the_python_page_is_that_of_its_integrator(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ MOST = 73  # names that are promised; one is a module, which keeps its own names
 MODULES = {"opensees"}
 PUBLIC = sorted(
     [getattr(tb, name) for name in tb.__all__ if name not in MODULES]
-    + [getattr(tb.opensees, name) for name in ("Line", "ServingError", "serve")],
+    + [getattr(tb.opensees, name) for name in tb.opensees.__all__],
     key=lambda item: (item.__module__, item.__name__),
 )
 HEAVY = {"numpy", "scipy", "numba", "pandas", "xarray", "pydantic", "pint", "matplotlib", "rich"}

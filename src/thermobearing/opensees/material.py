@@ -13,22 +13,23 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from types import BuiltinFunctionType
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.units import HUGEST, conversion, is_number
+from thermobearing.border.units import HUGEST, is_number
 from thermobearing.core.compiled import native
 from thermobearing.core.types import State, new_workspace
 from thermobearing.model.element import BearingElement
+from thermobearing.opensees.case import UnitNames, Units
+from thermobearing.opensees.element import SHORTEST
 
 NAME = "ThermoBearing"  # of the type of material
 KIND = b"tb-ops-1"
 HEAD = struct.Struct("=8s9q5d")  # `Head` in kernels/opensees.c
 ALIGNED = 64  # [bytes]
 STEP = "core.step.step"
-LEAST_DT = 1e-6  # of a step whose domain time does not advance [s]
 
 
 class _Image:
@@ -114,8 +115,10 @@ def _pack(
     for name, number in {"count": count, "rate": 1.0 if rate is None else rate}.items():
         if not is_number(number) or not 0.0 < number < HUGEST:
             raise InputError(f"{name} = {number!r}: must be a positive number")
-    force, _, length = units.partition("-")
-    scales = conversion(length, "mm")[0], count / conversion(force, "kN")[0]
+    if units not in get_args(UnitNames):
+        raise InputError(f"units = {units!r}: must be one of {', '.join(get_args(UnitNames))}")
+    factors = Units.named(units)
+    scales = factors.length, count / factors.force
     library, reason = native.open_library()
     if library is None:
         raise InputError(f"{reason} A material of OpenSees needs them.")
@@ -144,7 +147,7 @@ def _pack(
     pointers = len(image.pointers)
     offsets = (len(image.content), pointers, call, start, begin, begins["new"], size, *places)
     zero = float(state.books["displacement"][0])
-    head = HEAD.pack(KIND, *offsets, *scales, zero, rate or 0.0, LEAST_DT)
+    head = HEAD.pack(KIND, *offsets, *scales, zero, rate or 0.0, SHORTEST)
     return head + struct.pack(f"={pointers}q", *image.pointers) + image.content, arrays["state"]
 
 
@@ -168,11 +171,13 @@ class Material:
     Attributes
     ----------
     tag : of the material.
+    start : the state of every bearing at the start.
+    places : of the arrays of a state in memory.
     """
 
     tag: int
-    _template: State
-    _arrays: list[int]
+    start: State
+    places: list[int]
 
     def states(self) -> list[State]:
         """Return copies of the committed states of all elements with this material.
@@ -184,7 +189,7 @@ class Material:
         found: list[State] = []
         while address := code.thermobearing_image(self.tag, len(found) + 1):
             arrays: list[Any] = []
-            for at, one in zip(self._arrays, self._template, strict=True):
+            for at, one in zip(self.places, self.start, strict=True):
                 content = np.frombuffer(ctypes.string_at(address + at, one.nbytes), one.dtype)
                 arrays.append(content.reshape(one.shape).copy())
             found.append(State(*arrays))
@@ -202,8 +207,8 @@ def add_material(
 ) -> Material:
     """Add a bearing as a uniaxial material to the model of a program; elements copy it.
 
-    Strain is displacement and stress is force: it is meant for `zeroLength`, `twoNodeLink` and
-    the like, one material of any kind for each direction.
+    Strain is displacement and stress is force, as in `zeroLength` and `twoNodeLink`, which take one
+    material of any kind for each direction.
 
     Parameters
     ----------
@@ -219,6 +224,13 @@ def add_material(
     Raises
     ------
     InputError : the tag is in use; this version of the program cannot take it.
+
+    Examples
+    --------
+    >>> import thermobearing as tb, openseespy.opensees as ops  # doctest: +SKIP
+    >>> pier = tb.element("shen-hdr-bridge", ambient=-20)
+    >>> bearing = add_material(ops, 7, pier, units="N-m")  # doctest: +SKIP
+    >>> ops.element("zeroLength", 101, 11, 21, "-mat", 7, "-dir", 1)  # doctest: +SKIP
     """
     content, arrays = _pack(element, units, count, rate)
     code = _material_library()
