@@ -93,6 +93,8 @@ def test_hybrid_with_a_laboratory(tmp_path: Path) -> None:
         "delay": "0.01 s",
         "force_noise": "0.5 kN",
         "seed": 3,
+        "compensation": 0,
+        "time_out": "10.0 s",
     }
     again = command("hybrid", *words, *lab, "-o", tmp_path / "again")
     assert again.exit_code == 0

@@ -103,7 +103,11 @@ _add(
 _add(
     "hybrid",
     "Simulate a hybrid test: a bearing specimen coupled to a calculated pier.",
-    fields("earthquake.case:Laboratory", "mode delay force_noise seed", LABORATORY),
+    fields(
+        "earthquake.case:Laboratory",
+        "mode delay force_noise seed compensation specimen time_out force_limit displacement_limit",
+        LABORATORY,
+    ),
     examples="hybrid --mode rt --mode pd --ambient -20 -o hybrid",
 )
 

@@ -135,6 +135,7 @@ def hybrid(
     *,
     structure: Structure | str | Path | None = None,
     lines: Sequence[dict[str, Any]] | None = None,
+    specimen: str | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     model: ModelOptions | Model | None = None,
     initial: InitialState | SpecimenState | Earlier | str | Path | None = None,
@@ -154,8 +155,13 @@ def hybrid(
     laboratory : a table with `mode`, "rt" (real time, the default), "pd" (the actuator moves
         at `speed`, "10 mm/s" by default, which slows the specimen's clock down) or both in
         a list, which makes two runs of each, compared in `modes_table`; `delay`
-        of the actuator, `force_noise` (standard deviation of the measured force) and its
-        `seed`; numbers as text with their unit.
+        of the actuator, `compensation` (order of the extrapolation of the command by the delay),
+        `force_noise` (standard deviation of the measured force) and its `seed`; with a specimen
+        also `time_out`, `force_limit` and `displacement_limit`; numbers as text with their unit.
+    specimen : address of a specimen or program outside, "tcp://HOST:PORT", which moves and gives
+        the force in place of the modelled bearing of the reported line (wire format of OpenSees'
+        genericClient, one degree of freedom, mm and kN). There is one run then; force and energy
+        are measured, temperatures are those of `bearing`, calculated along the same path.
     lines, model, initial, keep, rig, executor, progress : as of `bridge`.
     method : as of `bridge`; "predictor-corrector" by default, which moves the specimen once in
         each step.
@@ -177,6 +183,10 @@ def hybrid(
     'completed'
     """
     table = _table(bearing, motion, ambient, model, initial, keep, options)
+    if isinstance(laboratory, Laboratory):
+        laboratory = laboratory.model_dump(exclude_unset=True)
+    if specimen is not None:
+        laboratory = {**(laboratory or {}), "specimen": specimen}
     table |= {"structure": structure, "lines": lines, "rig": rig, "laboratory": laboratory}
     case = make_earthquake_case({"command": "hybrid"}, "hybrid()", **table)
     return run_earthquake(case, executor=executor, progress=progress)

@@ -29,6 +29,7 @@ from thermobearing.cyclic.case import (
     settle_start,
 )
 from thermobearing.cyclic.protocol import LONGEST
+from thermobearing.earthquake.specimen import read_address
 from thermobearing.model.effort import MOST_OF, too_many
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model, outdoors
@@ -345,6 +346,13 @@ class Laboratory(Strict):
     delay : delay of the actuator [s], in [0, 1].
     force_noise : standard deviation of the measured force [kN], in [0, 1e5].
     seed : seed of the noise.
+    compensation : order of the polynomial that extrapolates the command by the delay (Horiuchi
+        et al., 1999), in [0, 4]; 0 is no compensation, 3 is usual.
+    specimen : address of a specimen or program that takes the place of the modelled bearing,
+        tcp://HOST:PORT. It has its own delay; `delay` is only what `compensation` makes up for.
+    time_out : largest time in which the specimen answers [s], in [0.001, 1e5].
+    force_limit : largest measured force of the specimen [kN], in [0.001, 1e6]; the test stops.
+    displacement_limit : largest displacement of the specimen [mm], in [0.001, 1e5], likewise.
     """
 
     mode: Annotated[tuple[Mode, ...], ONE_OR_SEVERAL, Field(min_length=1)] = ("rt",)
@@ -352,6 +360,26 @@ class Laboratory(Strict):
     delay: Annotated[float, in_unit("s"), Field(ge=0, le=1)] = 0.0
     force_noise: Annotated[float, in_unit("kN"), Field(ge=0, le=1e5)] = 0.0
     seed: Annotated[int, Field(ge=0)] = 0
+    compensation: Annotated[int, Field(ge=0, le=4)] = 0
+    specimen: str | None = None
+    time_out: Annotated[float, in_unit("s"), Field(ge=1e-3, le=1e5)] = 10.0
+    force_limit: Annotated[float, in_unit("kN"), Field(ge=1e-3, le=1e6)] | None = None
+    displacement_limit: Annotated[float, in_unit("mm"), Field(ge=1e-3, le=1e5)] | None = None
+
+    @classmethod
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
+        limits = ("force_limit", "displacement_limit") if "specimen" not in given else ()
+        found = [f"{key}: needs a specimen" for key in limits if key in given]
+        if given.get("compensation") and "delay" not in given:
+            found.append("compensation: needs the delay that it makes up for")
+        return found
+
+    @field_validator("specimen")
+    @classmethod
+    def _address(cls, specimen: str | None) -> str | None:
+        if specimen is not None:
+            read_address(specimen)
+        return specimen
 
     @field_validator("mode")
     @classmethod
@@ -363,6 +391,8 @@ class Laboratory(Strict):
     @property
     def _needs_one_step(self) -> bool:
         """Whether the specimen must be moved once a step."""
+        if self.specimen is not None:
+            return True
         return self.delay > 0.0 or self.force_noise > 0.0 or "pd" in self.mode
 
 
@@ -453,6 +483,11 @@ class EarthquakeCase(Strict):
         return self.laboratory.mode if self.laboratory is not None else ("",)
 
     @property
+    def specimen(self) -> str | None:
+        """Address of a specimen outside; None where all bearings are calculated."""
+        return None if self.laboratory is None else self.laboratory.specimen
+
+    @property
     def reported_line_number(self) -> int:
         """Number of the bearing line that histories and the table of peaks are about."""
         own = [item.line for item in self.lines if item.bearing is not None]
@@ -476,8 +511,14 @@ class EarthquakeCase(Strict):
         many = self.analysis.method != "predictor-corrector"  # trials of a step
         if many and self.laboratory is not None and self.laboratory._needs_one_step:
             found.append(
-                "laboratory: delay, force_noise and mode pd need analysis.method = "
+                "laboratory: delay, force_noise, specimen and mode pd need analysis.method = "
                 '"predictor-corrector", which moves the specimen once per step'
+            )
+        runs = [len(self.bearings), len(self.motions), self.climates, len(self.modes)]
+        if self.specimen is not None and max(runs) > 1:
+            found.append(
+                "laboratory.specimen: a specimen is tested once; give one bearing, one motion, one "
+                "ambient temperature and one mode"
             )
         own = [item.bearing for item in self.lines]
         for bearing in {b.name: b for b in [*self.bearings, *own] if b is not None}.values():

@@ -203,13 +203,25 @@ def _laboratory(case: Case) -> list[str]:
             f"Pseudo-dynamic: the actuator moves at {quantity(lab['speed'])}, so that the specimen "
             "is loaded and cools on a slower time scale."
         )
+    if lab.get("specimen"):
+        found.append(
+            f"A specimen at {lab['specimen']} took the place of the modelled bearing. Its force "
+            "and energy were measured; temperatures and shares of the force were calculated along "
+            "the same displacements."
+        )
+    if lab.get("compensation"):
+        found.append(
+            f"Commands are extrapolated by the delay, {quantity(lab['delay'])}, with a polynomial "
+            f"of order {lab['compensation']} (Horiuchi et al., 1999)."
+        )
     errors = [
         f"{name} {quantity(lab[key])}"
         for key, name in (("delay", "delay"), ("force_noise", "noise of the force"))
         if float(str(lab.get(key, "0")).split()[0]) > 0.0
     ]
-    given = joined(errors)
-    found.append(f"Errors of the laboratory: {given}." if errors else "The actuator is ideal.")
+    if errors or not lab.get("specimen"):
+        given = joined(errors)
+        found.append(f"Errors of the laboratory: {given}." if errors else "The actuator is ideal.")
     return found
 
 

@@ -38,10 +38,16 @@ from thermobearing.core.types import Constants, Floats, Path, State, new_state, 
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import build_segments, cut_rests, room_for, run_segments
 from thermobearing.cyclic.protocol import LARGEST_STRAIN, CyclicTest
-from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case, settle_surroundings
+from thermobearing.earthquake.case import (
+    EarthquakeCase,
+    Laboratory,
+    make_earthquake_case,
+    settle_surroundings,
+)
 from thermobearing.earthquake.dataset import label_analysis
 from thermobearing.earthquake.measures import drift, largest, pier_peaks
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.specimen import TcpSpecimen
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.model.effort import analysis_too_much
 from thermobearing.model.handover import begun_from
@@ -168,9 +174,13 @@ def _soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
 
 
 def run_task(task: Task) -> StructureHistory:
-    """Carry out one run; never raises for a failed analysis."""
+    """Carry out one run; never raises for a failed analysis.
+
+    InputError : nothing answers at the address of a specimen outside.
+    """
     case, shaking = task.case, task.shaking
-    lab, steps = case.laboratory, len(shaking.ground) - 1
+    lab, steps = case.laboratory or Laboratory(), len(shaking.ground) - 1
+    outside = None if lab.specimen is None else TcpSpecimen(lab, task.reported_line)
     history = run_structure(
         task.prepared,
         lines_to_shake(task),
@@ -179,7 +189,9 @@ def run_task(task: Task) -> StructureHistory:
         np.full(steps, task.ambient),
         method=case.analysis.method,
         noise=task.noise,
-        delay=0.0 if lab is None else lab.delay,
+        delay=lab.delay,
+        compensation=lab.compensation,
+        specimen=outside,
         keep_cells="cells" in case.analysis.keep,
     )
     if case.initial_state is not None and case.initial_state.zero:
@@ -331,10 +343,13 @@ def run_earthquake(
     """Carry out an analysis; never raises for a failed run (see `EarthquakeResult.outcome`).
 
     Runs are on threads by default, since the compiled integration releases the lock of the
-    interpreter; `progress` is called with (runs done, all runs).
+    interpreter; `progress` is called with (runs done, all runs). A test of a specimen outside is
+    on the thread of the caller, whose keyboard interrupt stops the specimen.
     """
     check_workers("run_earthquake()", executor, progress)
     tasks = build_tasks(case)
+    if case.specimen is not None:
+        return label_analysis(case, tasks, [run_task(task) for task in tasks])
     histories: list[StructureHistory] = []
     own = None if executor else ThreadPoolExecutor(max(WORKERS, os.cpu_count() or 1))
     pool: Any = executor or own

@@ -23,6 +23,7 @@ from thermobearing.structure.forces import (
 from thermobearing.structure.types import (
     DIVERGED,
     FARTHEST,
+    MEASURE,
     NO_EQUILIBRIUM,
     Actuators,
     Motion,
@@ -97,16 +98,56 @@ def correct(system: System, motion: Motion, stiffness: Floats, beta: float, dt: 
 
 
 @compiled
-def delayed(system: System, motion: Motion, actuators: Actuators, k: int) -> None:
+def _command(actuators: Actuators, b: int, k: int) -> float:
+    """Return the stretch of line b to command at the end of step k, extrapolated by the delay."""
+    targets, command = actuators.targets, 0.0
+    for i in range(actuators.weights.shape[1]):
+        place = max(k + 1 - i * actuators.ahead, 0.0)
+        before = int(place)
+        part = place - before
+        early, late = targets[before, b], targets[min(before + 1, k + 1), b]
+        command += actuators.weights[b, i] * (early + part * (late - early))
+    return command
+
+
+@compiled
+def set_positions(system: System, motion: Motion, actuators: Actuators, k: int) -> None:
     """Set the positions of the actuators at the end of step k: their commands `lag` steps ago."""
     commands = actuators.commands
     for b in range(len(system.lines)):
-        commands[k + 1, b] = along(system.line_rows, b, motion.points)
+        actuators.targets[k + 1, b] = along(system.line_rows, b, motion.points)
+        commands[k + 1, b] = _command(actuators, b, k)
         place = max(k + 1 - actuators.lag, 0.0)
         before = int(place)
         after = min(before + 1, k + 1)
         part = place - before
         motion.stretches[b] = (1.0 - part) * commands[before, b] + part * commands[after, b]
+
+
+@compiled
+def _move(
+    system: System,
+    bearings: Bearings,
+    motion: Motion,
+    scheme: Scheme,
+    shaking: Shaking,
+    actuators: Actuators,
+    k: int,
+) -> int:
+    """Predict step k and move the bearings there; returns an outcome."""
+    points, ground, dt = motion.points, shaking.ground, shaking.dt
+    change = ground[k + 1] - ground[k]
+    if not predict(system, motion, actuators.stiffness, scheme.beta, dt, change):
+        return NO_EQUILIBRIUM
+    for i in range(motion.tangent.shape[0]):
+        if not abs(points[i].trial) < FARTHEST:
+            return DIVERGED
+    set_positions(system, motion, actuators, k)
+    begin_bearings(bearings)
+    outcome = restoring(system, bearings, motion, dt, actuators.noise[k])
+    if outcome != COMPLETED:
+        return outcome
+    return settle_bearings(system, bearings, shaking.ambient[k])
 
 
 @compiled
@@ -118,30 +159,29 @@ def predictor_march(
     shaking: Shaking,
     actuators: Actuators,
     rows: MotionRows,
+    moved: int,
+    kept: int,
 ) -> tuple[int, int, int]:
     """March with one force per step, as with a specimen in the loop.
+
+    With a specimen outside (`actuators.outside`) the march returns MEASURE in every step, when
+    the bearings have moved. The caller replaces the force of the specimen in the restoring forces
+    of the trial, and calls again with the number of that step as `moved` and the rows written so
+    far as `kept`. At first these are -1 and 0.
 
     Returns
     -------
     steps done, rows written, outcome.
     """
-    ground, dt, stiffness = shaking.ground, shaking.dt, actuators.stiffness
-    points, n = motion.points, motion.tangent.shape[0]
-    kept = 0
-    for k in range(len(ground) - 1):
-        if not predict(system, motion, stiffness, scheme.beta, dt, ground[k + 1] - ground[k]):
-            return k, kept, NO_EQUILIBRIUM
-        for i in range(n):
-            if not abs(points[i].trial) < FARTHEST:
-                return k, kept, DIVERGED
-        delayed(system, motion, actuators, k)
-        begin_bearings(bearings)
-        outcome = restoring(system, bearings, motion, dt, actuators.noise[k])
-        if outcome == COMPLETED:
-            outcome = settle_bearings(system, bearings, shaking.ambient[k])
-        if outcome != COMPLETED:
-            return k, kept, outcome
-        if not correct(system, motion, stiffness, scheme.beta, dt):
+    ground, dt = shaking.ground, shaking.dt
+    for k in range(max(moved, 0), len(ground) - 1):
+        if k != moved:
+            outcome = _move(system, bearings, motion, scheme, shaking, actuators, k)
+            if outcome != COMPLETED:
+                return k, kept, outcome
+            if actuators.outside:
+                return k, kept, MEASURE
+        if not correct(system, motion, actuators.stiffness, scheme.beta, dt):
             return k, kept, NO_EQUILIBRIUM
         add_books(system, motion, ground[k], ground[k + 1])
         commit(system, bearings, motion, dt)

@@ -3,13 +3,20 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, NamedTuple
+from math import ceil
+from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 
-from thermobearing.core.records import Floats, Rows, rows, unset
+from thermobearing.core.records import Floats, Ints, Rows, rows, unset
 from thermobearing.core.types import Books, Constants, State
-from thermobearing.model.outcomes import NAMES, NOT_PHYSICAL, PIER_BEYOND_LIMIT, is_physical
+from thermobearing.model.outcomes import (
+    INTERRUPTED,
+    NAMES,
+    NOT_PHYSICAL,
+    PIER_BEYOND_LIMIT,
+    is_physical,
+)
 from thermobearing.structure.forces import Bearings, build_bearings, keep_motion
 from thermobearing.structure.matrices import (
     Matrices,
@@ -37,6 +44,7 @@ from thermobearing.structure.predictor import predictor_march
 from thermobearing.structure.takeda import straight_hinges
 from thermobearing.structure.types import (
     DIVERGED,
+    MEASURE,
     NO_EQUILIBRIUM,
     Actuators,
     Bend,
@@ -75,6 +83,9 @@ GAMMA = 0.5
 TOLERANCE = 1e-10  # of the largest inertia force
 ITERATIONS = 15
 HALVINGS = 8
+SPECIMEN_LOST = "specimen_lost"
+FORCE_LIMIT = "force_limit"
+DISPLACEMENT_LIMIT = "displacement_limit"
 OUTCOMES = {**NAMES, NO_EQUILIBRIUM: "no_equilibrium", DIVERGED: "diverged"}
 SENTENCES = {
     "no_equilibrium": (
@@ -89,6 +100,21 @@ SENTENCES = {
         "A pier exceeded the ductility or the drift in `limits` of the structure, beyond which the "
         "hinge law (no loss of strength) and equations without P-delta say nothing: count the pier "
         "as failed, or give limits that a test of such a pier supports."
+    ),
+    SPECIMEN_LOST: (
+        "The specimen did not answer in time, closed the connection, or sent a force that is no "
+        "number; what was measured until then was saved. Check the program at its address, or try "
+        "a larger time_out."
+    ),
+    FORCE_LIMIT: (
+        "The measured force exceeded force_limit: the specimen was held and the test was ended; "
+        "what was measured until then was saved. Try a smaller factor of the motion, or a larger "
+        "limit that specimen and rig support."
+    ),
+    DISPLACEMENT_LIMIT: (
+        "The next displacement would have exceeded displacement_limit: the specimen was held "
+        "before it and the test was ended; what was measured until then was saved. Try a smaller "
+        "factor of the motion, or a larger limit that specimen and rig support."
     ),
 }
 
@@ -105,6 +131,27 @@ class Line:
     # Where an earlier test left it (its temperatures count then); None: virgin. The structure is
     # straight and in balance with the force that the bearing has there.
     begun: State | None = None
+
+
+class SpecimenError(Exception):
+    """A specimen can go no further; `args[0]` is the outcome of the run."""
+
+
+class Specimen(Protocol):
+    """What takes the place of the modelled bearing of one line, outside of this program."""
+
+    line: int
+
+    def move(self, displacement: float, speed: float, time: float) -> float:
+        """Move to a displacement [mm] at a speed [mm/s] and a time [s]; return the force [kN].
+
+        Raises
+        ------
+        SpecimenError : the specimen does not answer, or a limit is exceeded.
+        """
+
+    def stop(self) -> None:
+        """Hold the specimen where it is, and end the test."""
 
 
 @dataclass
@@ -302,6 +349,115 @@ def all_physical(bearings: Bearings, recoverable: Floats) -> bool:
     )
 
 
+def _actuators(
+    prepared: Prepared, noise: Floats, lines: int, lag: float, order: int, outside: int | None
+) -> Actuators:
+    """Return the actuators of `lines` lines, with a delay of `lag` steps.
+
+    The command is extrapolated by the delay with a polynomial through the last `order` + 1
+    displacements at intervals of the delay (Horiuchi et al., 1999), rounded up to whole steps. A
+    simulated actuator then follows it after the delay. That of a specimen on the line `outside`
+    does so itself, and calculated bearings follow the structure at once.
+    """
+    ahead = max(ceil(lag - 1e-9), 1.0)
+    places = -ahead * np.arange(order + 1)
+    others = [np.delete(places, i) for i in range(order + 1)]
+    signed = [np.prod((lag - far) / (x - far)) for x, far in zip(places, others, strict=True)]
+    weights = np.tile(signed, (lines, 1))
+    if outside is not None:
+        weights[:] = np.eye(order + 1)[0]
+        weights[outside] = signed
+    commands = np.zeros((len(noise) + 1, lines))
+    return Actuators(
+        stiffness=np.ascontiguousarray(prepared.predictor),
+        noise=noise,
+        targets=np.zeros_like(commands),
+        commands=commands,
+        weights=weights,
+        ahead=ahead,
+        lag=lag if outside is None else 0.0,
+        outside=outside is not None,
+    )
+
+
+@dataclass
+class _Measured:
+    """The forces of a specimen outside, and where it was; one value for the start and each step."""
+
+    specimen: Specimen
+    system: System
+    bearings: Bearings
+    motion: Motion
+    force: list[float] = field(default_factory=list)
+    displacement: list[float] = field(default_factory=list)
+
+    def begin(self) -> None:
+        """Measure the force at rest, with which the structure is in balance."""
+        self._move(self._books("states"), 0.0, 0.0)
+
+    def take(self) -> None:
+        """Replace the force of the modelled bearing in the trial by that of the specimen."""
+        trial, state = self._books("trials"), self._books("states")
+        step = trial.clock - state.clock
+        self._move(trial, (trial.displacement - state.displacement) / step, trial.clock)
+        line = self.system.lines[self.specimen.line]
+        error = (self.force[-1] - self.force[0]) - (trial.force - line.at_rest)
+        row = self.system.line_rows[self.specimen.line]
+        self.motion.points["trial_restoring"] += row * (line.force_factor * error)
+
+    def write(self, rows: MotionRows, kept: Ints) -> None:
+        """Replace force and work of the modelled bearing in rows; `kept` are their steps."""
+        line, factors = self.specimen.line, self.system.lines[self.specimen.line]
+        force, x = np.array(self.force), np.array(self.displacement)
+        work = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(x))])
+        books = rows.bearings[:, line]
+        work = work[kept] + books["work_in"][0]
+        error = work - books["work_in"] - (force[0] - factors.at_rest) * (x[kept] - x[0])
+        rows.books["bearings"] += factors.force_factor / factors.length_factor * error
+        books["force"], books["work_in"] = force[kept], work
+
+    def _move(self, books: Any, speed: float, time: float) -> None:
+        force = self.specimen.move(float(books.displacement), float(speed), float(time))
+        self.force.append(force)
+        self.displacement.append(float(books.displacement))
+
+    def _books(self, which: str) -> Any:
+        for kind in self.bearings:
+            if self.specimen.line in kind.lines:
+                place = list(kind.lines).index(self.specimen.line)
+                return getattr(kind, which).books[place, 0]
+        raise IndexError(self.specimen.line)
+
+
+_Given: TypeAlias = tuple[System, Bearings, Motion, Scheme, Shaking, Actuators, MotionRows]
+
+
+def _march_with(specimen: Specimen, given: _Given, rows: MotionRows) -> tuple[int, int, str]:
+    """March with a specimen outside; returns steps done, rows written and the outcome.
+
+    `rows` are all rows, that of the start included.
+    """
+    measured = _Measured(specimen, *given[:3])
+    done, kept, outcome = -1, 0, MEASURE
+    try:
+        measured.begin()
+        while outcome == MEASURE:
+            done, kept, outcome = predictor_march(*given, done, kept)
+            if outcome == MEASURE:
+                measured.take()
+        named = OUTCOMES[int(outcome)]
+    except SpecimenError as error:
+        named = str(error.args[0])
+    except KeyboardInterrupt:
+        named = INTERRUPTED
+    finally:
+        specimen.stop()
+    if measured.force:
+        keep = given[4].keep[: max(done, 0)]
+        measured.write(rows.part(0, 1 + kept), np.append(0, 1 + np.flatnonzero(keep)))
+    return max(done, 0), kept, named
+
+
 def run_structure(
     prepared: Prepared,
     lines: Sequence[Line],
@@ -313,6 +469,8 @@ def run_structure(
     keep_every: int = 1,
     noise: Floats | None = None,
     delay: float = 0.0,
+    compensation: int = 0,
+    specimen: Specimen | None = None,
     keep_cells: bool = False,
 ) -> StructureHistory:
     """Integrate the motion of a structure; a failed run has an outcome and its rows until then.
@@ -325,8 +483,12 @@ def run_structure(
     dt : of the steps [s].
     ambient : [steps] mean ambient temperature of each step [degC].
     method : Newmark with constant mean or linear acceleration, or the predictor-corrector of
-        Shen (2023), Eq. 3.8-3.16, which alone takes `noise` [steps], the error of the measured
-        force of the modelled bearing [kN], and `delay` of the actuator [s].
+        Shen (2023), Eq. 3.8-3.16, which alone takes the four of a laboratory.
+    noise : [steps] error of the measured force of the modelled bearing [kN].
+    delay : of the actuator [s].
+    compensation : order of the polynomial that extrapolates the command by the delay.
+    specimen : what takes the place of the modelled bearing of its line; in the rows, force and work
+        of that bearing are then the measured ones, and all else is calculated along its path.
     keep_every : keep every n-th step; the start and the last step besides.
     keep_cells : keep the temperatures of the cells too, in single precision.
     """
@@ -349,22 +511,23 @@ def run_structure(
     shaking = Shaking(ground, dt, ambient, keep)
     after = kept_rows.part(1, len(keep) + 1)
     if method == "predictor-corrector":
-        actuators = Actuators(
-            stiffness=np.ascontiguousarray(prepared.predictor),
-            noise=np.zeros(steps) if noise is None else noise,
-            commands=np.zeros((steps + 1, len(lines))),
-            lag=delay / dt,
-        )
-        done, kept, outcome = predictor_march(
-            system, bearings, motion, scheme, shaking, actuators, after
-        )
+        outside = None if specimen is None else specimen.line
+        noise = np.zeros(steps) if noise is None else noise
+        actuators = _actuators(prepared, noise, len(lines), delay / dt, compensation, outside)
+        given = system, bearings, motion, scheme, shaking, actuators, after
+        if specimen is not None:
+            done, kept, named = _march_with(specimen, given, kept_rows)
+        else:
+            done, kept, outcome = predictor_march(*given, -1, 0)
+            named = OUTCOMES[int(outcome)]
     else:
         done, kept, outcome = newmark_march(
             system, bearings, motion, scheme, shaking, after, _no_peaks(system)
         )
-    books, named = motion.books[0], OUTCOMES[int(outcome)]
+        named = OUTCOMES[int(outcome)]
     if named == "completed" and not all_physical(bearings, kept_rows.bearings["recoverable"][0]):
         named = NOT_PHYSICAL
+    books = motion.books[0]
     return StructureHistory(
         rows=kept_rows.part(0, 1 + kept),
         bearings=bearings,

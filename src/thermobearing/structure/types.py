@@ -15,6 +15,7 @@ from thermobearing.core.types import Books
 # Outcomes in addition to those of the coupled step (core/types.py).
 NO_EQUILIBRIUM: Final = 20
 DIVERGED: Final = 21
+MEASURE: Final = 22  # the march waits for a force from outside
 
 FARTHEST: Final = 1e9  # a coordinate beyond this has diverged [mm or rad]
 
@@ -143,8 +144,12 @@ class Actuators(NamedTuple):
 
     stiffness: Floats  # [n, n] of the predictor, initial stiffness of everything
     noise: Floats  # [steps] added to the force of every modelled bearing [kN]
+    targets: Floats  # [steps + 1, b] scratch: stretches of the structure; zeros
     commands: Floats  # [steps + 1, b] scratch: stretches to reach; zeros
+    weights: Floats  # [b, terms] of the targets in the command of a line, which are `ahead` apart
+    ahead: float  # time by which commands are extrapolated, in steps, >= 0
     lag: float  # delay, in steps, >= 0: the force is read at the displacements commanded then
+    outside: bool  # whether the march waits in every step for a force from outside
 
 
 class Watch:

@@ -254,6 +254,8 @@ def _study_faults(study: Study) -> list[str]:
     laboratory = study.case.laboratory
     if laboratory is not None and len(laboratory.mode) > 1:
         faults.append("case.laboratory.mode: a study has one mode")
+    if study.case.specimen is not None:
+        faults.append("case.laboratory.specimen: a study is calculated; leave it out")
     keys: dict[tuple[str, str], list[str]] = {}
     for name in factors.numbers:
         keys.setdefault(spelled(name), []).append(name)

@@ -1,0 +1,331 @@
+"""A specimen outside in a hybrid test: the same histories, delays, limits, and lost connections."""
+
+import _thread
+import math
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from tests import tolerances as tol
+from tests.unit.inputs import command, last_line
+from thermobearing.border.errors import InputError
+from thermobearing.earthquake.case import Laboratory, make_earthquake_case
+from thermobearing.earthquake.run import build_tasks, run_task
+from thermobearing.earthquake.specimen import read_address
+from thermobearing.opensees.wire import (
+    Action,
+    Request,
+    Setup,
+    encode_reply,
+    prepare,
+    receive_exactly,
+)
+from thermobearing.structure.model import load_structure
+from thermobearing.structure.run import StructureHistory, _actuators, prepare_structure
+
+HDR = "shen-hdr-specimen"
+LHDR, HDR_BRIDGE, LHDR_BRIDGE = "shen-lhdr-specimen", "shen-hdr-bridge", "shen-lhdr-bridge"
+TWO_PIERS = Path(__file__).parents[1] / "regression" / "inputs" / "two-piers.toml"
+LIMIT = 20.0  # of one exchange [s]
+Answer = Callable[["Server", float], float]
+
+
+class Server:
+    """A bearing of the library behind the wire format, as a thread."""
+
+    def __init__(self, bearing: tb.BearingElement, delay: int = 0, answer: Answer | None = None):
+        self.bearing, self.delay, self.answer = bearing, delay, answer
+        self.log: list[tuple[Action, float, float]] = []
+        self.commands: list[float] = []
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.address = f"tcp://127.0.0.1:{self.listener.getsockname()[1]}"
+        self.thread = threading.Thread(target=self._serve, daemon=True)
+        self.thread.start()
+
+    def _serve(self) -> None:
+        connection, _ = self.listener.accept()
+        with connection:
+            prepare(connection)
+            setup = Setup.decode(receive_exactly(connection, 44, LIMIT))
+            assert setup.dofs == 1
+            x = begun = now = 0.0
+            while True:
+                data = receive_exactly(connection, setup.length, LIMIT)
+                request = Request.decode(data, setup)
+                self.log.append((request.action, request.displacement[0], request.velocity[0]))
+                if request.action == Action.SET_TRIAL:
+                    x, now = request.displacement[0], request.time
+                elif request.action == Action.FORCE:
+                    self.commands.append(x)
+                    force = self._force(now - begun)
+                    force = force if self.answer is None else self.answer(self, force)
+                    if force == math.inf:  # hang up
+                        return
+                    connection.sendall(encode_reply([force], setup))
+                elif request.action == Action.COMMIT and now > begun:
+                    self.bearing.commit()
+                    begun = now
+                elif request.action == Action.END:
+                    return
+
+    def _force(self, dt: float) -> float:
+        if dt <= 0.0:
+            return float(self.bearing.state.books[0].force)
+        there = self.commands[max(len(self.commands) - 1 - self.delay, 0)]
+        return self.bearing.set_trial(there, dt).force
+
+
+@contextmanager
+def served(bearing: str = LHDR, ambient: float = -20.0, **given: Any) -> Iterator[Server]:
+    initial = given.pop("initial", None)
+    server = Server(tb.element(bearing, ambient, initial=initial), **given)
+    try:
+        yield server
+        server.thread.join(LIMIT)
+        assert not server.thread.is_alive()
+    finally:
+        server.listener.close()
+
+
+def run_hybrid(duration: float = 3.0, initial: Any = None, **changes: Any) -> StructureHistory:
+    table = {"command": "hybrid", "bearings": [LHDR], "ambient": "-20 degC"}
+    given = {"duration": duration} | changes
+    if initial is not None:
+        given["initial_state"] = initial
+    (task,) = build_tasks(make_earthquake_case(table, "test", **given))
+    return run_task(task)
+
+
+def assert_same(one: StructureHistory, other: StructureHistory, line: int = 0) -> None:
+    """Compare structure, forces, temperatures and energies, relative to their largest values."""
+    assert (one.outcome, one.steps) == (other.outcome, other.steps)
+    pairs = [(one.rows.q, other.rows.q), (one.layers(line), other.layers(line))]
+    names = ("displacement", "force", "work_in", "clock", "heat_stored")
+    pairs += [(one.bearing(line)[name], other.bearing(line)[name]) for name in names]
+    pairs.append((one.rows.books["bearings"], other.rows.books["bearings"]))
+    for mine, theirs in pairs:
+        assert np.abs(mine - theirs).max() <= tol.SERVED * np.abs(mine).max()
+
+
+@pytest.mark.parametrize(
+    "laboratory",
+    [{}, {"mode": "pd"}, {"force_noise": "2 kN", "seed": 4}],
+    ids=["real time", "slow", "noise"],
+)
+def test_a_served_bearing_gives_the_histories_of_the_calculated_one(
+    laboratory: dict[str, Any],
+) -> None:
+    calculated = run_hybrid(laboratory=laboratory)
+    with served() as server:
+        assert_same(calculated, run_hybrid(laboratory={**laboratory, "specimen": server.address}))
+    actions = [action for action, _, _ in server.log]
+    assert actions[:3] == [Action.SET_TRIAL, Action.FORCE, Action.COMMIT]
+    assert actions[-2:] == [Action.SET_TRIAL, Action.END]
+    assert actions.count(Action.COMMIT) == 1 + calculated.steps
+    assert server.log[-2][1:] == (server.commands[-1], 0.0)
+
+
+def test_a_specimen_starts_where_an_earlier_test_left_it() -> None:
+    earlier = tb.hybrid(LHDR, ambient=-20, duration=4)
+    state = tb.end_state(earlier, LHDR)
+    calculated = run_hybrid(initial=state)
+    assert abs(calculated.bearing()["force"][0]) > 1.0
+    with served(initial=state) as server:
+        assert_same(calculated, run_hybrid(initial=state, laboratory={"specimen": server.address}))
+
+
+@pytest.mark.parametrize(
+    "lines", [[], [{"line": "on B", "bearing": LHDR_BRIDGE}]], ids=["one kind", "two kinds"]
+)
+def test_a_specimen_on_one_of_several_lines(lines: list[dict[str, Any]]) -> None:
+    """The other line is calculated; the delay is that of the specimen alone."""
+    given = {"structure": str(TWO_PIERS), "bearings": [HDR_BRIDGE], "duration": 1.5}
+    given |= {"lines": lines, "laboratory": {"force_noise": "1 kN"}}
+    calculated = run_hybrid(**given)
+    given["laboratory"] |= {"delay": "1 ms"}
+    with served(HDR_BRIDGE) as server:
+        found = run_hybrid(
+            **given | {"laboratory": {**given["laboratory"], "specimen": server.address}}
+        )
+    for line in (0, 1):
+        assert_same(calculated, found, line)
+
+
+def test_the_specimen_counts_and_not_the_bearing_calculated_beside_it() -> None:
+    calculated = run_hybrid()
+    with served() as server:
+        found = run_hybrid(bearings=[HDR], laboratory={"specimen": server.address})
+    assert np.abs(calculated.rows.q - found.rows.q).max() <= tol.SERVED * np.abs(found.rows.q).max()
+    for name in ("force", "work_in"):
+        mine, theirs = calculated.bearing()[name], found.bearing()[name]
+        assert np.abs(mine - theirs).max() <= tol.SERVED * np.abs(mine).max()
+    balance = found.rows.books["bearings"] - calculated.rows.books["bearings"]
+    assert np.abs(balance).max() <= tol.SERVED * calculated.rows.books["bearings"].max()
+
+
+STEPS_LATE = 2
+
+
+def test_only_the_command_of_the_specimen_is_extrapolated() -> None:
+    prepared = prepare_structure(load_structure(str(TWO_PIERS)))
+    with_one = _actuators(prepared, np.zeros(3), 2, 1.0, 3, 1)
+    assert with_one.weights == pytest.approx(np.array([[1, 0, 0, 0], [4, -6, 4, -1]]))
+    assert (with_one.lag, with_one.outside) == (0.0, True)
+    simulated = _actuators(prepared, np.zeros(3), 2, 1.5, 1, None)
+    assert simulated.weights == pytest.approx(np.array([[1.75, -0.75]] * 2))
+    assert (simulated.lag, simulated.ahead, simulated.outside) == (1.5, 2.0, False)
+
+
+def test_a_late_specimen_whose_command_is_extrapolated_by_its_delay() -> None:
+    """A delay outside acts as a simulated one, and the extrapolation makes up for most of it."""
+    motion = tb.load_motion("jra-ii-ii-1")
+    late = STEPS_LATE * min(motion.dt, 0.005)
+    ideal, errors = run_hybrid(), []
+    for order in (0, 1, 3):
+        laboratory = {"delay": late, "compensation": order}
+        calculated = run_hybrid(laboratory=laboratory)
+        with served(delay=STEPS_LATE) as server:
+            found = run_hybrid(laboratory={**laboratory, "specimen": server.address})
+        scale = np.abs(ideal.rows.q).max()
+        assert np.abs(calculated.rows.q - found.rows.q).max() <= tol.SERVED * scale
+        errors.append(np.abs(calculated.rows.q - ideal.rows.q).max() / scale)
+    assert errors[1] < 0.3 * errors[0]
+    assert errors[2] < 0.3 * errors[1]
+
+
+AFTER = 100
+
+
+def _at(count: int, value: float) -> Answer:
+    return lambda server, force: value if len(server.commands) > count else force
+
+
+def _silent(server: Server, force: float) -> float:
+    if len(server.commands) > AFTER:
+        time.sleep(0.5)
+        return math.inf
+    return force
+
+
+@pytest.mark.parametrize(
+    ("answer", "limits"),
+    [(_at(AFTER, math.inf), {}), (_silent, {"time_out": 0.1}), (_at(AFTER, math.nan), {})],
+    ids=["hangs up", "is silent", "is not a number"],
+)
+def test_a_lost_specimen_ends_the_test_and_what_was_measured_is_kept(
+    answer: Answer, limits: dict[str, Any]
+) -> None:
+    whole = run_hybrid(duration=1.0)
+    with served(answer=answer) as server:
+        found = run_hybrid(duration=1.0, laboratory={"specimen": server.address, **limits})
+    assert found.outcome == "specimen_lost"
+    assert found.steps == AFTER - 1  # the first answer is that at rest
+    assert len(found.rows.q) == AFTER
+    np.testing.assert_allclose(found.rows.q, whole.rows.q[:AFTER], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("key", "column", "limit", "outcome"),
+    [
+        ("force_limit", "force", 60.0, "force_limit"),
+        ("displacement_limit", "displacement", 2.0, "displacement_limit"),
+    ],
+)
+def test_a_limit_stops_the_test(
+    key: str, column: str, limit: float, outcome: str, tmp_path: Path
+) -> None:
+    with served() as server:
+        words = ["--bearing", LHDR, "--ambient", -20, "--duration", 4, "--no-figures", "--json"]
+        words += ["--specimen", server.address, f"--{key.replace('_', '-')}", limit]
+        done = command("hybrid", *words, "-o", tmp_path / "out")
+    assert done.exit_code == 3
+    assert last_line(done)["outcome"] == outcome
+    saved = tb.load_result(tmp_path / "out")
+    values = saved.dataset[f"bearing_{column}"].values
+    assert 0.5 * limit < np.nanmax(np.abs(values)) <= limit
+    if key == "displacement_limit":
+        assert max(map(abs, server.commands)) <= limit
+    (*_, held, ended) = server.log
+    assert (held[0], held[1:], ended[0]) == (
+        Action.SET_TRIAL,
+        (server.commands[-1], 0.0),
+        Action.END,
+    )
+
+
+def test_ctrl_c_stops_the_specimen() -> None:
+    def _interrupt(server: Server, force: float) -> float:
+        if len(server.commands) == AFTER:
+            _thread.interrupt_main()
+        return force
+
+    with served(answer=_interrupt) as server:
+        found = run_hybrid(laboratory={"specimen": server.address})
+    assert found.outcome == "interrupted"
+    assert server.log[-1][0] == Action.END
+    assert len(found.rows.q) in (AFTER - 1, AFTER, AFTER + 1)
+
+
+@pytest.mark.parametrize(
+    ("address", "found"),
+    [
+        ("tcp://localhost:8090", ("localhost", 8090)),
+        ("tcp://[fe80::1]:65535", ("fe80::1", 65535)),
+        ("tcp://10.0.0.7:1/", ("10.0.0.7", 1)),
+    ],
+)
+def test_addresses(address: str, found: tuple[str, int]) -> None:
+    assert read_address(address) == found
+
+
+@pytest.mark.parametrize(
+    "address", ["localhost:80", "tcp://a", "tcp://a:0", "udp://a:1", "tcp://:1"]
+)
+def test_what_is_no_address(address: str) -> None:
+    with pytest.raises(ValueError, match="tcp://"):
+        read_address(address)
+
+
+def test_nothing_answers() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        address = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
+    with pytest.raises(InputError, match=address):
+        tb.hybrid(LHDR, ambient=0, duration=1, specimen=address)
+
+
+SOME = "tcp://127.0.0.1:9"
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"laboratory": {"specimen": SOME}, "ambient": [0.0, 10.0]}, "laboratory.specimen"),
+        ({"laboratory": {"specimen": SOME, "mode": ["rt", "pd"]}}, "laboratory.specimen"),
+        ({"laboratory": {"specimen": SOME}, "method": "average-acceleration"}, "analysis.method"),
+        ({"laboratory": {"specimen": "here"}}, "laboratory.specimen"),
+        ({"laboratory": {"force_limit": "3 kN"}}, "force_limit"),
+        ({"laboratory": {"displacement_limit": "3 mm"}}, "displacement_limit"),
+        ({"laboratory": {"compensation": 3}}, "compensation"),
+        ({"laboratory": {"compensation": 5, "delay": "1 ms"}}, "laboratory.compensation"),
+    ],
+)
+def test_what_does_not_go_with_a_specimen(changes: dict[str, Any], key: str) -> None:
+    with pytest.raises(InputError) as refused:
+        run_hybrid(**changes)
+    assert any(key in problem for problem in refused.value.problems)
+
+
+def test_keywords_and_a_checked_laboratory_are_the_same() -> None:
+    with served() as server:
+        lab = Laboratory(force_limit=500.0, specimen=SOME)
+        found = tb.hybrid(LHDR, ambient=-20, duration=0.5, laboratory=lab, specimen=server.address)
+    assert found.outcome == "completed"
+    assert server.address in found.dataset.attrs["case"]
