@@ -318,7 +318,7 @@ class BearingElements:
     >>> trial = piers.set_trial([40.0, 45.0, 50.0], dt=0.01)  # mm, s
     >>> piers.commit()
     >>> trial.force.round(), trial.tangent.shape  # kN
-    (array([321., 301., 296.]), (3,))
+    (array([281., 222., 165.]), (3,))
     """
 
     def __init__(self, elements: Sequence[BearingElement]) -> None:

@@ -227,7 +227,8 @@ def add_material(
 
     Examples
     --------
-    >>> import thermobearing as tb, openseespy.opensees as ops  # doctest: +SKIP
+    >>> import thermobearing as tb
+    >>> import openseespy.opensees as ops  # doctest: +SKIP
     >>> pier = tb.element("shen-hdr-bridge", ambient=-20)
     >>> bearing = add_material(ops, 7, pier, units="N-m")  # doctest: +SKIP
     >>> ops.element("zeroLength", 101, 11, 21, "-mat", 7, "-dir", 1)  # doctest: +SKIP
