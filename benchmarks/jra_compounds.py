@@ -14,7 +14,7 @@ from scipy.optimize import least_squares
 from thermobearing.bearing.compound import load_compound
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.new import new_bearing
-from thermobearing.bearing.scaling import compound_of
+from thermobearing.bearing.scaling import extract_compound
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import isothermal_cycle
 from thermobearing.design.sizing import (
@@ -76,7 +76,7 @@ def main() -> None:
         for name in NAMES:
             rubber = load_rubber(name, kind)
             bearing = fitted(rubber)
-            h, numbers = bearing.hysteresis, compound_of(bearing).rubber
+            h, numbers = bearing.hysteresis, extract_compound(bearing).rubber
             off = np.abs(misfit(bearing, rubber)).max(axis=0)
             print(
                 f"{kind} {name}: shear_modulus {numbers.shear_modulus:.4g} "

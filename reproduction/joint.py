@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from reproduction.measures import deck_stress_of, evaluate
+from reproduction.measures import compute_deck_stress, evaluate
 from reproduction.runs import (
     AMBIENT,
     HDR,
@@ -214,7 +214,7 @@ def names_of_set(
     """Return what the measures of a set may name."""
     functions = {"grid": grid, "colder": colder, "modes": modes, "of_type": of_type}
     period = float(prepare_structure(pier, mass, "none").modes.periods[0])
-    numbers = {"period": period, "stress": deck_stress_of(pier, PLAN**2)}
+    numbers = {"period": period, "stress": compute_deck_stress(pier, PLAN**2)}
     return functions | numbers | {"hdr": hdr, "lhdr": lhdr, "both": (hdr, lhdr)} | others
 
 

@@ -79,7 +79,7 @@ def period(runs: Runs, structure: str, mass: Any = "consistent") -> float:
     return float(prepare_structure(runs.structure(structure), mass).modes.periods[0])
 
 
-def deck_stress_of(structure: Structure, area: float, count: float | None = None) -> float:
+def compute_deck_stress(structure: Structure, area: float, count: float | None = None) -> float:
     """Return the stress of the deck on bearings of an area [MPa]; as many as the line has."""
     line = structure.bearings[0]
     mass = next(item.mass for item in structure.masses if item.body == line.body)
@@ -88,7 +88,7 @@ def deck_stress_of(structure: Structure, area: float, count: float | None = None
 
 def deck_stress(runs: Runs, structure: str, area: float, count: float | None = None) -> float:
     """Return the stress of the deck on bearings of an area [MPa]; as many as the line has."""
-    return deck_stress_of(runs.structure(structure), area, count)
+    return compute_deck_stress(runs.structure(structure), area, count)
 
 
 def at_rest(runs: Runs, bearing: str, ambient: Sequence[float] = AMBIENT) -> Floats:
@@ -501,7 +501,7 @@ def _lhdr(runs: Runs, **options: Any) -> EarthquakeResult:
     return runs.hybrid(LHDR, AMBIENT, MODES, keep=["rubber", "cells"], **options)
 
 
-def _runs_of(result: EarthquakeResult, mode: str) -> list[int]:
+def _find_runs(result: EarthquakeResult, mode: str) -> list[int]:
     """Return the numbers of the runs of a mode, warm to cold."""
     table = result.table[result.table["mode"] == mode]
     return [int(run) for run in table.sort_values("ambient_degC", ascending=False).index]
@@ -511,13 +511,13 @@ def share(runs: Runs, mode: str, part: str) -> Floats:
     """Return the largest value of a part of the force over the largest force."""
     result = _lhdr(runs)
     parts, force = (largest(runs, result, name) for name in (part, "bearing_force"))
-    return (parts / force)[_runs_of(result, mode)]
+    return (parts / force)[_find_runs(result, mode)]
 
 
 def rate_share_at_the_beginning(runs: Runs) -> Floats:
     """Return the largest share of the rate-dependent force, first 2 s, pseudo-dynamic."""
     result, found = _lhdr(runs), []
-    for run in _runs_of(result, "pd"):
+    for run in _find_runs(result, "pd"):
         time = result["time"].values[run]
         first = (time > 0.0) & (time <= FIRST_SECONDS)
         names = ("viscous_force", "rubber_force", "lead_force")
@@ -529,7 +529,7 @@ def rate_share_at_the_beginning(runs: Runs) -> Floats:
 def _last(runs: Runs, **options: Any) -> list[tuple[Floats, Floats, float]]:
     """Return rises of cells, layers and lead at 20 s in real time [K], warm to cold."""
     result, found = _lhdr(runs, **options), []
-    for air, run in zip(AMBIENT, _runs_of(result, "rt"), strict=True):
+    for air, run in zip(AMBIENT, _find_runs(result, "rt"), strict=True):
         step = int(np.nanargmin(np.abs(result["time"].values[run] - PROFILE_AT)))
         names = ("temperature", "rubber_temperature", "lead_temperature")
         cells, rubber, lead = (result[name].values[run, step] - air for name in names)
@@ -564,7 +564,7 @@ def peak_at_the_interface(runs: Runs, **options: Any) -> list[tuple[float, ...]]
 def spread_with_the_motion(runs: Runs) -> Floats:
     """Return the third layer less the first at 5, 10 and 20 s at -20 degC in real time [K]."""
     result = _lhdr(runs)
-    time, rubber = _history(result, _runs_of(result, "rt")[-1], "rubber_temperature")
+    time, rubber = _history(result, _find_runs(result, "rt")[-1], "rubber_temperature")
     return _at([5.0, 10.0, 20.0], time, rubber[:, -1] - rubber[:, 0])
 
 

@@ -47,11 +47,11 @@ def faults(site: Path, running: Any) -> list[str]:
         f"{name}: {fault}"
         for look in LOOKS
         for name in PAGES
-        for fault in _faults_of(running, site.resolve() / name, look)
+        for fault in _find_faults(running, site.resolve() / name, look)
     ]
 
 
-def _faults_of(running: Any, file: Path, look: dict[str, Any]) -> list[str]:
+def _find_faults(running: Any, file: Path, look: dict[str, Any]) -> list[str]:
     page = running.new_page(**look)
     told = told_by(page)
     page.goto(file.as_uri())

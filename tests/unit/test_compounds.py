@@ -16,7 +16,7 @@ from thermobearing.bearing.compound import (
     _compound_from_table,
     as_compound,
 )
-from thermobearing.bearing.scaling import bearing_of, compound_of, lead_cores, resized
+from thermobearing.bearing.scaling import build_bearing, extract_compound, lead_cores, resized
 from thermobearing.border.toml import sourced_toml, to_table
 from thermobearing.cli import app
 from thermobearing.commands.check import check_file
@@ -41,9 +41,11 @@ def made(**changes: Any) -> tb.Bearing:
 @pytest.mark.parametrize("name", tb.list_bearings())
 def test_a_bearing_of_its_own_compound_and_size_is_itself(name: str) -> None:
     bearing = tb.load_bearing(name)
-    compound = compound_of(bearing)
+    compound = extract_compound(bearing)
     assert resized(bearing, bearing.geometry).hysteresis == bearing.hysteresis
-    again = bearing_of(compound, name, bearing.geometry, lead_cores(bearing), cells=bearing.cells)
+    again = build_bearing(
+        compound, name, bearing.geometry, lead_cores(bearing), cells=bearing.cells
+    )
     assert again.kind == bearing.kind
     before, after = (to_table(item) for item in (bearing, again))
     ranges = ("temperature_law", "tested_range")
@@ -61,7 +63,7 @@ def test_the_compounds_of_the_source_are_those_of_its_specimens(
     compound: str, bearing: str
 ) -> None:
     shipped = tb.load_compound(compound)
-    divided = compound_of(tb.load_bearing(bearing))
+    divided = extract_compound(tb.load_bearing(bearing))
     for table in ("rubber", "lead", "rate"):
         mine, theirs = getattr(shipped, table), getattr(divided, table)
         if theirs is None:

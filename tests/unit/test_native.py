@@ -65,7 +65,7 @@ def check_layout(description: dict[str, Any]) -> int:
         assert [field for field, *_ in row["fields"]] == list(plain.names or ())
         if not name.endswith("Lanes"):
             assert row["size"] == plain.itemsize
-            assert row["fields"] == native._fields_of(plain)
+            assert row["fields"] == native._list_fields(plain)
         checked += 1
     return checked
 

@@ -17,7 +17,7 @@ from tests.verification.models import assembled, changed, marched, smooth_histor
 from tests.verification.softened import Trials
 from tests.verification.test_lockstep import assert_alike as lockstep_is_one_by_one
 from tests.verification.test_lockstep import variants
-from thermobearing.bearing.scaling import compound_of
+from thermobearing.bearing.scaling import extract_compound
 from thermobearing.core.hysteresis import NO_MOTION, advance, remember
 from thermobearing.core.march import copy_state
 from thermobearing.core.records import Floats
@@ -333,7 +333,7 @@ def test_the_law_of_a_bearing_goes_with_it_and_euler_is_refused(tmp_path: Any) -
     for given in ({"bearing": HDR, **CLOSED}, {"bearing": bearing}):
         with pytest.raises(tb.InputError, match="small_loops"):
             tb.run(test=test, integrator="euler", **given)
-    compound = compound_of(bearing)
+    compound = extract_compound(bearing)
     assert compound.rubber.small_loops == "closed"
 
 

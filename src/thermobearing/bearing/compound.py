@@ -131,7 +131,7 @@ def _compound_from_table(table: Any, where: str) -> Compound:
     """Return a compound from a parsed TOML table; `where` names the file in error messages."""
     values, sources = split_sources(table)
     if isinstance(values, dict) and "geometry" in values:
-        raise InputError("is a bearing, not a compound (use compound_of)", where)
+        raise InputError("is a bearing, not a compound; new_bearing accepts either", where)
     return validated(Compound, values, where).with_sources(sources)
 
 

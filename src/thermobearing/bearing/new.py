@@ -8,7 +8,7 @@ from pydantic import Field
 
 from thermobearing.bearing.compound import Compound, as_compound
 from thermobearing.bearing.model import Bearing, Cells, Geometry, Plan, PlanSize, Thickness
-from thermobearing.bearing.scaling import RULES, Cores, bearing_of, compound_of
+from thermobearing.bearing.scaling import RULES, Cores, build_bearing, extract_compound
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.units import parse_quantity
@@ -88,7 +88,7 @@ def new_bearing(
     if not str(name).strip() or set(str(name)) & set("/\\"):
         raise InputError(f"name = {name!r}: must be a valid file name without blanks")
     source = as_compound(compound)
-    of = compound_of(source) if isinstance(source, Bearing) else source
+    of = extract_compound(source) if isinstance(source, Bearing) else source
     given = {
         "plan": _plan(plan, diameter),
         **_layers(layers),
@@ -117,7 +117,7 @@ def new_bearing(
             confined=drawing.confined,
             end_spreading=drawing.end_spreading,
         )
-    made = bearing_of(
+    made = build_bearing(
         of,
         name,
         geometry,

@@ -67,7 +67,7 @@ class Cores(Strict):
         return 0.25 * math.pi * self.diameter**2
 
 
-def compound_of(bearing: Bearing, name: str = "") -> Compound:
+def extract_compound(bearing: Bearing, name: str = "") -> Compound:
     """Return the compound of a bearing.
 
     `bearing`: any layered one, such as a calibrated specimen; `name`: of the compound; that of the
@@ -183,7 +183,7 @@ def _lead(compound: Compound, cores: Cores, height: float, post_yield: float) ->
     )
 
 
-def bearing_of(
+def build_bearing(
     compound: Compound, name: str, geometry: Geometry, cores: Cores | None = None, **more: Any
 ) -> Bearing:
     """Return a bearing of a compound and size.
@@ -209,7 +209,7 @@ def resized(bearing: Bearing, geometry: Geometry, core_diameter: float | None = 
     `bearing`: any layered one; `core_diameter`: of its lead cores [mm]; unchanged if not given.
     """
     cores = lead_cores(bearing, core_diameter)
-    parts = split_parts(compound_of(bearing), geometry, cores)
+    parts = split_parts(extract_compound(bearing), geometry, cores)
     return bearing.model_copy(update={"geometry": geometry, **parts})
 
 

@@ -246,7 +246,7 @@ def _options_from(each: Fields) -> Iterator[tuple[str, Any]]:
     item = getattr(import_module(f"thermobearing.{module}"), name)
     hints = get_type_hints(item, include_extras=True)
     for key in each.names.split():
-        kind, several, choices, named = _type_of(hints[key])
+        kind, several, choices, named = _read_type(hints[key])
         flag = "--" + key.replace("_", "-")
         words, text, shown, *_ = (*each.flags.get(key, "").split("|"), "", "")
         flags = words.split() or [flag]
@@ -256,7 +256,7 @@ def _options_from(each: Fields) -> Iterator[tuple[str, Any]]:
             flags = [f"{flag}/--no-{flag[2:]}"]
         elif kind is bool:
             value = bool
-        text = text or _help_of(item, key, choices, default)
+        text = text or _help_text(item, key, choices, default)
         if several:
             value = list[kind] | None  # type: ignore[valid-type]
             text = f"{text} May be repeated."
@@ -267,7 +267,7 @@ def _options_from(each: Fields) -> Iterator[tuple[str, Any]]:
 PLAIN = {str, int, float, bool, types.NoneType}
 
 
-def _type_of(hint: Any) -> tuple[Any, bool, list[str], bool]:
+def _read_type(hint: Any) -> tuple[Any, bool, list[str], bool]:
     """Return type of one value, whether there may be several, choices, whether it is a name."""
     leaves: set[Any] = set()
     choices: list[str] = []
@@ -302,13 +302,13 @@ ENTRY = r"^ *(?:[\w, *]+, )?{}(?:, [\w, *]+)? :(.*(?:\n(?!(?: *[\w, *]+ :| *\n))
 TYPE = re.compile(r" (str|int|float|bool|mapping|sequence|list|dict|Path|array|[A-Z]\w+)\b[^.;]*$")
 
 
-def _help_of(item: Any, name: str, choices: Sequence[str] = (), default: Any = None) -> str:
+def _help_text(item: Any, name: str, choices: Sequence[str] = (), default: Any = None) -> str:
     """Return the description of a field or an argument in the docstring of its record or function.
 
     Choices, unit and default are added where the sentence does not have them.
 
     >>> from thermobearing.cyclic.protocol import CyclicTest
-    >>> _help_of(CyclicTest, "dt", default=0.005)
+    >>> _help_text(CyclicTest, "dt", default=0.005)
     'Largest time step while the bearing moves [s], in [1e-6, 10]; 0.005 by default.'
     """
     texts = (inspect.getdoc(one) or "" for one in getattr(item, "__mro__", [item]))

@@ -164,8 +164,8 @@ class EarthquakeFigures(Panels):
         title = f"{what}, strong part of the motion"
         figure, cells = self._by_motion(title, ("time [s]", y), draw, ax, **look)
         for panel, bearing, motion in cells:
-            runs = self._runs_of(bearing=bearing, motion=motion)
-            panel.set_xlim(*self._strong_part(self._runs_of(motion=motion), name))
+            runs = self._find_runs(bearing=bearing, motion=motion)
+            panel.set_xlim(*self._strong_part(self._find_runs(motion=motion), name))
             for run in runs:
                 values = factor * self._values(name, run)
                 if np.isfinite(values).all():
@@ -176,7 +176,7 @@ class EarthquakeFigures(Panels):
             self._note(panel, "peak", runs, [factor * float(self._data[peaks][r]) for r in runs])
         return figure
 
-    def _of(self, part: str, name: str | None) -> "EarthquakeFigures":
+    def _select(self, part: str, name: str | None) -> "EarthquakeFigures":
         view = copy.copy(self)
         view._data = select_part(self._data, part, name)
         return view
@@ -215,7 +215,7 @@ class EarthquakeFigures(Panels):
             sides=sides, zero=True,
         )  # fmt: skip
         for ax, ambient, motion in cells:
-            for run in self._runs_of(ambient_degC=ambient, motion=motion):
+            for run in self._find_runs(ambient_degC=ambient, motion=motion):
                 loop, time = loops.loc[run], self._data["time"].values[run]
                 inside = (time >= loop["start_s"]) & (time <= loop["end_s"])  # none of no loop
                 x = self._data["bearing_displacement"].values[run, inside]
@@ -242,16 +242,16 @@ class EarthquakeFigures(Panels):
     def strain(self, ax: Axes | None = None, *, line: str | None = None) -> Figure:
         """Return shear strain in time, as Fig. 6.10 and 6.13; of the bearings of any `line`."""
         what = "shear strain of the bearings"
-        return self._of("line", line)._history("bearing_strain", what, STRAIN, ax, 100.0, "y")
+        return self._select("line", line)._history("bearing_strain", what, STRAIN, ax, 100.0, "y")
 
     def pier(self, ax: Axes | None = None, *, pier: str | None = None) -> Figure:
         """Return the displacement of a pier's top relative to its base, as Fig. 6.17 and 6.19."""
-        view, what = self._of("pier", pier), "pier top relative to its base"
+        view, what = self._select("pier", pier), "pier top relative to its base"
         return view._history("pier_displacement", what, DISPLACEMENT, ax)
 
     def pier_acceleration(self, ax: Axes | None = None) -> Figure:
         """Return the absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18."""
-        view, what = self._of("pier", None), "acceleration of the pier top"
+        view, what = self._select("pier", None), "acceleration of the pier top"
         return view._history("pier_top_acceleration", what, "acceleration [m/s2]", ax)
 
     def deck(self, ax: Axes | None = None) -> Figure:
@@ -266,13 +266,13 @@ class EarthquakeFigures(Panels):
 
     def hinge(self, ax: Axes | None = None) -> Figure:
         """Return moment against rotation of the pier base, as Fig. 6.21 and 6.22."""
-        view = self._of("pier", None)
+        view = self._select("pier", None)
         draw = view._curve("pier_rotation", "pier_moment", 1e3, MN_M)
         labels = "rotation [mrad]", "moment [MN m]"
         what = "pier base (dashed: where it yields; numbers: ductility)"
         figure, cells = view._by_motion(what, labels, draw, ax, sizes="pier_rotation_max")
         for panel, bearing, motion in cells:
-            runs = view._runs_of(bearing=bearing, motion=motion)
+            runs = view._find_runs(bearing=bearing, motion=motion)
             found = [view._yield_point(run) for run in runs]
             for point in [point for point in found if point is not None][:1]:
                 rotation, moment = 1e3 * point[0], MN_M * point[1]
@@ -293,7 +293,7 @@ class EarthquakeFigures(Panels):
         """Return the rise of the rubber layers and, below, of the lead, as Fig. 3.20 and 5.16."""
         rows = []  # a bearing, and its rubber or lead; without heat there is no row
         for bearing in self._bearings:
-            mine = self._data.isel(run=self._runs_of(bearing=bearing))
+            mine = self._data.isel(run=self._find_runs(bearing=bearing))
             for name in ("rubber", "lead"):
                 if np.isfinite(mine[f"{name}_temperature"].values).any():
                     rows.append((bearing, name))
@@ -305,8 +305,8 @@ class EarthquakeFigures(Panels):
         )  # fmt: skip
         highest = {"rubber": 0.0, "lead": 0.0}
         for ax, (bearing, name), motion in cells:
-            self._rise(ax, name, self._runs_of(bearing=bearing, motion=motion))
-            ax.set_xlim(*self._strong_part(self._runs_of(motion=motion)))
+            self._rise(ax, name, self._find_runs(bearing=bearing, motion=motion))
+            ax.set_xlim(*self._strong_part(self._find_runs(motion=motion)))
             highest[name] = max(highest[name], ax.get_ylim()[1])
         for ax, (_, name), _ in cells:  # one scale for all rubber and one for all lead
             ax.set_ylim(-0.04 * highest[name], (1.0 + NOTE_ROOM) * highest[name])
@@ -353,7 +353,7 @@ class EarthquakeFigures(Panels):
         figure, cells = self._grid(title, SPEED_PANEL, rows, columns, labels, share="col")
         clock = "bearing_clock" if "bearing_clock" in self._data else "time"
         for ax, bearing, mode in cells:
-            runs = self._runs_of(bearing=bearing, motion=motion)
+            runs = self._find_runs(bearing=bearing, motion=motion)
             runs = [run for run in runs if self._result.modes[run] == mode]
             largest = {run: np.abs(self._values("bearing_speed", run)).max() for run in runs}
             for place, run in enumerate(sorted(runs, key=lambda run: -largest[run])):

@@ -113,7 +113,7 @@ class Panels(drawing.Figures):
         values = self._data[name].values[run]
         return np.asarray(values[np.isfinite(self._data["time"].values[run])], dtype=float)
 
-    def _runs_of(self, **labels: Any) -> list[int]:
+    def _find_runs(self, **labels: Any) -> list[int]:
         """Return the runs with some labels (columns of the table), from cold to warm."""
         frame = self._table
         for name, value in labels.items():
@@ -162,7 +162,7 @@ class Panels(drawing.Figures):
             heads=heads, sides=self._bearings, share=share, zero=zero,
         )  # fmt: skip
         for ax, bearing, ambient in cells:
-            for run in self._runs_of(bearing=bearing, ambient_degC=ambient, motion=motion):
+            for run in self._find_runs(bearing=bearing, ambient_degC=ambient, motion=motion):
                 draw(ax, run)
         return figure
 

@@ -62,7 +62,7 @@ class ComparisonFigures(drawing.Figures):
     def _test_name(record: TestRecord) -> str:
         return f"{record.name}, {drawing.degrees(record.ambient)}"
 
-    def _of(self, record: TestRecord) -> list[tuple[Comparison, str]]:
+    def _comparisons(self, record: TestRecord) -> list[tuple[Comparison, str]]:
         """Return the comparisons of a test with models that completed it, and their colours."""
         return [(c, self._colours[self._model_name(c)]) for c in self._done if c.record is record]
 
@@ -95,7 +95,7 @@ class ComparisonFigures(drawing.Figures):
             self._draw_loops(place, record)
             title = self._test_name(record)
             if len(self._names) == 1:
-                title += "".join(f", R² = {item.R2:.4f}" for item, _ in self._of(record))
+                title += "".join(f", R² = {item.R2:.4f}" for item, _ in self._comparisons(record))
             drawing.name_axes(place, "displacement [mm]", "force [kN]", title)
         force = drawing.common_limits(shown)  # one scale: the cold test is the stronger one
         widest = 1.06 * max(record.peak_displacement for record in self._records)
@@ -111,7 +111,7 @@ class ComparisonFigures(drawing.Figures):
 
     def _draw_loops(self, ax: Axes, record: TestRecord, colour: str = "") -> None:
         x, lines = record.displacement, [(record.force, PALE_TEST, BAND_WIDTH, 1.5)]
-        for item, own in self._of(record):
+        for item, own in self._comparisons(record):
             if item.prediction is not None:
                 lines.append((item.prediction.force, colour or own, 0.8, 2.0))
         span = float(np.ptp(x)), float(np.ptp(record.force))
@@ -123,7 +123,7 @@ class ComparisonFigures(drawing.Figures):
         """Return the displacement [mm] of the largest calibrated strain if a test exceeds it."""
         ends = [
             row["largest"] / row["asked"] * record.peak_displacement
-            for item, _ in self._of(record)
+            for item, _ in self._comparisons(record)
             for row in item.compared
             if row["limit"] == "strain" and row["passed"] and row["asked"] > row["largest"]
         ]
@@ -137,7 +137,7 @@ class ComparisonFigures(drawing.Figures):
         label = "model - test [% of peak]"
         for left, right, record in zip(axes[::2], axes[1::2], self._records, strict=True):
             spreads = []
-            for item, colour in self._of(record):
+            for item, colour in self._comparisons(record):
                 assert item.prediction is not None
                 off = 100.0 * (item.prediction.force - record.force) / record.peak_force
                 kept = drawing.thin(off, BINS)
@@ -169,7 +169,7 @@ class ComparisonFigures(drawing.Figures):
             for (place, test), colour in zip(record.temperatures.items(), colours, strict=True):
                 label = f"{place} ({record.places[place]})"
                 ax.plot(record.time, test, color=colour, linewidth=1.4, label=label)
-                for item, _ in self._of(record):
+                for item, _ in self._comparisons(record):
                     assert item.prediction is not None
                     look: drawing.Look = {
                         "linewidth": 1.0,

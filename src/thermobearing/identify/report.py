@@ -346,7 +346,7 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
         known = f"Poorly determined by these tests: {joined(weak)}"
     held = summary.get("held_out")
     judged = f" Validation tests: {held['verdict']} the limits." if held else ""
-    found.append(f"{known}.{judged} {content.verdict_of(checks)}")
+    found.append(f"{known}.{judged} {content.summarize_checks(checks)}")
     tested = bearing.get("tested_range") or {}
     if "strain" in tested:
         strains = " to ".join(dict.fromkeys(percent(end) for end in tested["strain"]))

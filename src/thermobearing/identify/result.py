@@ -13,7 +13,7 @@ import thermobearing
 from thermobearing.bearing.library import bearing_from_table
 from thermobearing.bearing.model import Bearing, TemperatureLaw
 from thermobearing.bearing.plausible import implausible
-from thermobearing.bearing.scaling import compound_of
+from thermobearing.bearing.scaling import extract_compound
 from thermobearing.border.toml import sourced_toml, to_table, with_sources
 from thermobearing.core.records import Floats
 from thermobearing.identify.comparison import Comparison, cycles_frame, unused_columns
@@ -298,7 +298,7 @@ class Identification(Result):
         table = _bearing_table(self)
         (folder / IDENTIFIED).write_text(tomli_w.dumps(table), encoding="utf-8")
         if self.outcome != "poor_fit":  # other bearings must not be derived from it
-            compound = compound_of(
+            compound = extract_compound(
                 bearing_from_table(table, "fit"), f"{self.bearing.name}-compound"
             )
             text = sourced_toml(compound, compound.sources)

@@ -21,7 +21,7 @@ from thermobearing.motions.record import (
     checked_motion,
     even_step,
 )
-from thermobearing.tables.columns import is_called, name_and_unit, number_of, plain_unit
+from thermobearing.tables.columns import is_called, name_and_unit, plain_unit, read_number
 from thermobearing.tables.text import (
     COMMENTS,
     Row,
@@ -157,7 +157,7 @@ def _number(cell: str) -> float:
     text = cell.strip()
     if not text:
         raise InputError("a number is missing (a gap in the record)")
-    return number_of(text)
+    return read_number(text)
 
 
 def _rows(rows: Iterable[Row], width: int, separator: str = ",") -> list[list[float]]:

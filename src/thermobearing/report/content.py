@@ -209,7 +209,7 @@ def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table
 INSIDE = "results lie inside the calibration range."
 
 
-def verdict_of(checks: Sequence[Check]) -> str:
+def summarize_checks(checks: Sequence[Check]) -> str:
     """Return how many checks are exceeded, and how many could not be assessed."""
     if not checks:
         return "No limit was given."
@@ -232,7 +232,7 @@ def _verdict(
         text = "Some results lie outside the calibration range and are extrapolated."
     else:
         text = f"{'Except for strain rates, all' if rate else 'All'} {INSIDE}"
-    return f"{verdict_of(checks)} {text}"
+    return f"{summarize_checks(checks)} {text}"
 
 
 def beyond_mark(rows: Iterable[Row], run: str, limit: str, value: float) -> bool:

@@ -158,7 +158,7 @@ def _build_scheme(run: Run, halvings: int) -> Scheme:
     return Scheme(BETA[run.method], GAMMA, TOLERANCE, ITERATIONS, halvings)
 
 
-def _peaks_of(
+def _collect_peaks(
     left: Left, recoverable: Floats, steps: int, outcome: int, *, alone: bool
 ) -> RunPeaks:
     named = OUTCOMES[outcome]
@@ -187,7 +187,7 @@ def run_peaks(run: Run) -> RunPeaks:
     """
     _check_method(run)
     left, stored, done, outcome, _ = _marched(run, 0)
-    found = _peaks_of(left, stored, done, outcome, alone=True)
+    found = _collect_peaks(left, stored, done, outcome, alone=True)
     if outcome == COMPLETED:
         return found
     books, ended = (
@@ -400,4 +400,4 @@ class Company:
         )
         lines = [kind.lines for kind in self.bearings]
         stored = _stored_in(list(zip(lines, start, strict=True)), len(run.lines))
-        return _peaks_of(Left(ended, books, *noted), stored, steps, COMPLETED, alone=False)
+        return _collect_peaks(Left(ended, books, *noted), stored, steps, COMPLETED, alone=False)

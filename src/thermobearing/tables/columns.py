@@ -175,13 +175,13 @@ class Table(NamedTuple):
         plain = self.sheet.plain
         for i, (line, row) in enumerate(self.rows):
             try:
-                values[i] = number_of(plain(row[column]) if column < len(row) else "")
+                values[i] = read_number(plain(row[column]) if column < len(row) else "")
             except InputError as error:
                 raise InputError(error.lines(f"line {line}, {self.titles[column]}")) from None
         return values * scale + offset
 
 
-def number_of(text: str) -> float:
+def read_number(text: str) -> float:
     """Return a finite float of a plausible size; Python would also take "1_0" and "nan"."""
     try:
         value = float(text.replace("_", "x").replace("D", "E").replace("d", "e"))

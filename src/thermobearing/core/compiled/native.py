@@ -164,7 +164,7 @@ def find_face(kernel: Kernel) -> tuple[Callable[..., Any] | None, str]:
 
 
 @cache
-def _fields_of(row: Any) -> list[list[Any]]:
+def _list_fields(row: Any) -> list[list[Any]]:
     """Return the fields of a record's numpy type, as the description has them."""
     return [[name, row[name].base.str, row.fields[name][1], *row[name].shape] for name in row.names]
 
@@ -193,7 +193,7 @@ class ArrayKind:
     def _is_suitable(self, dtype: Any) -> bool:
         if self.row is None or dtype.names is None:
             return bool(dtype.str == self.name)
-        found: bool = _fields_of(dtype) == self.row["fields"]
+        found: bool = _list_fields(dtype) == self.row["fields"]
         return found and dtype.itemsize == self.row["size"]
 
     def add(self, array: Any, slots: Slots, _: Slots) -> None:

@@ -19,7 +19,7 @@ import numpy as np
 
 from thermobearing.bearing.library import as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.scaling import compound_of, lead_cores, split_parts
+from thermobearing.bearing.scaling import extract_compound, lead_cores, split_parts
 from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.schema import validated
 from thermobearing.core.records import Floats
@@ -322,7 +322,7 @@ def posterior_bearings(
         return [first, *some]
     sized = []
     for sample, number in zip(some, chosen, strict=True):
-        parts = split_parts(compound_of(sample), first.geometry, lead_cores(first))
+        parts = split_parts(extract_compound(sample), first.geometry, lead_cores(first))
         parts |= {"scragging": sample.scragging, "name": f"{first.name}, sample {number}"}
         sized.append(first.model_copy(update=parts))
     return [first, *sized]
@@ -338,8 +338,8 @@ def _fitted(bearing: Bearing, place: Path) -> Bearing:
         return bearing
     if fitted.geometry == bearing.geometry and lead_cores(fitted) == lead_cores(bearing):
         return bearing
-    other = compound_of(bearing).rubber
-    for key, value in compound_of(fitted).rubber:
+    other = extract_compound(bearing).rubber
+    for key, value in extract_compound(fitted).rubber:
         mine = getattr(other, key)
         number = isinstance(mine, float) and isinstance(value, float)
         if abs(mine - value) > ALIKE * abs(value) if number else mine != value:

@@ -211,7 +211,7 @@ class Column:
         """Whether each sample draws it; otherwise its levels are crossed."""
         return self.share or self.distribution is not None or self.chances is not None
 
-    def _of(self, places: Ints) -> Any:
+    def _values_at(self, places: Ints) -> Any:
         """Return numbers at places of the levels; of names the places."""
         if self.levels and isinstance(self.levels[0], str):
             return places
@@ -224,7 +224,7 @@ class Column:
         if self.distribution is not None:
             return self.distribution.at(probability)
         ends: Floats = np.cumsum(np.array(self.chances))[:-1]
-        return self._of(np.searchsorted(ends, probability, side="right"))
+        return self._values_at(np.searchsorted(ends, probability, side="right"))
 
 
 def list_columns(study: Study) -> list[Column]:
@@ -549,7 +549,7 @@ def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], li
     )
     picked: dict[str, Any] = {}
     for number, column in enumerate(crossed):
-        picked[column.name] = column._of(np.repeat(places[:, number], rows))
+        picked[column.name] = column._values_at(np.repeat(places[:, number], rows))
     for number, column in enumerate(drawn):
         found = [column._at(draws.values[:, number]) for draws in each]
         picked[column.name] = np.tile(np.concatenate(found), cells // own)
