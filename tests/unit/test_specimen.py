@@ -20,6 +20,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.earthquake.case import Laboratory, make_earthquake_case
 from thermobearing.earthquake.run import build_tasks, run_task
 from thermobearing.earthquake.specimen import read_address
+from thermobearing.opensees.line import serve
 from thermobearing.opensees.wire import (
     Action,
     Request,
@@ -55,21 +56,21 @@ class Server:
         with connection:
             prepare(connection)
             setup = Setup.decode(receive_exactly(connection, 44, LIMIT))
-            assert setup.dofs == 1
+            assert setup.dofs == 2
             x = begun = now = 0.0
             while True:
                 data = receive_exactly(connection, setup.length, LIMIT)
                 request = Request.decode(data, setup)
-                self.log.append((request.action, request.displacement[0], request.velocity[0]))
+                self.log.append((request.action, request.displacement[1], request.velocity[1]))
                 if request.action == Action.SET_TRIAL:
-                    x, now = request.displacement[0], request.time
+                    x, now = request.displacement[1], request.time
                 elif request.action == Action.FORCE:
                     self.commands.append(x)
                     force = self._force(now - begun)
                     force = force if self.answer is None else self.answer(self, force)
                     if force == math.inf:  # hang up
                         return
-                    connection.sendall(encode_reply([force], setup))
+                    connection.sendall(encode_reply([-force, force], setup))
                 elif request.action == Action.COMMIT and now > begun:
                     self.bearing.commit()
                     begun = now
@@ -131,6 +132,20 @@ def test_a_served_bearing_gives_the_histories_of_the_calculated_one(
     assert actions[-2:] == [Action.SET_TRIAL, Action.END]
     assert actions.count(Action.COMMIT) == 1 + calculated.steps
     assert server.log[-2][1:] == (server.commands[-1], 0.0)
+
+
+@pytest.mark.parametrize("mode", ["rt", "pd"])
+def test_a_bearing_served_by_another_process(mode: str) -> None:
+    """What is served to OpenSees is a specimen too; its own histories are those of the test."""
+    calculated = run_hybrid(duration=1.0, laboratory={"mode": mode})
+    with serve(LHDR, ambient=-20.0) as line:
+        arguments = line.element(1, (1, 2))
+        port = arguments[arguments.index("-server") + 1]
+        specimen = f"tcp://127.0.0.1:{port}"
+        found = run_hybrid(duration=1.0, laboratory={"mode": mode, "specimen": specimen})
+    assert_same(calculated, found)
+    served_force = line.results()["force"].values[0]
+    assert served_force[-1] == pytest.approx(found.bearing()["force"][-1], rel=tol.SERVED)
 
 
 def test_a_specimen_starts_where_an_earlier_test_left_it() -> None:

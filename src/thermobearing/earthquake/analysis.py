@@ -160,8 +160,8 @@ def hybrid(
         also `time_out`, `force_limit` and `displacement_limit`; numbers as text with their unit.
     specimen : address of a specimen or program outside, "tcp://HOST:PORT", which moves and gives
         the force in place of the modelled bearing of the reported line (wire format of OpenSees'
-        genericClient, one degree of freedom, mm and kN). There is one run then; force and energy
-        are measured, temperatures are those of `bearing`, calculated along the same path.
+        genericClient, one degree of freedom at two nodes, mm and kN). There is one run then; force
+        and energy are measured, temperatures are those of `bearing`, calculated along its path.
     lines, model, initial, keep, rig, executor, progress : as of `bridge`.
     method : as of `bridge`; "predictor-corrector" by default, which moves the specimen once in
         each step.

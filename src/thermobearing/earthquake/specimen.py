@@ -1,10 +1,10 @@
 """A specimen or program outside, in place of the modelled bearing of one line, reached over TCP.
 
 The wire format is that of OpenSees' `genericClient` (opensees/wire.py), of which this is the client
-with one degree of freedom: the relative displacement of the faces of the specimen [mm], and its
-force [kN] as the reply. In each step the specimen is moved once, its force is read, and the step is
-committed. A bearing served by this package, a server for OpenSees in front of the controller of a
-rig, and another program are addressed in the same way.
+with one degree of freedom of two nodes: displacements of the faces of the specimen [mm], of which
+the lower one stays, and forces [kN] as the reply. In each step the specimen is moved once, its
+force is read, and the step is committed. A bearing served by this package, a server for OpenSees in
+front of the controller of a rig, and another program are addressed in the same way.
 """
 
 import contextlib
@@ -63,7 +63,7 @@ class TcpSpecimen:
 
     def __init__(self, laboratory: "Laboratory", line: int) -> None:
         assert laboratory.specimen is not None
-        self.line, self._lab, self._setup = line, laboratory, Setup.smallest(1)
+        self.line, self._lab, self._setup = line, laboratory, Setup.smallest(2)
         self._last: tuple[float, float] | None = None  # displacement and time of the last command
         try:
             address = read_address(laboratory.specimen)
@@ -89,7 +89,7 @@ class TcpSpecimen:
         try:
             self._send(speed, Action.SET_TRIAL, Action.FORCE)
             reply = receive_exactly(self._socket, self._setup.length, self._lab.time_out)
-            force = float(decode_reply(reply, Action.FORCE, self._setup)[0])
+            force = float(decode_reply(reply, Action.FORCE, self._setup)[1])
             if abs(force) > (self._lab.force_limit or math.inf):
                 raise SpecimenError(FORCE_LIMIT)
             if not math.isfinite(force):
@@ -109,5 +109,5 @@ class TcpSpecimen:
     def _send(self, speed: float, *actions: Action) -> None:
         """Send messages about the last command; in one packet, so that none waits for another."""
         x, time = self._last or (0.0, 0.0)
-        requests = [Request(action, [x], [speed], [0.0], time) for action in actions]
+        requests = [Request(act, [0.0, x], [0.0, speed], [0.0, 0.0], time) for act in actions]
         self._socket.sendall(b"".join(request.encode(self._setup) for request in requests))
