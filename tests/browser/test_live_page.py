@@ -246,19 +246,28 @@ def test_every_export_describes_the_same_test(
     assert tb.load_case(file).test.steps == test.steps
     words = opened.locator("#command-text").inner_text().split("\n")[0]
     assert f"--wave {test.steps[0].wave}" in words
-    assert ("--cycles" in words) == (protocol == "cycles")
+    assert len(re.findall("--strain", words)) == (1 if protocol == "cycles" else 5)
 
 
 def test_a_dropped_motion_is_shaken_or_refused(opened: Any, tmp_path: Path) -> None:
     opened.locator("#tab-bridge").click()
     time = np.arange(0.0, 10.0, 0.01)
-    file = tmp_path / "mine.csv"
-    rows = [f"{t:.2f},{300 * np.sin(4 * t):.3f}" for t in time]
-    file.write_text("time [s],acceleration [gal]\n" + "\n".join(rows), encoding="utf-8")
-    opened.locator("#file").set_input_files(str(file))
-    opened.locator("#file-name", has_text="mine.csv").wait_for()
-    settle(opened)
-    assert len(cells(opened, "peaks")) > 3
+    shown = []
+    for name, unit, size in (
+        ("a.csv", "gal", 300.0),
+        ("b.csv", "m/s^2", 3.0),
+        ("c.csv", "gal", 3.0),
+    ):
+        file = tmp_path / name
+        rows = [f"{t:.2f},{size * np.sin(4 * t):.5f}" for t in time]
+        file.write_text("\n".join([f"time [s],acceleration [{unit}]", *rows]), encoding="utf-8")
+        opened.locator("#file").set_input_files(str(file))
+        place = "#file-error" if name == "c.csv" else "#file-name"
+        opened.locator(place, has_text=name).wait_for()
+        settle(opened)
+        shown.append(cells(opened, "peaks"))
+    assert shown[0] == shown[1] == shown[2]
+    assert len(shown[0]) > 3
     wrong = tmp_path / "wrong.csv"
     wrong.write_text("1,2\nthree", encoding="utf-8")
     opened.locator("#file").set_input_files(str(wrong))

@@ -24,6 +24,7 @@ from thermobearing.cyclic.protocol import Cycles
 from thermobearing.live.data import engine_source, live_data, live_module
 from thermobearing.model.constants import SLACK as LAW_SLACK
 from thermobearing.model.outcomes import limits_of_a_step
+from thermobearing.motions.record import ACCELERATION_UNITS, ASSERTED
 from thermobearing.report.html import page_environment, policy_digest
 from thermobearing.results.ranges import EXTREME, REST, SLACK
 
@@ -104,6 +105,8 @@ def assemble(data: dict[str, Any], module: bytes, engine: str, start: str) -> st
         "warm_lead": NEAR_MELTING * limits_of_a_step().lead,
         "fields": _test_fields(),
         "scaling": EXPONENTS,
+        "accelerations": ACCELERATION_UNITS,
+        "peaks_gal": ASSERTED,
         "defaults": {"strain": 1.75, "frequency": 0.5, "count": 3, "reference": 23},
     }
     return (

@@ -538,7 +538,8 @@ function showExport() {
   runs = runs ?? computeTest();
   const cycles = state.protocol === "cycles";
   const ends = isHalfSpace() ? " --lead-ends half-space" : "";
-  const words = ` --wave ${waveName()}` + (cycles ? ` --strain ${state.strain} --frequency ${state.frequency} --cycles ${state.count}` : "");
+  const strains = cycles ? [state.strain] : stepsOfProtocol().flatMap(({ strain }) => strain ?? []);
+  const words = `${strains.map((strain) => ` --strain ${strain}`).join("")} --wave ${waveName()}` + (cycles ? ` --frequency ${state.frequency} --cycles ${state.count}` : "");
   el("command-text").textContent = `thermobearing cyclic --bearing ${fileOfBearing()} --ambient ${state.ambient} --ambient ${state.reference}${words}${ends} -o test\n` +
     `thermobearing bridge --bearing ${fileOfBearing()} --motion ${dropped?.name ?? state.motion} --ambient ${state.ambient} --ambient ${state.reference}${ends} -o bridge`;
   const values = cycles ? `strain=${state.strain}, frequency=${state.frequency}, cycles=${state.count}, closing_strain=None, ` : "";
@@ -726,21 +727,32 @@ function chooseBearing(changes = {}) {
   showSizes();
 }
 
-// A motion of the user: two columns of numbers, whatever stands above them.
+// A motion of the user: two columns of numbers; the unit is gal, or that above them.
+function unitOf(heads) {
+  const words = heads.toLowerCase().replaceAll("^", "").replaceAll("²", "2").split(/[\s,;()[\]]+/);
+  const unit = /[[(]\s*g\s*[\])]/i.test(heads) ? "g" : words.find((word) => word !== "g" && word in page.accelerations);
+  return page.accelerations[unit ?? "gal"];
+}
 async function takeFile(file) {
-  const rows = (await file.text()).split(/\r?\n/).map((line) => line.trim().split(/[,;\t ]+/).map(Number)).filter((row) => row.length >= 2 && row.slice(0, 2).every(Number.isFinite));
+  const lines = (await file.text()).split(/\r?\n/).map((line) => [line, line.trim().split(/[,;\t ]+/).map(Number)]);
+  const isRow = ([, row]) => row.length >= 2 && row.slice(0, 2).every(Number.isFinite);
+  const rows = lines.filter(isRow).map(([, row]) => row);
+  const unit = unitOf(lines.filter((line) => !isRow(line)).map(([line]) => line).join(" "));
   el("file-error").textContent = "";
   const dt = rows.length > 1 ? (rows.at(-1)[0] - rows[0][0]) / (rows.length - 1) : 0;
   if (rows.length < 10 || !(dt > 0)) return void (el("file-error").textContent = t("bad_csv", { name: file.name }));
   const uneven = rows.findIndex((row, k) => k && Math.abs(row[0] - rows[k - 1][0] - dt) > 0.02 * dt);
   if (uneven > 0) return void (el("file-error").textContent = t("bad_step", { name: file.name, row: uneven + 1 }));
-  const accelerations = rows.map((row) => row[1]);
-  dropped = { name: file.name, motion: { dt_s: dt, acceleration_mm_s2: accelerations.map((value) => 10 * value) } };
+  const accelerations = rows.map((row) => unit * row[1]);
+  const peak = largest(accelerations.map(Math.abs)) / page.accelerations.gal;
+  const [low, high] = page.peaks_gal;
+  if (peak < low || peak > high) return void (el("file-error").textContent = t("bad_peak", { name: file.name, peak: short(peak), low, high }));
+  dropped = { name: file.name, motion: { dt_s: dt, acceleration_mm_s2: accelerations } };
   const option = el("motion").querySelector("[data-dropped]") ?? el("motion").appendChild(document.createElement("option"));
   option.dataset.dropped = "";
   option.value = option.textContent = file.name;
   state.motion = el("motion").value = file.name;
-  el("file-name").textContent = t("dropped", { name: file.name, n: rows.length, dt: short(dt), peak: short(largest(accelerations.map(Math.abs))) });
+  el("file-name").textContent = t("dropped", { name: file.name, n: rows.length, dt: short(dt), peak: short(peak) });
   kept.bridge.clear();
   update();
 }
