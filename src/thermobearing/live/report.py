@@ -151,8 +151,8 @@ def _rows_of_test() -> list[dict[str, Any]]:
     rows = [_row("bearing_force_max_kN", "force", "Largest force")]
     for which in ("first", "last"):
         for name, key in (CYCLE | {"rubber_degC": "layer_temperature"}).items():
-            words = f"{quantity(name).head}, {which} cycle"
-            rows.append(_row(name, f"{which}.{key}", words))
+            head = "Warmest layer" if key == "layer_temperature" else quantity(name).head
+            rows.append(_row(name, f"{which}.{key}", f"{head}, {which} cycle"))
     return rows
 
 
