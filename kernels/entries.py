@@ -7,11 +7,12 @@ import numpy as np
 
 import thermobearing as tb
 from kernels.faces import Compiled, Description, Recorded, compile_face, is_lockstep, recorded
-from thermobearing.core import march, numbers, step
+from thermobearing.core import lead_ends, march, numbers, step
 from thermobearing.core.compiled.kernel import Kernel
 from thermobearing.core.compiled.sources import sources_digest
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_device, soaked_hours
+from thermobearing.model import lead_impedance
 from thermobearing.motions import spectrum
 from thermobearing.results import loop
 from thermobearing.structure import forces, newmark, predictor
@@ -20,7 +21,10 @@ from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import Line, prepare_structure
 
 BEARING = "shen-lhdr-bridge"
-MODULES = (loop, march, numbers, step, forces, newmark, predictor, spectrum)
+MODULES = (
+    *(loop, lead_ends, lead_impedance, march, numbers, step),
+    *(forces, newmark, predictor, spectrum),
+)
 
 
 def all_kernels() -> list[Kernel]:

@@ -138,6 +138,7 @@ ENDS_LOST = 1e-6  # of the heat: what has reached the ambient within 5 ms
 KERNEL_STEADY = 5e-3  # 400 or 200 modes; the lowest frequency is 1e-5 1/s, not zero
 KERNEL_FIT = 0.02  # of the impedance, at any frequency: two terms a decade
 KERNEL_VOLUMES = 2e-3  # 400 volumes
+BESSEL = 1e-13  # relative; J0 and J1 of their magnitude
 FE_MESH = 0.1  # K between two meshes and steps: well below what is compared
 
 # --- Earlier models ----------------------------------------------------------------------

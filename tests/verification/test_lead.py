@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy import integrate, special
 from scipy.linalg import expm
+from scipy.optimize import nnls
 from scipy.special import j0, j1, jn_zeros
 
 import thermobearing as tb
@@ -27,12 +28,13 @@ from thermobearing.core.lead import (
     side_factor,
 )
 from thermobearing.core.march import march
+from thermobearing.core.numbers import SHIM
 from thermobearing.core.step import step
 from thermobearing.cyclic.history import room_for
-from thermobearing.model import lead_ends as way
+from thermobearing.model import lead_impedance as way
 from thermobearing.model.constants import build_constants
-from thermobearing.model.lead_ends import _core_side, _core_sizes, _end_impedance
-from thermobearing.model.stack import EndFace, build_stack
+from thermobearing.model.lead_ends import lead_sizes
+from thermobearing.model.stack import EndFace, Stack, build_stack
 
 SPECIMEN = "shen-lhdr-specimen"
 
@@ -255,96 +257,117 @@ def test_cores_are_in_parallel() -> None:
     assert_allclose(bearing.lead.core_strength, 11.22, rtol=1e-3)  # 5.3.2 prints 11.21 kN
 
 
+def sizes_of(name: str = SPECIMEN, sides: bool = False) -> tuple[way.LeadSizes, Stack]:
+    bearing = touching(name, sides)
+    stack = build_stack(bearing, half=True)
+    return lead_sizes(bearing, stack, EndFace(eta=3.0), None), stack
+
+
+RATES = [way.frequency(i) for i in range(way.FREQUENCIES)]
+
+
 def test_disc_on_a_plate_when_all_is_steady() -> None:
     """tanh(l H)/(k l) of each mode with the far face held; more with a film, most without."""
-    bearing = touching("shen-lhdr-specimen", False)
-    core = _core_sizes(bearing, build_stack(bearing, half=True))
-    steel, height = bearing.materials.steel, bearing.geometry.end_plate_thickness
-    k = steel.conductivity * 1e-3
-    wave = jn_zeros(1, way.RADIAL) / core.plan
-    mean = 4.0 * (j1(wave * core.radius) / (wave * core.plan * j0(wave * core.plan))) ** 2
-    area = math.pi * core.radius**2
+    sizes, _ = sizes_of()
+    k, height = sizes.steel.conductivity, sizes.end_plate
+    wave = jn_zeros(1, way.RADIAL) / sizes.plan
+    mean = 4.0 * (j1(wave * sizes.radius) / (wave * sizes.plan * j0(wave * sizes.plan))) ** 2
+    room = np.zeros(way.ROOM)
+    way.fill_radial(sizes.radius, sizes.plan, room)
+    assert_allclose(room[[way.WAVE, way.SHARE]], [wave, mean], rtol=1e-13, atol=1e-13 * mean.max())
+    area = math.pi * sizes.radius**2
     for film, each in (
         (math.inf, np.tanh(wave * height) / (k * wave)),
         (0.0, 1.0 / np.tanh(wave * height) / (k * wave)),
     ):
-        found = way._disc_on_plate(steel, height, film, core.radius, core.plan)
-        assert_allclose(found[0], (mean * each).sum() / area, rtol=tol.KERNEL_STEADY)
+        found = way.disc_on_plate(sizes, film, room, RATES[0])
+        assert_allclose(found, (mean * each).sum() / area, rtol=tol.KERNEL_STEADY)
     held, robin, free = (
-        way._disc_on_plate(steel, height, film, core.radius, core.plan)[0]
-        for film in (math.inf, 1e-3, 0.0)
+        way.disc_on_plate(sizes, film, room, RATES[0]) for film in (math.inf, 1e-3, 0.0)
     )
     assert held < robin < free
 
 
 def test_core_when_all_is_steady() -> None:
     """h/(3 k A) along half a core, 1/(8 pi k h) to its wall."""
-    core = tb.load_bearing("shen-lhdr-specimen").materials.lead
-    assert core is not None
-    k = core.conductivity * 1e-3
-    along = way._core_modes(core, 48.0, 17.25).sum(axis=0)[0]
-    assert_allclose(along, 48.0 / (3.0 * k * math.pi * 17.25**2), rtol=tol.KERNEL_STEADY)
-    across = way._core_to_wall(core, 48.0, 17.25)[0]
+    lead = sizes_of()[0].lead
+    k, s = lead.conductivity, RATES[0]
+    modes = [way.core_mode(lead, 48.0, 17.25, 0.0, n, s) for n in range(1, way.AXIAL + 1)]
+    assert_allclose(sum(modes), 48.0 / (3.0 * k * math.pi * 17.25**2), rtol=tol.KERNEL_STEADY)
+    across = way.core_to_wall(lead, 48.0, 17.25, s)
     assert_allclose(across, 1.0 / (8.0 * math.pi * k * 48.0), rtol=tol.KERNEL_STEADY)
 
 
 def test_edges_of_shims_on_a_wide_core_are_those_on_a_half_plane() -> None:
     """Shims as thick as the layers: 4 p/pi^3 times the sum of 1/n^3 over odd n, over 2 pi r h k."""
-    core = tb.load_bearing("shen-lhdr-specimen").materials.lead
-    assert core is not None
-    radius, height, pitch = 1e6, 48.0, 10.0
-    found = way._to_edges(core, height, 0.5 * pitch, 0.5 * pitch, radius)[0]
-    steady = found * 2.0 * math.pi * radius * height * core.conductivity * 1e-3
+    lead, radius, pitch = sizes_of()[0].lead, 1e6, 10.0
+    found = way.to_edges(lead, 0.5 * pitch, 0.5 * pitch, radius, RATES[0])
+    steady = found * 2.0 * math.pi * radius * pitch * lead.conductivity
     wanted = 4.0 * pitch / math.pi**3 * 7.0 / 8.0 * special.zeta(3.0)
     assert_allclose(steady, wanted, rtol=1e-4)  # of 60 terms
 
 
 def test_thick_rubber_at_the_wall_is_a_half_space() -> None:
     """2 pi r h sqrt(k c s), which no far side of the layer limits."""
-    rubber = tb.load_bearing("lrb-example").materials.rubber
-    radius, layer = 90.0, 1e6
-    found = way._rubber_at_wall(rubber, layer, radius)
-    k, heat = way._numbers(rubber)
-    wanted = 2.0 * math.pi * radius * layer * np.sqrt(k * heat * way.FREQUENCIES)
-    assert_allclose(found, wanted, rtol=1e-3)  # of 400 modes
+    rubber, radius, layer = sizes_of("lrb-example")[0].rubber, 90.0, 1e6
+    for s in RATES[::8]:
+        wanted = 2.0 * math.pi * radius * layer * math.sqrt(rubber.conductivity * rubber.heat * s)
+        assert_allclose(way.rubber_at_wall(rubber, layer, radius, s), wanted, rtol=1e-3)  # of 400
 
 
 def test_fin_is_that_of_finite_volumes() -> None:
-    """The ring of 400 volumes whose inner face is heated, at every frequency."""
-    materials = tb.load_bearing("lrb-example").materials
-    steel = materials.steel
-    taken = way._fin_heat(steel, 3.0, materials.rubber, 8.0, faces=2)
+    """The ring of 400 volumes whose inner face is heated."""
+    sizes, _ = sizes_of("lrb-example")
     faces = 75.0 + 275.0 * np.linspace(0.0, 1.0, 401) ** 2
     area = math.pi * np.diff(faces**2)
     middle = 0.5 * (faces[1:] + faces[:-1])
-    across = 2.0 * math.pi * steel.conductivity * 1e-3 * 3.0
+    across = 2.0 * math.pi * sizes.steel.conductivity * 3.0
     link = across / np.log(middle[1:] / middle[:-1])
     flow = np.diag(np.r_[link, 0.0] + np.r_[0.0, link]) - np.diag(link, 1) - np.diag(link, -1)
-    found = way._fin(steel, 3.0, taken, 75.0, 350.0)
-    for at in range(0, len(taken), 8):
-        t = np.linalg.solve(flow + np.diag(taken[at] * area), np.eye(400)[0])
+    for s in RATES[::8]:
+        taken = way.fin_heat(sizes.steel, 3.0, sizes.rubber, 8.0, 2, s)
+        t = np.linalg.solve(flow + np.diag(taken * area), np.eye(400)[0])
         edge = t[0] + math.log(middle[0] / faces[0]) / across
         exact = edge - area @ t / area.sum()
-        assert_allclose(found[at], exact, rtol=tol.KERNEL_VOLUMES)
+        assert_allclose(
+            way.fin(sizes.steel, 3.0, taken, 75.0, 350.0), exact, rtol=tol.KERNEL_VOLUMES
+        )
+
+
+def test_bessel_functions_are_those_of_scipy(measured: Recorder) -> None:
+    """Relative, and J0 and J1 by their magnitude, in all that bearings need and beyond."""
+    worst = 0.0
+    for x in np.geomspace(1e-4, 1e4, 400):
+        exact = (special.ive(0, x), special.ive(1, x) / x, special.ive(2, x) / x**2)
+        exact += (special.kve(0, x), special.kve(1, x))
+        off = np.divide(way.scaled_i(x) + way.scaled_k(x), exact) - 1.0
+        worst = max(worst, np.abs(off).max())
+    for x in np.geomspace(1e-4, 400.0, 400):  # then scipy's lose digits
+        off = np.subtract(way.bessel_j(x), (special.j0(x), special.j1(x)))
+        worst = max(worst, np.abs(off).max() / min(1.0, math.sqrt(2.0 / (math.pi * x))))
+    assert worst < tol.BESSEL
+    measured("Bessel functions of the heat out of lead, against scipy", worst, f"{tol.BESSEL:g}")
 
 
 @pytest.mark.parametrize("name", ["shen-lhdr-specimen", "shen-lhdr-bridge", "lrb-example"])
 def test_few_terms_are_enough(name: str, measured: Recorder) -> None:
-    """The sum of the terms against the impedance they stand for."""
-    bearing = touching(name, True)
-    stack = build_stack(bearing, half=True)
-    core = _core_sizes(bearing, stack)
-    (end, _), side = (
-        _end_impedance(bearing, core, math.inf),
-        _core_side(bearing, stack, core).impedance,
-    )
+    """The sum of the terms against the impedance they stand for; the terms against scipy's."""
+    sizes, stack = sizes_of(name, True)
+    half, room = 0.5 * stack.beside_lead.sum(), np.zeros(way.ROOM)
+    way.fill_radial(sizes.radius, sizes.plan, room)
+    way.fill_side(sizes, half, stack.thickness[stack.codes == SHIM].sum(), room)
+    way.fill_end(sizes, half, math.inf, room)
     worst = 0.0
-    for impedance in (end, side):
-        a, tau = way._fitted(impedance)
-        assert a.min() > 0.0
-        assert len(a) <= len(way.RELAXATIONS)
-        fit = (a / (1.0 + way.FREQUENCIES[:, None] * tau)).sum(axis=1)
-        worst = max(worst, float(np.abs(fit / impedance - 1.0).max()))
+    for row in (way.PLATE, way.SIDE):
+        impedance = room[way.FITTED] = room[row]
+        way.fit_terms(room)
+        a, tau = room[[way.A, way.TAU], : way.RELAXATIONS]
+        assert a.min() >= 0.0
+        terms = 1.0 / (1.0 + np.outer(RATES, tau)) / impedance[: len(RATES), None]
+        size = np.linalg.norm(terms, axis=0)
+        expected, _ = nnls(terms / size, np.ones(len(RATES)))
+        assert_allclose(a * size, expected, rtol=0.0, atol=1e-9)
+        worst = max(worst, float(np.abs(terms @ a - 1.0).max()))
     assert worst < tol.KERNEL_FIT
     measured(f"{name}: terms of lead ends and sides against what they stand for", worst, "0.02")
 

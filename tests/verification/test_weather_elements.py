@@ -11,11 +11,11 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.bearing.ambient import Ambient
+from thermobearing.core.lead_ends import longest_rest_step
 from thermobearing.cyclic.history import build_segments, cut_rests, run_segments
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.earthquake.case import make_earthquake_case, settle_surroundings
 from thermobearing.earthquake.run import Device, _soaked, build_device
-from thermobearing.model.lead_ends import longest_rest_step
 from thermobearing.model.options import ModelOptions, build_model
 
 pytest.importorskip("skfem", reason="scikit-fem is not installed")

@@ -2,8 +2,8 @@
 
 Heat leaves a core through ports: into the end plate under it, and, if it is not confined, into
 the steel around it. The bulk of the core is warmer than what a port leads to (mean over the
-plan) by everything that passed through it, remembered in exponentials (model/lead_ends.py has
-their numbers):
+plan) by everything that passed through it, remembered in exponentials (model/lead_impedance.py
+has their numbers):
 
     T_l - T_port = sum of y,      dy/dt = (a q - y)/tau
 
@@ -11,10 +11,13 @@ with q the heat flow of one core through the port.
 """
 
 import math
+from typing import Final
 
 from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.records import Floats
 from thermobearing.core.types import Constants, State, Workspace
+
+STEPS_OF_LEAD: Final = 50.0
 
 
 @compiled
@@ -101,3 +104,29 @@ def exchange_at_ends(
         gained = whole * lead_cells[e].share * flow[lead_cells[e].port]
         work.cells.change[i] += gained / constants.cells.capacity[i]
     new.branches[0].lead_temperature = t
+
+
+@compiled
+def longest_rest_step(constants: Constants) -> float:
+    """Return the longest step of a rest that follows lead and shims in touch [s].
+
+    The flows out of the lead are constant over a step, and heat the cells that they reach before
+    these pass it on: as if a resistance dt/C were added to that of the port, with C the heat
+    capacity of those cells. It is held at a fiftieth of what is between shims and end plates.
+    Confined lead carries no heat from shims to plates, and takes steps of any length.
+
+    `constants`: of the coupled step.
+    """
+    lead, per_step, resistance = constants.lead, 0.0, 0.0
+    if constants.lead_ports * lead.fold <= 2.0:  # ends only
+        return math.inf
+    for e in range(len(constants.lead_cells)):
+        cell = constants.lead_cells[e]
+        if cell.port < 2:
+            capacity = constants.cells.capacity[cell.cell]
+            per_step += lead.fold * lead.cores * cell.share**2 / capacity
+    for k in range(len(constants.lead_modes)):
+        mode = constants.lead_modes[k]
+        resistance += mode.weight**2 * mode.resistance if mode.port < 2 else 0.0
+        resistance += mode.other_weight**2 * mode.resistance if mode.other < 2 else 0.0
+    return resistance / per_step / STEPS_OF_LEAD

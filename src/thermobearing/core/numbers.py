@@ -24,6 +24,7 @@ MASS: Final = 4  # behind an end face
 PARTS: Final = ("end_plate", "sealing_plate", "rubber", "shim", "mass")
 LUMP: Final = 1e-6  # thickness of the cell that stands for what is behind a face [mm]
 PER_KELVIN: Final = 100.0  # Eq. 4.34 divides T - 23 by 100
+FACE_HELD: Final = 1e-9  # of the resistance to an outer cell's middle: less lies beyond the face
 SIDE_FLUX: Final = 0.785  # of the flux from a core into the plates around it, Eq. 5.4
 
 
@@ -201,6 +202,14 @@ def face_conductance(eta: float, film: float, conductivity: float, thickness: fl
     if eta > 0.0:
         return (eta - 1.0) * conductivity / thickness
     return film / (1.0 + 0.5 * film * thickness / conductivity)
+
+
+@compiled
+def film_at_face(eta: float, film: float, conductivity: float, thickness: float) -> float:
+    """Film at the face itself [kN/(s mm K)], without half the outer cell: 0 to inf."""
+    to_middle = face_conductance(eta, film, conductivity, thickness)
+    beyond = 1.0 - 0.5 * to_middle * thickness / conductivity
+    return to_middle / beyond if beyond > FACE_HELD else math.inf
 
 
 @compiled

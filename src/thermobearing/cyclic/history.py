@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.border.errors import InputError
+from thermobearing.core.lead_ends import longest_rest_step
 from thermobearing.core.march import keep_row, march
 from thermobearing.core.records import Floats, unset
 from thermobearing.core.types import (
@@ -34,7 +35,6 @@ from thermobearing.cyclic.protocol import (
     Rest,
     survey,
 )
-from thermobearing.model.lead_ends import longest_rest_step
 from thermobearing.model.outcomes import INTERRUPTED, NAMES, NOT_PHYSICAL, is_physical
 
 

@@ -30,6 +30,7 @@ from thermobearing.border.library import data_path
 from thermobearing.border.schema import field_limits
 from thermobearing.border.toml import read_toml
 from thermobearing.core.compiled.native import DESCRIPTION, FOLDER, read_description, read_library
+from thermobearing.core.lead_ends import longest_rest_step
 from thermobearing.core.numbers import PARTS
 from thermobearing.core.records import labels
 from thermobearing.core.types import (
@@ -40,11 +41,12 @@ from thermobearing.core.types import (
     Books,
 )
 from thermobearing.cyclic.protocol import LARGEST_STRAIN, Cycles, CyclicTest, Rest, cyclic_test
-from thermobearing.model.lead_ends import longest_rest_step
+from thermobearing.model.lead_ends import lead_sizes
+from thermobearing.model.lead_impedance import MOST_TERMS, ROOM
 from thermobearing.model.options import BearingModel, build_model
 from thermobearing.model.outcomes import NOT_PHYSICAL, PIER_BEYOND_LIMIT, possible_temperatures
 from thermobearing.model.outcomes import SENTENCES as OF_TESTS
-from thermobearing.model.stack import MM_PER_M, Stack
+from thermobearing.model.stack import MM_PER_M, EndFace, Stack
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import load_structure, reported_line
@@ -69,6 +71,7 @@ BUILD = "This installation has no kernels for web pages. In a checkout, run `mak
 MOTIONS = ("jra-ii-i-1",)
 STRUCTURE = "pier-p1"
 KERNELS = (  # faces that the engine calls
+    "core.lead_ends.longest_rest_step",
     "core.march.is_possible",
     "results.loop.measure_loop",
     "core.march.keep_row",
@@ -76,10 +79,12 @@ KERNELS = (  # faces that the engine calls
     "core.numbers.conserve_heat",
     "core.numbers.face_conductance",
     "core.numbers.fill_cells",
+    "core.numbers.film_at_face",
     "core.numbers.lay_cells",
     "core.numbers.lead_numbers",
     "core.numbers.rubber_numbers",
     "core.numbers.source_rise",
+    "model.lead_impedance.fill_network",
     "structure.forces.keep_motion",
     "structure.newmark.newmark_march",
     "structure.newmark.start_motion",
@@ -182,6 +187,7 @@ def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any
         "books": [label._asdict() for label in labels(Books)],
         "parts": PARTS,
         "layer_law": LAYERS,
+        "network": {"room": ROOM, "terms": MOST_TERMS},
         "limits": {
             "coldest": coldest,
             "hottest": hottest,
@@ -301,6 +307,8 @@ def _given(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
             "surface_ratio": bearing.lead.surface_ratio,
             "confined": bearing.lead.confined,
             "lead_heat": lead.volumetric_heat,
+            # The engine computes the film, which JSON could not hold where it is infinite.
+            "lead_sizes": _tree(lead_sizes(bearing, model.stack, EndFace(film=0.0), None)),
             "diffusivity": clock.conductivity / MM_PER_M / clock.volumetric_heat,
         }
     return found

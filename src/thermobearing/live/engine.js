@@ -274,7 +274,7 @@ export class Engine {
   }
 
   /**
-   * A bearing of the library, or one with other numbers.
+   * A bearing of the data, or one with other numbers, which needs a model with default options.
    * @param {{base: string} & Record<string, any>} changes numbers by their key in the file
    * @returns {{ok: true, bearing: any} | {ok: false, errors: any[]}}
    */
@@ -362,14 +362,12 @@ export class Engine {
       const stiffness = values["rate.stiffness"];
       constants.viscous = { ...before.viscous, stiffness, relaxation: values["rate.damping"] / stiffness };
     }
-    let { lead_ends: ends, longest_rest_step: longest } = known;
+    let longest = known.longest_rest_step;
     if (sizes.leadArea > 0) {
-      const shape = changed.some((path) => path.startsWith("geometry.") || path === "lead.cores" || path === "lead.diameter");
-      const lead = this.leadOf(known, values, stack);
-      constants.lead = lead.numbers;
-      if (shape) {
-        [ends, longest] = ["half-space", null];
-        Object.assign(constants, { lead_cells: lead.cells, lead_ports: 0, lead_modes: room(0) });
+      constants.lead = this.leadOf(known, values, stack);
+      if (changed.some((path) => path.startsWith("geometry.") || path === "lead.cores" || path === "lead.diameter")) {
+        Object.assign(constants, this.networkOf(known, values, sizes.area, stack));
+        [longest] = kernels.call("core.lead_ends.longest_rest_step", constants);
       }
     }
     return {
@@ -380,7 +378,6 @@ export class Engine {
       area_mm2: sizes.area,
       rubber_thickness_mm: values["geometry.rubber_layers"] * values["geometry.rubber_thickness"],
       stack: stack.shown,
-      lead_ends: ends,
       longest_rest_step: longest,
     };
   }
@@ -452,9 +449,8 @@ export class Engine {
     return { shape: array.shape, bytes };
   }
 
-  /** Lead cores, and cells that touch them. @param {any} known @param {any} values @param {any} stack @returns {any} */
+  /** Numbers of the lead cores. @param {any} known @param {any} values @param {any} stack @returns {any} */
   leadOf(known, values, stack) {
-    const { kernels } = this;
     const { given, constants } = known;
     const core = {
       cores: values["lead.cores"], diameter: values["lead.diameter"], yield_stress: values["lead.yield_stress"],
@@ -462,23 +458,35 @@ export class Engine {
       steel_conductivity: given.steel_conductivity, diffusivity: given.diffusivity,
     };
     const count = stack.codes.length;
-    const [end, side] = [room(count), room(count)];
-    const [strength, capacity, clock, one, sides] = kernels.call("core.numbers.lead_numbers", core,
-      wholes(stack.codes), floats(stack.beside), flags(stack.touches), given.fold, end, side);
-    const [ends, walls] = [kernels.read(end), kernels.read(side)];
-    const touching = stack.codes.map((_, k) => k).filter((/** @type {number} */ k) => ends[k] + walls[k] !== 0);
-    const rows = touching.map((/** @type {number} */ k) =>
-      kernels.rows("LeadCell", { cell: k, end: ends[k], side: walls[k], port: 0, share: 0 }, 1).bytes);
-    const size = kernels.layouts.rows.LeadCell.size;
-    const bytes = new Uint8Array(size * rows.length);
-    rows.forEach((/** @type {Uint8Array} */ row, /** @type {number} */ k) => bytes.set(row, k * size));
+    const [strength, capacity, clock, one, sides] = this.kernels.call("core.numbers.lead_numbers", core,
+      wholes(stack.codes), floats(stack.beside), flags(stack.touches), given.fold, room(count), room(count));
     return {
-      cells: { shape: [rows.length], bytes },
-      numbers: {
-        ...constants.lead, cores: core.cores, stiffness: values["lead.stiffness"], strength,
-        softening: values["lead.softening"], capacity, clock_rate: clock, end_conductance: one, side_conductance: sides,
-      },
+      ...constants.lead, cores: core.cores, stiffness: values["lead.stiffness"], strength,
+      softening: values["lead.softening"], capacity, clock_rate: clock, end_conductance: one, side_conductance: sides,
     };
+  }
+
+  /** How heat leaves the lead cores. @param {any} known @param {any} values @param {number} area @param {any} stack @returns {any} */
+  networkOf({ given }, values, area, stack) {
+    const { kernels } = this;
+    const { room: shape, terms } = this.data.network;
+    const thickness = stack.shown.thickness_mm;
+    const [film] = kernels.call("core.numbers.film_at_face", given.eta, given.film, given.steel_conductivity, thickness[0]);
+    const sizes = {
+      ...given.lead_sizes,
+      end_plate: values["geometry.end_plate_thickness"],
+      sealing_plate: values["geometry.sealing_plate_thickness"],
+      layer: values["geometry.rubber_thickness"],
+      shim: values["geometry.shim_thickness"],
+      radius: 0.5 * values["lead.diameter"],
+      plan: Math.sqrt(area / values["lead.cores"] / Math.PI),
+      film_above: film,
+      film_below: film,
+    };
+    const [cells, modes] = [room(thickness.length), room(terms)];
+    const [ports, heated, found] = kernels.call("model.lead_impedance.fill_network", sizes,
+      wholes(stack.codes), floats(thickness), flags(stack.touches), room(...shape), cells, modes);
+    return { lead_ports: ports, lead_cells: this.kept(part(cells, 0, heated)), lead_modes: this.kept(part(modes, 0, found)) };
   }
 
   /** A virgin bearing, or one on each of some lines of a structure. @param {Tree} constants @param {number} ambient @param {number} [lines] @returns {Tree} */

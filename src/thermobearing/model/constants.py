@@ -15,7 +15,6 @@ from thermobearing.bearing.model import (
     TemperatureLaw,
 )
 from thermobearing.core.numbers import (
-    PARTS,
     CoreSizes,
     LayerLaw,
     lead_numbers,
@@ -230,9 +229,8 @@ def _lead(
         diffusivity=diffusivity,
     )
     end, side = np.zeros((2, len(stack.part)))
-    parts = np.array([PARTS.index(name) for name in stack.part])
     touching = stack.touches_lead_end
-    found = lead_numbers(core, parts, stack.beside_lead, touching, stack.fold, end, side)
+    found = lead_numbers(core, stack.codes, stack.beside_lead, touching, stack.fold, end, side)
     strength, capacity, clock_rate, one_end, sides = found
     lead = Lead(
         cores=float(given.cores),

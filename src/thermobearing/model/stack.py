@@ -17,6 +17,7 @@ from pydantic import Field
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.schema import Strict, in_unit
+from thermobearing.core import numbers
 from thermobearing.core.numbers import (
     LUMP,
     MASS,
@@ -40,7 +41,6 @@ Scheme = Literal["conservative", "published"]
 
 MM_PER_M = 1e3
 KILO = 1e3
-FACE_HELD = 1e-9  # of the resistance to the middle of the outer cell: less lies beyond the face
 
 
 class EndFace(Strict):
@@ -101,6 +101,11 @@ class Stack:
     def depth(self) -> Floats:
         """Distance of the cell centres from the upper face [mm]."""
         return np.asarray(np.cumsum(self.thickness) - 0.5 * self.thickness)
+
+    @property
+    def codes(self) -> Ints:
+        """Part of each cell by its place in PARTS."""
+        return np.array([PARTS.index(name) for name in self.part])
 
     @property
     def heat_capacity(self) -> Floats:
@@ -246,10 +251,9 @@ def film_at_face(face: EndFace, stack: Stack, cell: int) -> float:
     """Film at the face itself [kN/(s mm K)], without half the outer cell: 0 to inf."""
     if face.heat_capacity:
         return float("inf")
+    film = (face.film or 0.0) / MM_PER_M**2
     k, thickness = stack.conductivity[cell], stack.thickness[cell]
-    to_middle = _end_conductance(face, k, thickness)
-    beyond = 1.0 - 0.5 * to_middle * thickness / k
-    return to_middle / beyond if beyond > FACE_HELD else float("inf")
+    return float(numbers.film_at_face(face.eta or 0.0, film, float(k), float(thickness)))
 
 
 def _end_losses(stack: Stack, upper: EndFace, lower: EndFace | None, capacity: Floats) -> Floats:

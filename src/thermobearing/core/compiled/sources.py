@@ -20,6 +20,7 @@ from platformdirs import user_cache_path
 # folders stand for all their files. A test compares this with what the kernels import.
 KERNELS = (
     "core",
+    "model/lead_impedance.py",
     "motions/spectrum.py",
     "results/loop.py",
     "structure/forces.py",

@@ -233,7 +233,6 @@ function answer() {
   const hotter = warm.lead ? Math.max(hot, largest(warm.lead)) : hot;
   if (hotter > page.warm_lead) warnings.push(t("melting", { h: short(hotter) }));
   if (isChanged()) warnings.push(t("changed"));
-  if (isHalfSpace()) warnings.push(t("half_space"));
   const beyond = outside(farthest(askedByTest(state.ambient, cold), askedByTest(state.reference, warm)));
   return { lines, warnings: [...warnings, ...beyond], within: !beyond.length };
 }
@@ -423,7 +422,6 @@ function showBridge() {
     if (run.outcome !== "completed") warnings.push(`${t("at", { t: degrees(temperature) })}: ${outcomeWords(run)}`);
   const { strain_rate: [, fastest], ...asked } = farthest(askedByBridge(state.ambient, cold), askedByBridge(state.reference, warm));
   if (isChanged()) warnings.push(t("changed"));
-  if (isHalfSpace()) warnings.push(t("half_space"));
   const beyond = outside(asked);
   const tested = bearing.tested_range?.strain_rate?.[1] ?? Infinity; // earthquakes are faster: a note, as in Python
   const notes = fastest > tested * (1 + page.slack) ? [t("rate_note", { v: short(fastest), high: short(tested), n: short(fastest / tested) })] : [];
@@ -494,8 +492,6 @@ function showCodes() {
 // Export.
 
 const isChanged = () => Object.keys(state.changes).length > 0;
-/** Whether the engine leaves the plates of finite thickness, which Python computes, for Eq. 5.4. */
-const isHalfSpace = () => isChanged() && bearing.lead_ends === "half-space";
 /** Values of the bearing that differ from those of the library, by the keys of a bearing's file. */
 function differences() {
   const library = engine.bearing({ base: state.base }).bearing.values;
@@ -532,19 +528,18 @@ function caseToml() {
       ? cycles({ strain: step.strain, wave, count: step.cycles, speed: `"${step.speed_mm_s} mm/s"`, closing_strain: step.closing_strain })
       : `[[test.steps]]\nstep = "rest"\nduration = "${step.rest_s} s"\n`));
   const test = steps.join("\n");
-  return `bearing = "${fileOfBearing()}"\nambient = ["${state.ambient} degC", "${state.reference} degC"]\n\n${test}${isHalfSpace() ? '\n[analysis]\nlead_ends = "half-space"\n' : ""}`;
+  return `bearing = "${fileOfBearing()}"\nambient = ["${state.ambient} degC", "${state.reference} degC"]\n\n${test}`;
 }
 function showExport() {
   runs = runs ?? computeTest();
   const cycles = state.protocol === "cycles";
-  const ends = isHalfSpace() ? " --lead-ends half-space" : "";
   const strains = cycles ? [state.strain] : stepsOfProtocol().flatMap(({ strain }) => strain ?? []);
   const words = `${strains.map((strain) => ` --strain ${strain}`).join("")} --wave ${waveName()}` + (cycles ? ` --frequency ${state.frequency} --cycles ${state.count}` : "");
-  el("command-text").textContent = `thermobearing cyclic --bearing ${fileOfBearing()} --ambient ${state.ambient} --ambient ${state.reference}${words}${ends} -o test\n` +
-    `thermobearing bridge --bearing ${fileOfBearing()} --motion ${dropped?.name ?? state.motion} --ambient ${state.ambient} --ambient ${state.reference}${ends} -o bridge`;
+  el("command-text").textContent = `thermobearing cyclic --bearing ${fileOfBearing()} --ambient ${state.ambient} --ambient ${state.reference}${words} -o test\n` +
+    `thermobearing bridge --bearing ${fileOfBearing()} --motion ${dropped?.name ?? state.motion} --ambient ${state.ambient} --ambient ${state.reference} -o bridge`;
   const values = cycles ? `strain=${state.strain}, frequency=${state.frequency}, cycles=${state.count}, closing_strain=None, ` : "";
   const test = `, tb.cyclic_test(${values}wave="${waveName()}")`;
-  el("python-text").textContent = `import thermobearing as tb\n\nbearing = tb.load_bearing("${fileOfBearing()}")\nresult = tb.run(bearing${test}, ambient=[${state.ambient}, ${state.reference}]${isHalfSpace() ? ', lead_ends="half-space"' : ""})\nprint(result.cycles)`;
+  el("python-text").textContent = `import thermobearing as tb\n\nbearing = tb.load_bearing("${fileOfBearing()}")\nresult = tb.run(bearing${test}, ambient=[${state.ambient}, ${state.reference}])\nprint(result.cycles)`;
   el("toml-text").textContent = (isChanged() ? `# ${fileOfBearing()}\n${bearingToml()}\n\n# case.toml\n` : "# case.toml\n") + caseToml();
   el("link-text").textContent = location.href.split("#")[0] + address();
 }
