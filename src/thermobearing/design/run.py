@@ -177,7 +177,7 @@ def _ended(
         both = zip(searches, last.rounds, strict=True)
         far = [one for search, one in both if not search.settled(one, tolerance)]
         said = [
-            f"{_group_prefix(one)}After {case.most_rounds} rounds the displacement still changes by "
+            f"{_prefix(one)}After {case.most_rounds} rounds the displacement still changes by "
             f"{one.difference:+.0%}: assumed {one.assumed:.0f}, found {one.found:.0f} mm."
             for one in far
         ]
@@ -191,19 +191,19 @@ def _settled(search: Search, turn: Round, tolerance: float) -> str:
     """Return how the search of a group ended."""
     if abs(turn.difference) <= tolerance or search.held is None:
         return (
-            f"{_group_prefix(turn)}The displacement of {turn.found:.0f} mm is within {tolerance:.0%} of the "
-            f"assumed {turn.assumed:.0f} mm after {turn.number} rounds."
+            f"{_prefix(turn)}The displacement of {turn.found:.0f} mm is within {tolerance:.0%} of "
+            f"the assumed {turn.assumed:.0f} mm after {turn.number} rounds."
         )
     small, large = search.held
     return (
-        f"{_group_prefix(turn)}Two sizes alternate: {size_name(small)}, sized for {small.assumed:.0f} mm, "
-        f"moves {small.found:.0f} mm, and {size_name(large)}, sized for {large.assumed:.0f} mm, "
-        f"moves {large.found:.0f} mm; neither displacement agrees within {tolerance:.0%}. The "
+        f"{_prefix(turn)}Two sizes alternate: {size_name(small)}, sized for {small.assumed:.0f} "
+        f"mm, moves {small.found:.0f} mm, and {size_name(large)}, sized for {large.assumed:.0f} "
+        f"mm, moves {large.found:.0f} mm; neither displacement agrees within {tolerance:.0%}. The "
         f"larger size, {size_name(large)}, is adopted."
     )
 
 
-def _group_prefix(turn: Round) -> str:
+def _prefix(turn: Round) -> str:
     """Return the group that a sentence is about, where there are several."""
     return f"{turn.group}: " if turn.group else ""
 

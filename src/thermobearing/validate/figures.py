@@ -42,7 +42,7 @@ class ValidationFigures(ComparisonFigures):
         figure, axes = drawing.panels(1, len(RATIOS), size, title)
         for ax, measure in zip(axes, RATIOS, strict=True):
             for place, record in enumerate(self._records):
-                for item, colour in self._of(record):
+                for item, colour in self._comparisons(record):
                     if item.largest is None:
                         continue
                     number = self._names.index(self._model_name(item))
@@ -80,7 +80,7 @@ class ValidationFigures(ComparisonFigures):
         figure, axes = drawing.panels(len(RATIOS), columns, size, title, share="col")
         for number, ax in enumerate(axes):
             measure, record = RATIOS[number // columns], self._records[number % columns]
-            for item, colour in self._of(record):
+            for item, colour in self._comparisons(record):
                 off = [100.0 * (loop.ratios[measure] - 1.0) for loop in item.loops]
                 look: drawing.Look = {"color": colour, "linewidth": 0.9}
                 ax.plot([loop.cycle for loop in item.loops], off, marker=".", **look)
