@@ -1,5 +1,7 @@
 """Bearings as elements of OpenSees models, against our own integrators."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,6 +15,7 @@ from tests.opensees import needs_opensees, ops
 from tests.reference.opensees_pier import compare_bearings
 from tests.verification.structures import ground_of, real_bearing
 from thermobearing.core.types import Floats
+from thermobearing.opensees.case import linear_stiffness
 from thermobearing.opensees.line import Line, serve
 from thermobearing.structure.model import load_structure
 
@@ -158,3 +161,119 @@ def test_pier_p1_against_our_structure(measured: Recorder) -> None:
             f"{peak:.1e}",
             f"{tol.OPENSEES_SERVED_PIER:g}",
         )
+
+
+def test_a_second_model_and_a_reset_begin_again(line: Line) -> None:
+    """`wipe` and a model of the same tag; `reset`, which OpenSees does not send."""
+    one_mass(line.element(2, (1, 2)))
+    first = shake(60)
+    one_mass(line.element(2, (1, 2)))
+    assert (shake(60) == first).all()
+    ops.reset()
+    assert (shake(60) == first).all()
+    ops.wipe()
+    data = line.results().dataset
+    mine = data["element"].values[data["tag"].values == 2].tolist()
+    assert mine == ["2, run 1", "2, run 2", "2, run 3"]
+
+
+def test_failed_steps_and_substeps_leave_no_trace(line: Line) -> None:
+    """Steps that do not converge are repeated in halves; the bearing forgets the attempts."""
+    one_mass(line.element(3, (1, 2)), scale=2.0)
+    ops.test("NormDispIncr", 1e-11, 3)
+    path = [(0.0, 0.0)]
+    for _ in range(250):
+        for part in (1, 2, 4, 16):
+            failed = ops.analyze(1, DT / part)
+            if not failed:
+                break
+        assert not failed
+        path.append((ops.getTime(), ops.nodeDisp(2, 1)))
+    data = line.results().dataset
+    (run,) = np.flatnonzero(data["tag"].values == 3)
+    ops.wipe()
+    times = np.array(path)[:, 0]
+    assert len(np.unique(np.diff(times).round(6))) > 1, "no step failed"
+    bearing = tb.element(BEARING, ambient=AMBIENT)
+    forces = []
+    for (before, _), (t, x) in zip(path, path[1:], strict=False):
+        forces.append(bearing.set_trial(x, dt=t - before).force)
+        bearing.commit()
+    served = data["force"].values[run, 1 : len(path)]
+    assert off(served, np.array(forces)) < tol.OPENSEES_SERVED
+
+
+def test_gravity_then_displacement_control_then_earthquake_in_space() -> None:
+    """Nodes with six degrees of freedom; load factors are no clock, so that a rate is given."""
+    weight, rate = 785.0, 10.0  # kN, mm/s
+    with serve(BEARING, ambient=AMBIENT, rate=rate) as line:
+        ops.wipe()
+        ops.model("basic", "-ndm", 3, "-ndf", 6)
+        ops.node(1, 0.0, 0.0, 0.0)
+        ops.node(2, 0.0, 0.0, 0.0, "-mass", *[MASS] * 3, *[MASS * 1e6] * 3)
+        ops.fix(1, *[1] * 6)
+        ops.element(*line.element(101, (1, 2), directions=(2,), vertical=3))
+        assert min(ops.eigen("-fullGenLapack", 6)) > 0.0
+        ops.timeSeries("Linear", 1)
+        ops.pattern("Plain", 1, 1)
+        ops.load(2, 0.0, 0.0, -weight, 0.0, 0.0, 0.0)
+        solver("LoadControl", 0.1)
+        ops.test("NormUnbalance", 1e-8, 20)
+        ops.analysis("Static")
+        assert ops.analyze(10) == 0
+        sinking = ops.nodeDisp(2, 3)
+        ops.loadConst("-time", 0.0)
+        ops.timeSeries("Linear", 2)
+        ops.pattern("Plain", 2, 2)
+        ops.load(2, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+        shears, factors = [0.0], [0.0]
+        for increment in [2.0] * 15 + [-2.0] * 30 + [2.0] * 15:
+            ops.integrator("DisplacementControl", 2, 2, increment)
+            assert ops.analyze(1) == 0
+            shears.append(ops.nodeDisp(2, 2))
+            factors.append(ops.getTime())
+        ops.wipe()
+        result = line.results()
+    known = linear_stiffness(line.case)
+    assert sinking == pytest.approx(-weight / known.vertical, rel=1e-9)
+    assert min(factors) < 0.0 < max(factors)
+    bearing = tb.element(BEARING, ambient=AMBIENT)
+    forces = []
+    for x in shears[1:]:
+        forces.append(bearing.set_trial(x, dt=2.0 / rate).force)
+        bearing.commit()
+    assert factors[1:] == pytest.approx(forces, rel=1e-6)
+    assert result["clock"].values[0, -1] == pytest.approx(120.0 / rate)
+    assert result.energy["heat_released_kN_mm"][0] > 0.5 * result.energy["work_in_kN_mm"][0]
+
+
+KILLED = """
+import sys
+from tests.cross_code.test_opensees_serve import *
+with serve(BEARING, ambient=AMBIENT) as line:
+    one_mass(line.element(1, (1, 2)))
+    shake(20)
+    line._process.kill()
+    print("failed", [ops.analyze(1, DT) for _ in range(3)], flush=True)
+"""
+
+
+def test_a_killed_server_ends_the_analysis_with_a_message() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", KILLED], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert "failed [-3, -3, -3]" in done.stdout
+    assert "receives NaN" in done.stderr
+    assert "ServingError: the server of the bearings has ended" in done.stderr
+    assert done.returncode == 1
+
+
+def test_two_interpreters_side_by_side() -> None:
+    code = KILLED.replace("    line._process.kill()\n", "")
+    both = [
+        subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+        for _ in range(2)
+    ]
+    for one in both:
+        out, _ = one.communicate(timeout=60)
+        assert "failed [0, 0, 0]" in out

@@ -329,9 +329,9 @@ class _Child:
     """The server as a child of a Python process: commands in, answers out."""
 
     def __init__(self) -> None:
+        keeper = Keeper.start()  # before the copy of the standard output, whose end must be seen
         self._answers = os.fdopen(os.dup(1), "wb")
         os.dup2(2, 1)  # what is printed by accident is no answer
-        keeper = Keeper.start()
         self.case: ServedCase = pickle.load(sys.stdin.buffer)
         self.server = Server(self.case, self._say, keeper)
         ServedElement(self.case, Layout(1, (1,), (1,), None), 0)  # loads or compiles the kernels
