@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -196,7 +197,7 @@ def test_failed_steps_and_substeps_leave_no_trace(line: Line) -> None:
     assert len(np.unique(np.diff(times).round(6))) > 1, "no step failed"
     bearing = tb.element(BEARING, ambient=AMBIENT)
     forces = []
-    for (before, _), (t, x) in zip(path, path[1:], strict=False):
+    for (before, _), (t, x) in pairwise(path):
         forces.append(bearing.set_trial(x, dt=t - before).force)
         bearing.commit()
     served = data["force"].values[run, 1 : len(path)]

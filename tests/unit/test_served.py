@@ -72,7 +72,9 @@ class Client:
         return force
 
     def end(self) -> None:
+        """Leave, and wait until the server has closed the connection too."""
         self.send(Action.END, [0.0] * self.setup.dofs, 0.0)
+        assert self.socket.recv(1) == b""
         self.socket.close()
 
 

@@ -16,13 +16,12 @@ import os
 import select
 import signal
 import socket
-import sys
 import time
 from typing import Self
 
 NOTHING = b"\xff" * 65536  # NaN, many times
 PAUSE = 0.001  # of the keeper between two rounds [s]
-STAY, LEAVE = b"s", b"l"
+STAY, LEAVE, QUIET = b"s", b"l", b"q"
 MESSAGE = (
     "thermobearing: the server of the bearings has ended during the analysis; OpenSees receives "
     "NaN from now on, so that its steps fail\n"
@@ -80,8 +79,7 @@ class Keeper:
     def release(self, *, stay: bool) -> None:
         """End the keeper, or let it flood the connections that are open."""
         with contextlib.suppress(OSError):
-            if not stay:
-                self._channel.send(LEAVE)
+            self._channel.send(QUIET if stay else LEAVE)
             self._channel.close()
 
 
@@ -93,6 +91,7 @@ def _keep(channel: socket.socket) -> None:
     for stream in (0, 1):  # whoever reads the output of the server must not wait for the keeper
         os.dup2(nowhere, stream)
     held: dict[int, socket.socket] = {}
+    message = MESSAGE
     events = select.poll()
     events.register(channel, select.POLLIN)
     while True:
@@ -106,8 +105,12 @@ def _keep(channel: socket.socket) -> None:
             if data == LEAVE:
                 return
             if not data:
+                if held:
+                    os.write(2, message.encode())
                 _flood_all(list(held.values()))
                 return
+            if data == QUIET:
+                message = ""
             for new in numbers:
                 held[new] = socket.socket(fileno=new)
                 events.register(new, 0)  # no event but the end
@@ -115,9 +118,6 @@ def _keep(channel: socket.socket) -> None:
 
 def _flood_all(connections: list[socket.socket]) -> None:
     """Flood connections until all are closed."""
-    if connections:
-        sys.stderr.write(MESSAGE)
-        sys.stderr.flush()
     while connections:
         connections = [one for one in connections if flood(one)]
         time.sleep(PAUSE)

@@ -25,6 +25,7 @@ from thermobearing.opensees.keeper import NOTHING, Keeper, flood
 from thermobearing.opensees.wire import (
     SETUP,
     SILENT,
+    ZERO,
     Action,
     Request,
     Setup,
@@ -39,7 +40,6 @@ TICK = 0.5  # between two looks at unfinished messages [s]
 FULL = 20.0  # longest time in which OpenSees does not read an answer [s]
 MOST_NOTES = 20
 CHUNK = 1 << 20
-SPIN = 5e-5  # look for the next message this long before sleeping [s]
 LOOPBACK = "127.0.0.1"
 Say = Callable[[str], None]
 
@@ -170,43 +170,37 @@ class Server:
             self._say(message)
 
     def _receive(self, connection: Connection) -> None:
-        """Answer all messages that have arrived, and those that follow within microseconds."""
-        client, until = connection.client, 0.0
-        while True:
+        """Answer messages until none is left, which is quicker than to look for each."""
+        client = connection.client
+        while client in self._open and not connection.lost:
             try:
                 data = client.recv(CHUNK)
             except BlockingIOError:
-                if time.perf_counter() < until:
-                    continue
                 return
             except OSError as error:
                 self._leave(connection, f"the connection was lost: {error.strerror or error}")
                 return
             acknowledge(client)
             if not data:
-                cut = f" after {len(connection.buffer)} bytes of a message"
-                self._leave(connection, f"OpenSees closed it{cut}" if connection.buffer else "")
+                cut = f"OpenSees closed it after {len(connection.buffer)} bytes of a message"
+                self._leave(connection, cut if connection.buffer else "")
                 return
             connection.buffer += data
             try:
-                if self._answer_all(connection):
-                    return
+                self._answer_all(connection)
             except (WireError, StepError, InputError) as error:
                 self.problem(connection, str(error))
                 self._drown(connection)
-                return
             except OSError as error:
                 self._leave(connection, f"an answer could not be sent: {error.strerror or error}")
-                return
-            until = time.perf_counter() + SPIN
 
-    def _answer_all(self, connection: Connection) -> bool:
-        """Answer the complete messages in the buffer; True once the element has ended."""
+    def _answer_all(self, connection: Connection) -> None:
+        """Answer the complete messages in the buffer."""
         buffer = connection.buffer
         if connection.setup is None:
             if len(buffer) < SETUP.size:
                 connection.since = connection.since or time.monotonic()
-                return False
+                return
             self._begin(connection, Setup.decode(bytes(buffer[: SETUP.size])))
             del buffer[: SETUP.size]
         setup, element = connection.setup, connection.element
@@ -217,10 +211,9 @@ class Server:
             del buffer[: setup.length]
             if request.action == Action.END:
                 self._leave(connection, "")
-                return True
+                return
             self._answer(connection, element, request, setup)
         connection.since = time.monotonic() if buffer else 0.0
-        return False
 
     def _begin(self, connection: Connection, setup: Setup) -> None:
         """Begin to serve an element whose sizes are known."""
@@ -238,6 +231,9 @@ class Server:
         self, connection: Connection, element: ServedElement, request: Request, setup: Setup
     ) -> None:
         """Carry out one request; NaN answers a step that fails, so that OpenSees tries another."""
+        if request.action in ZERO:
+            _send(connection.client, bytes(setup.length))
+            return
         try:
             values = element.answer(request)
         except StepError as error:

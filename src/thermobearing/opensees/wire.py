@@ -56,6 +56,7 @@ class Action(IntEnum):
 
 SILENT = frozenset((Action.SET_TRIAL, Action.COMMIT, Action.END))  # have no reply
 MATRICES = frozenset((Action.INITIAL_STIFFNESS, Action.TANGENT, Action.DAMPING, Action.MASS))
+ZERO = frozenset((Action.DAMPING, Action.MASS))  # a bearing has none beside its force
 USED = SILENT | MATRICES | {Action.FORCE}
 CODES = {float(action): action for action in USED}
 
@@ -171,17 +172,21 @@ def encode_reply(values: Sequence[float] | NDArray[np.float64], setup: Setup) ->
     >>> len(encode_reply([1.0, -1.0], Setup.smallest(2)))
     64
     """
-    flat = np.ravel(values, order="F").astype(np.float64)
-    if flat.size > setup.size:
-        raise WireError(f"{flat.size} numbers do not fit into a message of {setup.size} doubles")
-    return flat.tobytes().ljust(setup.length, b"\0")
+    if isinstance(values, np.ndarray):
+        data = np.ravel(values, order="F").astype(np.float64).tobytes()
+    else:
+        data = struct.pack(f"={len(values)}d", *values)
+    if len(data) > setup.length:
+        count = len(data) // DOUBLE
+        raise WireError(f"{count} numbers do not fit into a message of {setup.size} doubles")
+    return data.ljust(setup.length, b"\0")
 
 
 def decode_reply(data: bytes | bytearray, action: Action, setup: Setup) -> NDArray[np.float64]:
     """Return the force vector or the matrix of a reply.
 
-    >>> setup = Setup.smallest(2)
-    >>> decode_reply(encode_reply([[1, 2], [3, 4]], setup), Action.TANGENT, setup)
+    >>> setup, matrix = Setup.smallest(2), np.array([[1, 2], [3, 4]])
+    >>> decode_reply(encode_reply(matrix, setup), Action.TANGENT, setup)
     array([[1., 2.],
            [3., 4.]])
     """
