@@ -35,7 +35,7 @@ TESTS: dict[str, tuple[str, CyclicTest, dict[str, Any]]] = {
     "half-space": (LHDR, SHORT, {"lead_ends": "half-space", "clock": "lead"}),
     "published": (HDR, SHORT, {"scheme": "published", "integrator": "euler", "dt": 0.005}),
     "faces": (LRB, SHORT, {"model": ModelOptions(**ONE_SIDED), "heat_source": "work"}),
-    "loops": (HDR, SHORT, {"hardening": "monotone", "small_loops": "closed"}),
+    "loops": (HDR, SHORT, {"hardening": "monotone", "small_loops": "closed", "keep": ["cells"]}),
     "one temperature": (LHDR, SHORT, {"model": "single-temperature"}),
     "lead alone": (LHDR, SHORT, {"model": "lead-alone"}),
 }

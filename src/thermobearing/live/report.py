@@ -161,7 +161,7 @@ def _rows_of_test() -> list[dict[str, Any]]:
 
 def _of_bridge(result: EarthquakeResult) -> Live | None:
     table = tomllib.loads(result.dataset.attrs["case"])
-    if table["command"] != "bridge" or any(table.get(key) for key in OF_BRIDGES):
+    if table.get("command") != "bridge" or any(table.get(key) for key in OF_BRIDGES):
         return None
     case = make_earthquake_case(table, "report")
     method, options = case.analysis.method, case.analysis

@@ -67,7 +67,7 @@ function table(live, printed) {
   const text = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits).replace(/^-/, "−") : "–");
   const rows = given.rows.filter(({ key }) => key in printed || key in live).map(({ key, label, factor, digits, ratio }) => {
     const [one, other] = [factor * (printed[key] ?? NaN), factor * (live[key] ?? NaN)];
-    same &&= !(Math.abs(one - other) > 1.01 * 10 ** -digits) && Number.isFinite(one) === Number.isFinite(other);
+    same &&= !(key in printed) || Math.abs(one - other) <= 1.01 * 10 ** -digits;
     return [label, text(one, digits), text(other, digits), ratio ? text(other / one, 3) : ""];
   });
   return { rows, same };
