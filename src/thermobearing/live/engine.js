@@ -699,7 +699,7 @@ export class Engine {
     const layerWidth = rows.layers[0].shape[2];
     const temperature = kernels.read(part(rows.layers[0], 0), kept);
     const first = lines === 1 ? temperature : temperature.filter((_, k) => Math.floor(k / layerWidth) % lines === line);
-    const turned = pier.yield_rotations.map((/** @type {number} */ one, /** @type {number} */ h) => largest(bend("rotation", h)) / one);
+    const turned = pier.yield_rotations.map((/** @type {number} */ one, /** @type {number} */ h) => largest(/** @type {Float64Array} */ (bend("rotation", h))) / one);
     const hinged = pier.piers.filter((/** @type {any} */ one) => one.hinge !== null).map((/** @type {any} */ one) => turned[one.hinge]);
     const peaks = {
       bearing_strain: most("displacement") / rubber, bearing_displacement_mm: most("displacement"), bearing_force_kN: most("force"),
