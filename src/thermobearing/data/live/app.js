@@ -217,11 +217,9 @@ function answer() {
   for (const [run, temperature] of [[cold, state.ambient], [warm, state.reference]])
     if (run.outcome !== "completed") warnings.push(`${t("at", { t: degrees(temperature) })}: ${outcomeWords(run)}`);
   const [first, last] = [cold.cycles[0], cold.cycles.at(-1)];
-  const pair = [warm.cycles[0], warm.cycles.at(-1)];
-  if (first && pair[0] && cold.cycles.length === warm.cycles.length) {
-    const ratio = [first.stiffness_kN_mm / pair[0].stiffness_kN_mm, last.stiffness_kN_mm / pair[1].stiffness_kN_mm];
-    lines.push(t("headline", { t: degrees(state.ambient), r: degrees(state.reference), a: short(ratio[0]), b: short(ratio[1]), n: cold.cycles.length }));
-  }
+  const both = Math.min(cold.cycles.length, warm.cycles.length); // a run may end early
+  const ratio = (at) => fixed(cold.cycles[at].stiffness_kN_mm / warm.cycles[at].stiffness_kN_mm);
+  if (both) lines.push(t("headline", { t: degrees(state.ambient), r: degrees(state.reference), a: ratio(0), b: ratio(both - 1), n: both }));
   if (first && cold.cycles.length > 1 && state.protocol === "cycles") {
     const fall = 100 * (1 - last.stiffness_kN_mm / first.stiffness_kN_mm);
     const [rubber, lead] = [largest(last.layer_temperature), last.lead_temperature ?? -Infinity];
@@ -643,8 +641,13 @@ function showControls() {
   for (const name of ["strain", "frequency", "count"]) el(name).disabled = state.protocol !== "cycles";
 }
 
+function nameOf({ name, kind, plan, values }) {
+  const sizes = plan.sizes.map((size) => g(values[size])).join(" × ");
+  return `${name} (${kind}, ${plan.shape === "circular" ? "⌀ " : ""}${sizes} mm)`;
+}
 /** The fields of sizes and parameters of the bearing that is shown. */
 function showSizes() {
+  for (const option of el("base").options) option.text = nameOf(option.value === state.base ? bearing : engine.library[option.value]);
   const form = el("sizes");
   const fields = Object.keys(page.labels).filter((path) => path in bearing.values).map((path) => [path, bearing.values[path]]);
   form.replaceChildren();
@@ -665,7 +668,7 @@ function showSizes() {
     box.append(label, input, error);
     form.append(box);
   }
-  el("facts").textContent = t("facts", { kind: bearing.kind, layers: bearing.values["geometry.rubber_layers"], rubber: short(bearing.rubber_thickness_mm), area: short(bearing.area_mm2 / 100, 4) }) + (bearing.description ? ` – ${bearing.description}` : "");
+  el("facts").textContent = t("facts", { kind: bearing.kind, layers: bearing.values["geometry.rubber_layers"], rubber: short(bearing.rubber_thickness_mm), area: short(bearing.area_mm2 / 100, 4) }) + (bearing.description && !isChanged() ? ` – ${bearing.description}` : "");
 }
 /** Numbers that follow the sizes, so that the compound stays the same (rules: bearing/scaling.py). */
 function scaled(changes) {
@@ -882,7 +885,7 @@ async function begin() {
     return;
   }
   el("starting").hidden = true;
-  for (const one of engine.bearings) el("base").append(new Option(one.name, one.name));
+  for (const one of engine.bearings) el("base").append(new Option(nameOf(one), one.name));
   for (const name of page.motions) el("motion").append(new Option(name, name));
   readAddress();
   chooseBearing(state.changes);
