@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import tests.unit.motion_files as files
 from tests.unit.inputs import assert_told, command, told
@@ -354,6 +355,20 @@ def test_search_for_a_spectrum_ends_where_it_is_told(monkeypatch: pytest.MonkeyP
     assert rounds == [(k, 12) for k in range(1, 13)]
     assert np.isfinite(fit.acceleration).all()
     assert 0.0 < fit.misfit < 1.0
+
+
+def test_a_search_uses_one_blas_thread_and_restores_the_others() -> None:
+    def count_threads(*_: int) -> None:
+        counts.append(max(one["num_threads"] for one in threadpool_info()))
+
+    counts: list[int] = []
+    wave = files.shaking(count=1500)
+    with threadpool_limits(2, "blas"):
+        matching.matched(
+            wave, 0.02, lambda t: 1e3 + 0 * t, effort=matching.Effort(2, count_threads)
+        )
+        count_threads()
+    assert counts == [1, 1, 2]
 
 
 def test_search_that_is_stuck_far_away_ends_early() -> None:

@@ -130,6 +130,7 @@ def test_a_temperature_without_a_curve_matters_where_it_comes() -> None:
     found = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", samples=5)
     never, often = (combine_curves(found, [1.0 - s, s]) for s in (0.0, 0.1))
     assert never.probability([1.5]) == found[-20.0].probability([1.5])
+    assert never.median == found[-20.0].median > 0.0
     assert np.isnan(often.probability([1.5])).all()
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 from scipy.linalg import solve_triangular
 from scipy.sparse import csr_array
+from threadpoolctl import threadpool_limits
 
 from thermobearing.core.types import Floats, Ints
 from thermobearing.motions.process import end_shapes, high_pass_gain, with_quiet_end
@@ -196,13 +197,14 @@ def matched(
     """
     fits: list[Matched] = []
     effort = effort or Effort()
-    for fineness in (COARSE, FINE) if finer else (COARSE,):
-        if fits and effort.spent:
-            break
-        best = _matched(acceleration, dt, target, fineness, effort)
-        fits.append(Matched(best.motion.acceleration, misfit(best.motion, target)))
-        if fits[-1].misfit <= LARGEST_MISFIT:
-            break
+    with threadpool_limits(1, "blas"):  # of small matrices: others would only wait
+        for fineness in (COARSE, FINE) if finer else (COARSE,):
+            if fits and effort.spent:
+                break
+            best = _matched(acceleration, dt, target, fineness, effort)
+            fits.append(Matched(best.motion.acceleration, misfit(best.motion, target)))
+            if fits[-1].misfit <= LARGEST_MISFIT:
+                break
     return min(fits, key=lambda fit: fit.misfit)
 
 
