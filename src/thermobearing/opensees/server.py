@@ -21,17 +21,18 @@ from typing import Any
 from thermobearing.border.errors import InputError
 from thermobearing.opensees.case import Layout, ServedCase
 from thermobearing.opensees.element import Served, ServedElement, StepError, finite
-from thermobearing.opensees.keeper import NOTHING, Keeper, flood
+from thermobearing.opensees.keeper import Keeper, flood
 from thermobearing.opensees.wire import (
+    HEADER,
     SETUP,
     SILENT,
     ZERO,
     Action,
     Request,
     Setup,
+    UtSim,
     WireError,
     acknowledge,
-    encode_reply,
     prepare,
 )
 
@@ -51,7 +52,7 @@ class Connection:
         self.client, self.layout, self.tag, self.run = client, layout, tag, run
         self.buffer = bytearray()
         self.since = 0.0  # when the first bytes of an unfinished message arrived
-        self.setup: Setup | None = None
+        self.setup: Setup | UtSim | None = None
         self.element: ServedElement | None = None
         self.lost = False  # receives NaN from now on
 
@@ -183,6 +184,7 @@ class Server:
             acknowledge(client)
             if not data:
                 cut = f"OpenSees closed it after {len(connection.buffer)} bytes of a message"
+                self._finish(connection)
                 self._leave(connection, cut if connection.buffer else "")
                 return
             connection.buffer += data
@@ -198,24 +200,27 @@ class Server:
         """Answer the complete messages in the buffer."""
         buffer = connection.buffer
         if connection.setup is None:
-            if len(buffer) < SETUP.size:
+            if UtSim.sends(buffer):
+                self._begin(connection, UtSim(buffer[: HEADER.size], self.case.step))
+                del buffer[: HEADER.size]
+            elif len(buffer) >= SETUP.size:
+                self._begin(connection, Setup.decode(bytes(buffer[: SETUP.size])))
+                del buffer[: SETUP.size]
+            else:
                 connection.since = connection.since or time.monotonic()
                 return
-            self._begin(connection, Setup.decode(bytes(buffer[: SETUP.size])))
-            del buffer[: SETUP.size]
         setup, element = connection.setup, connection.element
         assert setup is not None
         assert element is not None
-        while len(buffer) >= setup.length:
-            request = Request.decode(buffer, setup)
-            del buffer[: setup.length]
-            if request.action == Action.END:
-                self._leave(connection, "")
-                return
-            self._answer(connection, element, request, setup)
+        while requests := setup.take(buffer):
+            for request in requests:
+                if request.action == Action.END:
+                    self._leave(connection, "")
+                    return
+                self._answer(connection, element, request, setup)
         connection.since = time.monotonic() if buffer else 0.0
 
-    def _begin(self, connection: Connection, setup: Setup) -> None:
+    def _begin(self, connection: Connection, setup: Setup | UtSim) -> None:
         """Begin to serve an element whose sizes are known."""
         layout = connection.layout
         connection.setup = setup
@@ -228,11 +233,15 @@ class Server:
         connection.element = ServedElement(self.case, layout, connection.tag, connection.run)
 
     def _answer(
-        self, connection: Connection, element: ServedElement, request: Request, setup: Setup
+        self,
+        connection: Connection,
+        element: ServedElement,
+        request: Request,
+        setup: Setup | UtSim,
     ) -> None:
         """Carry out one request; NaN answers a step that fails, so that OpenSees tries another."""
         if request.action in ZERO:
-            _send(connection.client, bytes(setup.length))
+            _send(connection.client, setup.reply([], request.action))
             return
         try:
             values = element.answer(request)
@@ -241,14 +250,22 @@ class Server:
                 self.note(connection, str(error))
             else:
                 raise StepError(f"OpenSees committed a step that had failed: {error}") from None
-            _send(connection.client, NOTHING[: setup.length].ljust(setup.length, b"\xff"))
+            _send(connection.client, setup.nothing(request.action))
             return
         if request.action in SILENT:
             return
         assert values is not None
         if not finite(values):
             raise StepError(f"the answer to {request.action.name} is not finite")
-        _send(connection.client, encode_reply(values, setup))
+        _send(connection.client, setup.reply(values, request.action))
+
+    @staticmethod
+    def _finish(connection: Connection) -> None:
+        """Commit the last step of a client that does not do so itself, unless it failed."""
+        if connection.setup is not None and connection.element is not None:
+            with contextlib.suppress(StepError):
+                for request in connection.setup.finish():
+                    connection.element.answer(request)
 
     def _drown(self, connection: Connection) -> None:
         """Send NaN from now on: the element cannot be served, and must not wait for ever."""
