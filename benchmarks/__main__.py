@@ -24,6 +24,7 @@ ITEMS = {
     "bearing_lines": "Waiting",
     "startup": "Waiting",
     "first_run": "Waiting",
+    "live_page": "Waiting",
     "integrator": "Accuracy",
     "step_halving": "Accuracy",
     "softening": "Accuracy",
