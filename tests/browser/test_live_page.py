@@ -26,6 +26,7 @@ RANGES = {
     "lead_temperature": "lead temperature",
 }
 SHOWN = 0.006  # of a number with three digits
+SINGLE = 1e-6  # of the largest, since histories of bridges are kept in single precision
 FORCE = 1e-8  # of the largest, since files have nine digits
 
 
@@ -185,12 +186,21 @@ def test_the_bridge_has_the_numbers_of_python(opened: Any) -> None:
     opened.locator("#base").select_option("shen-lhdr-bridge")
     settle(opened)
     peaks = {row[0]: [number(one) for one in row[1:3]] for row in cells(opened, "peaks")}
-    table = tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", [-20, 23]).table
+    result = tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", [-20, 23])
+    table = result.table
     for row, name, factor in (
         ("Ductility of the pier [1]", "pier_ductility", 1.0),
         ("Strain of the bearing [%]", "bearing_strain_max", 100.0),
     ):
         assert peaks[row] == pytest.approx(list(factor * table[name]), rel=SHOWN)
+    opened.locator("#tab-export").click()
+    with opened.expect_download() as found:
+        opened.locator("#save-bridge").click()
+    shown = pd.read_csv(found.value.path())
+    for run, ambient in enumerate((-20.0, 23.0)):
+        here = shown[shown.ambient_degC == ambient].bearing_force_kN.to_numpy()
+        there = result.dataset["bearing_force"].isel(run=run).to_numpy()  # every second step
+        assert np.abs(here[::2] - there).max() <= SINGLE * np.abs(there).max()
 
 
 @pytest.mark.parametrize(

@@ -563,9 +563,19 @@ function historiesCsv() {
   return csvFile(rows);
 }
 function cyclesCsv() {
-  const rows = [["ambient_degC", "cycle", ...COLUMNS.map(([name]) => OF_PYTHON[name] ?? name), "post_yield_stiffness_kN_mm", "rubber_degC", "lead_degC"]];
+  const layers = Array.from({ length: runs.cold.layers.count }, (_, k) => `rubber${k + 1}_degC`);
+  const rows = [["ambient_degC", "cycle", ...COLUMNS.map(([name]) => OF_PYTHON[name] ?? name), "post_yield_stiffness_kN_mm", ...layers, "lead_degC"]];
   for (const [run, ambient] of [[runs.cold, state.ambient], [runs.warm, state.reference]])
-    run.cycles.forEach((cycle, at) => rows.push([ambient, at + 1, ...COLUMNS.map(([name]) => cycle[name]), cycle.post_yield_stiffness_kN_mm, largest(cycle.layer_temperature), cycle.lead_temperature ?? ""]));
+    run.cycles.forEach((cycle, at) => rows.push([ambient, at + 1, ...COLUMNS.map(([name]) => cycle[name]), cycle.post_yield_stiffness_kN_mm, ...cycle.layer_temperature, cycle.lead_temperature ?? ""]));
+  return csvFile(rows);
+}
+
+function bridgeCsv() {
+  const { cold, warm } = computeBridge();
+  /** @type {(string | number)[][]} */
+  const rows = [["ambient_degC", "time_s", "ground_mm_s2", "bearing_displacement_mm", "bearing_force_kN", "pier_displacement_mm", "pier_ductility"]];
+  for (const [{ time, ground, bearing: { displacement_mm: moved, force_kN: force }, pier }, ambient] of [[cold, state.ambient], [warm, state.reference]])
+    time.forEach((at, k) => rows.push([ambient, ...[at, ground[k], moved[k], force[k], pier.displacement_mm[k], pier.ductility[k]].map((value) => Number(value.toPrecision(9)))]));
   return csvFile(rows);
 }
 
@@ -839,6 +849,7 @@ function listen() {
     });
   el("save-csv").addEventListener("click", () => save("histories.csv", historiesCsv()));
   el("save-cycles").addEventListener("click", () => save("cycles.csv", cyclesCsv()));
+  el("save-bridge").addEventListener("click", () => save("bridge.csv", bridgeCsv()));
   el("save-svg").addEventListener("click", () => save("loops.svg", new Blob([loopsFile().svg()], { type: "image/svg+xml" })));
   el("save-png").addEventListener("click", async () => save("loops.png", await loopsFile().png()));
   el("save-toml").addEventListener("click", () => {
