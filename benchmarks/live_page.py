@@ -54,6 +54,6 @@ def rows() -> list[Row]:
     return [
         at_most("live page, one file", size, PAGE_MB, "MB"),
         plain("live page, from opening to the first loops", first, "s", f"fastest of {OPENINGS}"),
-        at_least("live page, redraws while the temperature moves, 3 cycles of an LRB", rate, REDRAWS, "1/s", note),
+        at_least("live page, redraws of a 3-cycle test", rate, REDRAWS, "1/s", note),
         at_most("live page, a bridge of 50 s, drawn", min(bridge), BRIDGE_MS, "ms"),
     ]
