@@ -28,8 +28,8 @@ from thermobearing.commands import (  # noqa: F401 (each adds its commands)
 from thermobearing.commands.common import BAD_INPUT, app, patient_streams
 
 # Commands and groups in the order of the help.
-ORDER = """list check cyclic bridge hybrid sequence measure intake identify validate design bounds
-lambda new live report study motions structures"""
+ORDER = """list check cyclic bridge hybrid sequence serve measure intake identify validate design
+bounds lambda new live report study motions structures"""
 app.registered_commands.sort(key=lambda command: ORDER.split().index(str(command.name)))
 app.registered_groups.sort(key=lambda group: ORDER.split().index(str(group.name)))
 

@@ -1,5 +1,7 @@
 """Served bearings without OpenSees: a client of our own in its place, and its faults."""
 
+import re
+import signal
 import socket
 import struct
 import subprocess
@@ -413,3 +415,45 @@ def alive(process: int) -> bool:
         return stat.read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+def command(*words: str) -> "subprocess.Popen[str]":
+    line = [sys.executable, "-m", "thermobearing.cli", "serve", *words]
+    return subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def test_ctrl_c_ends_the_command_which_writes_what_it_served(tmp_path: Path) -> None:
+    words = ["shen-hdr-bridge", "--ambient", "-20", "--port", "0", "--no-figures"]
+    running = command(*words, "-o", str(tmp_path / "out"), "--units", "kN-mm")
+    assert running.stderr is not None
+    port = int(re.findall(r"port (\d+)", running.stderr.readline())[0])
+    client = Client(port)
+    forces = [client.step(x, t) for t, x in PATH]
+    running.send_signal(signal.SIGINT)
+    running.communicate(timeout=LIMIT)
+    assert running.returncode == 0
+    assert_only_nan(client)  # which has not left
+    client.socket.close()
+    result = tb.load_result(tmp_path / "out")
+    assert result["force"].values[0, 1:].tolist() == forces
+    again = command(str(tmp_path / "out" / "case.resolved.toml"), "--port", str(port), "--once")
+    assert again.stderr is not None
+    assert again.stderr.readline()
+    client = Client(port)
+    assert [client.step(x, t) for t, x in PATH] == forces
+    client.end()
+    again.kill()
+    again.communicate()
+
+
+@pytest.mark.parametrize(
+    "words", [["--port", "{used}"], ["--port", "0", "--direction", "7"], ["--port", "99999"]]
+)
+def test_a_command_that_cannot_serve(words: list[str], running: Running, tmp_path: Path) -> None:
+    words = [word.format(used=running.port) for word in words]
+    one = command("shen-hdr-bridge", *words, "-o", str(tmp_path / "out"))
+    _, text = one.communicate(timeout=LIMIT)
+    assert one.returncode == 2
+    assert words[-1] in text
+    assert len(text.splitlines()) == 1
+    assert not (tmp_path / "out").exists()

@@ -5,6 +5,8 @@ from typing import Annotated, Any
 
 import typer
 
+from thermobearing.border.errors import is_file
+from thermobearing.border.toml import read_toml
 from thermobearing.commands.common import (
     ANALYSES,
     FILES,
@@ -110,6 +112,86 @@ _add(
     ),
     examples="hybrid --mode rt --mode pd --ambient -20 -o hybrid",
 )
+
+
+@command(
+    app,
+    "serve",
+    fields(
+        "opensees.case:ServedCase",
+        "ambient initial count units rate",
+        INPUT,
+        ambient="|Ambient temperature [degC], in [-100, 100]; 23 by default.",
+    ),
+    fields(
+        "model.options:ModelOptions",
+        "model scheme integrator hardening small_loops heat_source lead_ends clock stack",
+        MODEL,
+    ),
+    examples="serve shen-hdr-bridge --ambient -20 --port 4711 --units kN-m -o served",
+    panel=ANALYSES,
+)
+def _serve(
+    bearing: Annotated[
+        str,
+        typer.Argument(
+            help="Bearing (library name or TOML file), or case file.", metavar="NAME/FILE"
+        ),
+    ],
+    given: dict[str, Any],
+    port: Annotated[
+        int, option("--port", help="TCP port to listen at; 0 takes a free one.", panel=INPUT)
+    ],
+    address: Annotated[
+        str | None,
+        option("--address", help="IP address to listen at; 127.0.0.1 by default.", panel=INPUT),
+    ],
+    direction: Annotated[
+        list[int] | None,
+        option(
+            "--direction",
+            help="Degree of freedom in which the bearing shears: 1 (default), 2 or 3. May be "
+            "repeated.",
+            panel=INPUT,
+        ),
+    ],
+    vertical: Annotated[
+        int | None,
+        option(
+            "--vertical",
+            help="Vertical degree of freedom (1, 2 or 3) of nodes with six.",
+            panel=INPUT,
+        ),
+    ],
+    pairs: Annotated[
+        int | None,
+        option("--pairs", help="Pairs of nodes in each element; 1 by default.", panel=INPUT),
+    ],
+    once: Annotated[
+        bool, option("--once", help="End when the last element has left.", panel=INPUT)
+    ],
+    end: Ending,
+) -> Answer:
+    """Serve a bearing to OpenSees (Tcl, or on another machine) as genericClient elements."""
+    from thermobearing.opensees.case import Layout, load_served_case, make_served_case
+    from thermobearing.opensees.result import ServedResult
+    from thermobearing.opensees.server import LOOPBACK, serve_until
+
+    file = Path(bearing)
+    if file.suffix == ".toml" and is_file(file) and read_toml(file).get("command") == "serve":
+        case = load_served_case(file, **given)
+    else:
+        case = make_served_case({}, "command line", bearing=bearing, **given)
+    ways = tuple(direction or (1,))
+    layout = Layout.of(1 if pairs is None else pairs, ways, vertical, "command line")
+    target = end.target(f"serve-{case.bearing.name}")
+
+    def _say(text: str) -> None:
+        typer.echo(f"thermobearing: {text}", err=True)
+
+    server = serve_until(case, layout, address or LOOPBACK, port, once=once, say=_say)
+    notes = [*layout.warnings, *server.notes]
+    return end.save(ServedResult.of(case, server.histories(), server.problems, notes), target)
 
 
 HELP = "List and examine structures."

@@ -91,7 +91,6 @@ def _keep(channel: socket.socket) -> None:
     for stream in (0, 1):  # whoever reads the output of the server must not wait for the keeper
         os.dup2(nowhere, stream)
     held: dict[int, socket.socket] = {}
-    message = MESSAGE
     events = select.poll()
     events.register(channel, select.POLLIN)
     while True:
@@ -106,11 +105,11 @@ def _keep(channel: socket.socket) -> None:
                 return
             if not data:
                 if held:
-                    os.write(2, message.encode())
+                    os.write(2, MESSAGE.encode())
                 _flood_all(list(held.values()))
                 return
             if data == QUIET:
-                message = ""
+                os.dup2(nowhere, 2)  # as above, and the end was wanted
             for new in numbers:
                 held[new] = socket.socket(fileno=new)
                 events.register(new, 0)  # no event but the end

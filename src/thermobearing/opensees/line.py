@@ -163,8 +163,7 @@ class Line:
             self._last, self._said = self._ask("histories"), self._ask("problems")
         problems, notes = self._said
         warned = [text for layout, _ in self._layouts.values() for text in layout.warnings]
-        said = [*dict.fromkeys(warned), *problems, *notes]
-        return ServedResult.of(self.case, self._last, said)
+        return ServedResult.of(self.case, self._last, problems, [*dict.fromkeys(warned), *notes])
 
     def close(self) -> None:
         """End the server; the result remains."""

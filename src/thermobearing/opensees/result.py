@@ -34,6 +34,8 @@ BALANCE = (
     *("work_in", "heat_released", "recoverable", "heat_stored"),
     *("heat_lost_ends", "heat_lost_sides"),
 )
+FAILED = "connection_failed"
+FAILED_SENTENCE = "An element could not be served to the end: see the warnings."
 COLUMNS = (
     *("element", "direction", "ambient_degC", "strain_max"),
     quantity("bearing_force_max_kN", head="Largest force"),
@@ -60,8 +62,14 @@ class ServedResult(DatasetResult):
         self.dataset = dataset
 
     @classmethod
-    def of(cls, case: ServedCase, histories: Sequence[Served], said: Sequence[str] = ()) -> Self:
-        """Return the result of a case; `said` are problems and notes of the server.
+    def of(
+        cls,
+        case: ServedCase,
+        histories: Sequence[Served],
+        problems: Sequence[str] = (),
+        notes: Sequence[str] = (),
+    ) -> Self:
+        """Return the result of a case with the problems and notes of the server, which warn.
 
         Raises
         ------
@@ -73,7 +81,15 @@ class ServedResult(DatasetResult):
                 "a genericClient element to the port",
                 "results()",
             )
-        return cls(_dataset(case, histories, said))
+        found = cls(_dataset(case, histories, [*problems, *notes]))
+        found.dataset.attrs["connection_failed"] = int(bool(problems))
+        return found
+
+    @property
+    def outcome(self) -> str:
+        """The outcome: "completed", "connection_failed", or why a step of a bearing failed."""
+        failed = self.dataset.attrs["connection_failed"]
+        return FAILED if failed else str(super().outcome)
 
     @property
     def headline(self) -> str:
@@ -291,6 +307,6 @@ def _attributes(
         ],
         **({"tested_range": rows} if rows else {}),
         **exposure_attribute(factors),
-        "sentences": SENTENCES,
+        "sentences": SENTENCES | {FAILED: FAILED_SENTENCE},
     }
     return {key: as_attribute(value) for key, value in found.items()}

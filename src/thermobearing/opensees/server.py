@@ -338,6 +338,44 @@ def _send(client: socket.socket, data: bytes) -> None:
             client.setblocking(False)
 
 
+def serve_until(
+    case: ServedCase, layout: Layout, address: str, port: int, *, once: bool, say: Say
+) -> Server:
+    """Serve elements at a port until Ctrl-C; with `once` until the last element has left.
+
+    Returns
+    -------
+    Server : closed; it holds the histories.
+
+    Raises
+    ------
+    InputError : the port is in use.
+    """
+    server = Server(case, say, Keeper.start())
+    port = server.listen(layout, None, address, port)
+    dofs = " ".join(["-dof", *map(str, layout.dofs)])
+    say(
+        f"serving {case.bearing.name} at {address}, port {port}, in {case.units}-s; "
+        f"{2 * layout.pairs} nodes with {dofs}; Ctrl-C ends"
+    )
+
+    def _stop(*_: Any) -> None:
+        server.stopped = True
+
+    def _all_left() -> bool:
+        still, all_of_them = server.clients
+        return once and all_of_them > 0 and not still
+
+    earlier = {one: signal.signal(one, _stop) for one in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        server.run(_all_left)
+    finally:
+        server.close()
+        for one, handler in earlier.items():
+            signal.signal(one, handler)
+    return server
+
+
 class _Child:
     """The server as a child of a Python process: commands in, answers out."""
 
