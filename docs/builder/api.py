@@ -25,6 +25,7 @@ TITLES = {
     "model": "Model options, and the bearing as an element",
     "results": "Cycles and figures",
     "loading": "Saved results",
+    "opensees": "Elements of OpenSees models",
     "live": "Live page",
     "reporting": "Reports",
     "tables": "Tables of numbers",
@@ -39,10 +40,16 @@ def groups() -> list[tuple[str, list[str]]]:
     statements = ast.parse((PACKAGE / "__init__.pyi").read_text(encoding="utf-8")).body
     imports = [line for line in statements if isinstance(line, ast.ImportFrom)]
     names = [((line.module or "").split(".")[0], line.names[0].name) for line in imports]
+    names = [one for place, name in names for one in ([(place, name)] if place else _inside(name))]
     unknown = {place for place, _ in names} - set(TITLES)
     if unknown:
         raise ValueError(f"docs/builder/api.py has no heading for {', '.join(sorted(unknown))}")
     return [(title, [n for at, n in names if at == place]) for place, title in TITLES.items()]
+
+
+def _inside(module: str) -> list[tuple[str, str]]:
+    """Return the public names of a public module."""
+    return [(module, f"{module}.{name}") for name in getattr(thermobearing, module).__all__]
 
 
 def names_page() -> str:

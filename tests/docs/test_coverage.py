@@ -175,10 +175,10 @@ def test_what_is_not_there_is_seen(run: str) -> None:
         nothing_wrong(run)
 
 
-@pytest.mark.parametrize("run", [i["run"] for i in ITEMS if i["verdict"] == "later"])
-def test_what_comes_later_is_not_there_yet(run: str) -> None:
-    with pytest.raises(KeyError):
-        nothing_wrong(run)
+def test_what_comes_later_is_not_there_yet() -> None:
+    for run in [i["run"] for i in ITEMS if i["verdict"] == "later"]:
+        with pytest.raises(KeyError):
+            nothing_wrong(run)
 
 
 def test_page_is_the_generated_one() -> None:
