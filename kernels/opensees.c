@@ -255,6 +255,7 @@ static int read_bearing(const char *path, Bearing *one)
     if (!fine)
         return fail("%s is not a whole file of write_material()", path), 0;
     const char *name = one->image + one->head.library, *sources;
+    dlopen("libm.so.6", RTLD_NOW | RTLD_GLOBAL); /* for exp and the like */
     void *code = dlopen(name, RTLD_NOW);
     if (!code)
         return fail("%s: %s", path, dlerror()), 0;

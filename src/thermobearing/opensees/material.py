@@ -155,6 +155,8 @@ def _pack(
 def _material_library() -> ctypes.PyDLL:
     """Load `ThermoBearing.so`; a loader that is asked for this name finds it from then on."""
     file = native.FOLDER / f"{NAME}.so"
+    if not native.library_name().startswith("linux-x86_64"):
+        raise InputError("materials of OpenSees run on Linux with x86-64 only; serve the bearing")
     try:
         code = ctypes.PyDLL(str(file))  # openseespy writes messages through Python
     except OSError as problem:
