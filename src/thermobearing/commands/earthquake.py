@@ -119,7 +119,7 @@ _add(
     "serve",
     fields(
         "opensees.case:ServedCase",
-        "ambient initial count units rate",
+        "ambient initial count units rate step",
         INPUT,
         ambient="|Ambient temperature [degC], in [-100, 100]; 23 by default.",
     ),
