@@ -11,10 +11,10 @@ const page = JSON.parse(el("page-data").textContent);
 const WORDS = page.words;
 
 let language = (navigator.language || "en").startsWith("ja") ? "ja" : "en";
-/** Words of the catalogue in the language of the page. */
+/** Words of the catalogue in the language of the page; a number stays in one line with its unit. */
 function t(key, values = {}) {
   const text = WORDS[key]?.[language] ?? key;
-  return text.replace(/\{(\w+)\}/g, (whole, name) => values[name] ?? whole);
+  return text.replace(/\{(\w+)\}/g, (whole, name) => values[name] ?? whole).replace(/(?<=\d) (?=[%°])/g, "\u00a0");
 }
 
 const state = {
