@@ -149,6 +149,8 @@ OPENSEES_PEAK = 1e-4  # 2e-5 measured; 5e-3 is asked
 OPENSEES_HISTORY = 1e-4  # of the peak, at every step: 2e-5 (stiff beams) and 1e-12 measured
 OPENSEES_SERVED = 1e-8  # of the peak: the same equations in two programs; 2e-12 measured
 OPENSEES_SERVED_PIER = 1e-3  # peaks; 1e-4 measured
+OPENSEES_GIRDER_BEARINGS = 0.02  # peaks: columns there, rigid piers here; 0.016 measured
+OPENSEES_GIRDER_PIERS = 0.04  # likewise; 0.030 measured
 SERVED = 1e-9  # the same bearing behind a socket; the same numbers in another order, 1e-15 measured
 OPENSEES_PERIODS = 1e-4  # bodies there are stiff beams: 2e-5 measured
 STRUCTURE_BOOKS = 1e-9  # of the input, beta = 1/4: 7e-11 measured, 1e-6 is asked

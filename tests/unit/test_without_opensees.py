@@ -19,13 +19,14 @@ ROOT = Path(__file__).parents[2]
 # Files with tests whose reference is OpenSees, and how many tests they are; all have it in their
 # names. The modules beside them hold no tests, but are collected.
 NEED_IT = (
+    "tests/cross_code/test_opensees_girder.py",
     "tests/cross_code/test_opensees_material.py",
     "tests/cross_code/test_opensees_pier.py",
     "tests/cross_code/test_opensees_serve.py",
     "tests/docs/test_site.py",
     "tests/verification/test_factors.py",
 )
-SKIPPED = 11 + 1 + 3 + 6 + 1 + 1
+SKIPPED = 5 + 11 + 1 + 3 + 6 + 1 + 1
 
 
 @pytest.fixture
