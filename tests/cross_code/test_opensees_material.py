@@ -1,5 +1,6 @@
 """Bearings as materials that OpenSees runs itself, compared with `tb.element` step by step."""
 
+import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -238,3 +239,28 @@ def test_what_cannot_be_added_is_an_error(
         with pytest.raises(tb.InputError) as found:
             add_material(ops, 8, bearing)
         assert word in str(found.value)
+
+
+@pytest.mark.parametrize("wrong", [False, True])
+def test_a_program_that_loads_materials_by_name(wrong: bool, tmp_path: Path) -> None:
+    """As xara does: other names of functions than in openseespy, arguments by its own functions."""
+    file = write_material(tmp_path / "pier", tb.element(BEARING, ambient=-20), units="N-m")
+    source = Path(__file__).parents[1] / "fixtures" / "opensees_host.c"
+    flags = ("-Wall", "-Werror", "-rdynamic", "-o", "host")
+    subprocess.run(["cc", *flags, str(source), "-ldl"], cwd=tmp_path, check=True)
+    done = subprocess.run(
+        [tmp_path / "host", file, *(["wrong"] if wrong else [])],
+        env={"LD_LIBRARY_PATH": str(native.FOLDER)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == (3 if wrong else 0), done.stderr
+    if wrong:
+        assert "10getTangent" in done.stderr
+        return
+    *rows, strain = map(float, done.stdout.split())
+    one, copy = 1e-3 * np.reshape(rows, (3, 2)).T
+    assert_allclose(one, followed([10.0, 20.0, 30.0], 0.1)[0], rtol=CLOSE)
+    assert_allclose(copy, followed([0.0, 10.0, 20.0], 0.1)[0], rtol=CLOSE, atol=CLOSE)
+    assert strain == pytest.approx(3 * 0.03)
