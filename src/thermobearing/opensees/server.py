@@ -55,6 +55,7 @@ class Connection:
         self.setup: Setup | UtSim | None = None
         self.element: ServedElement | None = None
         self.lost = False  # receives NaN from now on
+        self.answered = False  # whether the last bytes received had an answer
 
     def __str__(self) -> str:
         return f"element {self.tag}"
@@ -181,15 +182,17 @@ class Server:
             except OSError as error:
                 self._leave(connection, f"the connection was lost: {error.strerror or error}")
                 return
-            acknowledge(client)
             if not data:
                 cut = f"OpenSees closed it after {len(connection.buffer)} bytes of a message"
                 self._finish(connection)
                 self._leave(connection, cut if connection.buffer else "")
                 return
             connection.buffer += data
+            connection.answered = False
             try:
                 self._answer_all(connection)
+                if not connection.answered:  # else the answer has acknowledged
+                    acknowledge(client)
             except (WireError, StepError, InputError) as error:
                 self.problem(connection, str(error))
                 self._drown(connection)
@@ -240,6 +243,7 @@ class Server:
         setup: Setup | UtSim,
     ) -> None:
         """Carry out one request; NaN answers a step that fails, so that OpenSees tries another."""
+        connection.answered = request.action not in SILENT
         if request.action in ZERO:
             _send(connection.client, setup.reply([], request.action))
             return
