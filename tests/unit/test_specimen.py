@@ -17,7 +17,9 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import command, last_line
 from thermobearing.border.errors import InputError
+from thermobearing.cyclic.reported import residual_rows
 from thermobearing.earthquake.case import Laboratory, make_earthquake_case
+from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import build_tasks, run_task
 from thermobearing.earthquake.specimen import read_address
 from thermobearing.opensees.line import serve
@@ -346,3 +348,8 @@ def test_keywords_and_a_checked_laboratory_are_the_same() -> None:
         found = tb.hybrid(LHDR, ambient=-20, duration=0.5, laboratory=lab, specimen=server.address)
     assert found.outcome == "completed"
     assert server.address in found.dataset.attrs["case"]
+    pieces = build_pieces(found)
+    assert any(server.address in text for text in pieces.assumptions)
+    energy, analysis = found.energy.assign(mechanical_residual=0.5), {"scheme": "conservative"}
+    limits = [limit for _, _, limit, _ in residual_rows(energy, analysis, measured=True)]
+    assert [math.isnan(limit) for limit in limits] == [False, True, False]

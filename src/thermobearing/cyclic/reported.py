@@ -156,8 +156,13 @@ def heat_flow(analysis: Inputs, bearings: Sequence[Inputs]) -> str:
     return text
 
 
-def residual_rows(energy: pd.DataFrame, analysis: Inputs) -> list[tuple[str, float, float, str]]:
-    """Return name, largest value, limit and source of the limit of each residual of a balance."""
+def residual_rows(
+    energy: pd.DataFrame, analysis: Inputs, *, measured: bool = False
+) -> list[tuple[str, float, float, str]]:
+    """Return name, largest value, limit and source of the limit of each residual of a balance.
+
+    `measured` is whether the work of the bearing was measured and its heat calculated.
+    """
     gaps = analysis["scheme"] == "published" or analysis.get("model") in BLIND
     exact = analysis.get("method", "average-acceleration") == "average-acceleration"
     found = []
@@ -167,6 +172,8 @@ def residual_rows(energy: pd.DataFrame, analysis: Inputs) -> list[tuple[str, flo
         limit, source = BOOKS_CLOSE, "energy balance"
         if name == "thermal" and gaps:
             limit, source = float("nan"), "no limit: this model has no closed energy balance"
+        elif name == "mechanical" and measured:
+            limit, source = float("nan"), "no limit: work is measured, heat is calculated"
         elif name == "structure" and not exact:
             limit, source = INEXACT, "this time integration does not conserve energy exactly"
         largest = float(energy[f"{name}_residual"].abs().max())

@@ -217,7 +217,8 @@ def _laboratory(case: Case) -> list[str]:
     errors = [
         f"{name} {quantity(lab[key])}"
         for key, name in (("delay", "delay"), ("force_noise", "noise of the force"))
-        if float(str(lab.get(key, "0")).split()[0]) > 0.0
+        if not (key == "delay" and lab.get("specimen"))  # its own
+        and float(str(lab.get(key, "0")).split()[0]) > 0.0
     ]
     if errors or not lab.get("specimen"):
         given = joined(errors)
@@ -232,7 +233,8 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
     """Return the content of the document of `bridge` or `hybrid`, live or loaded again."""
     attrs = result.dataset.attrs
     case = tomllib.loads(attrs["case"])
-    command = str(attrs["command"])
+    command, outside = str(attrs["command"]), bool(case.get("laboratory", {}).get("specimen"))
+    energy = result.energy if result.runs else None
     given = any(one.get("tested_range") is not None for one in _list_all_bearings(case))
     return content.build_pieces(
         command,
@@ -246,7 +248,9 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
         checks=_report_checks(result, case),
         rate_rows=result.tested_range.to_dict("records"),
         lead_rise=_lead_rise(result),
-        residuals=residual_rows(result.energy, case["analysis"]) if result.runs else (),
+        residuals=(
+            () if energy is None else residual_rows(energy, case["analysis"], measured=outside)
+        ),
         books=balance_table(result) if result.runs else None,
         assumptions=_assumptions(result, case),
         **content.result_parts(result, str(attrs["case"]), command, range_given=given),
