@@ -20,7 +20,7 @@ def main(names: list[str]) -> None:
     from thermobearing.core.compiled.native import FOLDER
 
     targets = [one for one in TARGETS if not names or one.name in names]
-    faces, described = compile_all(lockstep=any(one.suffix != "wasm" for one in targets))
+    faces, described = compile_all(all_of_them=any(one.suffix != "wasm" for one in targets))
     build(faces, described, FOLDER, targets)
     if any(target.name.startswith("linux-x86_64") for target in targets):
         build_material(FOLDER)

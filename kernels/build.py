@@ -186,7 +186,7 @@ def build(
     """Write the libraries for some platforms and the description of all of them."""
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
-    single = [face for face in faces if not face.lockstep]
+    single = [face for face in faces if face.for_pages]
     texts = {
         wide: combine(faces if wide else single, described["sources"])
         for wide in {target.suffix != "wasm" for target in targets}

@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 
 import thermobearing as tb
-from kernels.faces import Compiled, Description, Recorded, compile_face, is_lockstep, recorded
-from thermobearing.core import lead_ends, march, numbers, step
+from kernels.faces import Compiled, Description, Recorded, compile_face, is_for_pages, recorded
+from thermobearing.bearing.ambient import Ambient
+from thermobearing.core import lead_ends, march, numbers, plane, step
 from thermobearing.core.compiled.kernel import Kernel
 from thermobearing.core.compiled.sources import sources_digest
+from thermobearing.cyclic.history import Segment, run_segments
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_device, soaked_hours
 from thermobearing.model import lead_impedance
@@ -22,7 +24,7 @@ from thermobearing.structure.run import Line, prepare_structure
 
 BEARING = "shen-lhdr-bridge"
 MODULES = (
-    *(loop, lead_ends, lead_impedance, march, numbers, step),
+    *(loop, lead_ends, lead_impedance, march, numbers, plane, step),
     *(forces, newmark, predictor, spectrum),
 )
 
@@ -44,10 +46,16 @@ def _run_everything() -> None:
     element = tb.element(BEARING, ambient=-20.0)
     element.set_trial(1.0, dt=0.1)
     element.commit()
+    tb.element(BEARING, ambient=-20.0, components=2).set_trial((1.0, 1.0), dt=0.1)
     case = make_earthquake_case({"command": "bridge", "bearings": [BEARING]}, "kernels")
     device = build_device(case, case.bearings[0])
     soaked_hours(device, tb.Hourly([1.0, 2.0, 3.0]))
     constants = device.constants
+    still, first = np.zeros(1, dtype=np.int32), np.ones(1, dtype=bool)
+    pair = Segment("recorded", "", np.ones((1, 2)), np.ones(1), still, first)
+    run_segments(
+        constants, [pair], Ambient.constant(-20.0), np.full(len(constants.cells.capacity), -20.0)
+    )
     line = Line(constants, np.full(len(constants.cells.capacity), -20.0))
     prepared = prepare_structure(load_structure("pier-p1"))
     run = Run(prepared, [line], np.array([0.0, 1.0, 0.0]), 0.01, -20.0)
@@ -62,12 +70,12 @@ def record() -> dict[str, tuple[Any, ...]]:
     return dict(sorted(found.items()))
 
 
-def compile_all(*, lockstep: bool = True) -> tuple[list[Compiled], dict[str, Any]]:
-    """Return all faces and their description, or those that take one run only."""
+def compile_all(*, all_of_them: bool = True) -> tuple[list[Compiled], dict[str, Any]]:
+    """Return all faces and their description, or those that pages need."""
     known = {kernel.name: kernel for kernel in all_kernels()}
     description, faces = Description(), []
     for name, given in record().items():
-        if is_lockstep(known[name]) and not lockstep:
+        if not (all_of_them or is_for_pages(known[name])):
             continue
         face = compile_face(known[name], given)
         description.add(known[name], given, face)

@@ -28,12 +28,12 @@ int main(void)
         .lead_cells = NONE, .lead_modes = NONE, .source_rise = 1.0 / 2000.0,
         .side_implicit = 1, .limits = {-273.15, 1e9, 1e9},
     };
-    double scratch[13] = {0};
+    double scratch[14] = {0};
     tb_Workspace work = {
         .factored_dt = ONE(scratch[0]),
         .layers = {ONE(scratch[1]), ONE(scratch[2]), ONE(scratch[3]), ONE(scratch[4]),
-                   ONE(scratch[5]), ONE(scratch[6]), ONE(scratch[7])},
-        .cells = {ONE(scratch[8]), ONE(scratch[9]), ONE(scratch[10]), ONE(scratch[11])},
+                   ONE(scratch[5]), ONE(scratch[6]), ONE(scratch[7]), ONE(scratch[8])},
+        .cells = {ONE(scratch[9]), ONE(scratch[10]), ONE(scratch[11]), ONE(scratch[12])},
         .lead_ports = {{0, {0, 0}}, NONE, NONE}, .lead_modes = NONE,
     };
     tb_Layer layers[2] = {{.virgin = 1.0}, {.virgin = 1.0}};

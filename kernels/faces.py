@@ -88,7 +88,7 @@ def _lower_entry(context: Any, builder: Any, called: Any, values: Any) -> Any:
     start = builder.gep(table, [builder.mul(values[1], size)], inbounds=True)
     value, _ = _load(context, builder, listed.item, start, 0)
     if listed.width:
-        return views.converted(context, builder, listed.item, value, listed.width)
+        return views.converted(context, builder, listed.item, value, listed.found)
     return value
 
 
@@ -179,7 +179,7 @@ class Compiled(NamedTuple):
     function: str  # the name in the text
     text: str  # the optimized module in LLVM's language
     results: list[Any]  # numba types
-    lockstep: bool  # whether it takes several runs side by side, which no page needs
+    for_pages: bool  # whether a page needs it
 
 
 def compile_face(kernel: Kernel, given: tuple[Any, ...]) -> Compiled:
@@ -236,7 +236,7 @@ def compile_face(kernel: Kernel, given: tuple[Any, ...]) -> Compiled:
     symbol = PREFIX + kernel.__name__.strip("_")
     text = made.library.get_llvm_str()
     return Compiled(
-        symbol, made.fndesc.llvm_func_name, text, _results(found[-1]), is_lockstep(kernel)
+        symbol, made.fndesc.llvm_func_name, text, _results(found[-1]), is_for_pages(kernel)
     )
 
 
@@ -282,11 +282,13 @@ def _named_rows() -> dict[str, str]:
     """Return the class of each kind of row, by its fields."""
     modules = (core_types, structure_types)
     classes = [one for module in modules for one in vars(module).values() if isinstance(one, type)]
-    return {
-        str(numba.from_dtype(row_type(one))): one.__name__
+    records = [
+        one
         for one in classes
         if not issubclass(one, tuple) and one.__module__.startswith("thermobearing.")
-    }
+    ]
+    names = {str(numba.from_dtype(row_type(one, 2))): f"{one.__name__}Plane" for one in records}
+    return names | {str(numba.from_dtype(row_type(one))): one.__name__ for one in records}
 
 
 class Description:
@@ -363,3 +365,8 @@ def _add_named(known: dict[str, Any], name: str, content: Any) -> str:
 def is_lockstep(kernel: Kernel) -> bool:
     """Return whether a kernel takes several runs side by side, and so cannot run as Python."""
     return "as_lanes" in kernel.py_func.__code__.co_names
+
+
+def is_for_pages(kernel: Kernel) -> bool:
+    """Return whether a page may need a kernel: one run on a line."""
+    return not {"as_lanes", "as_plane"} & set(kernel.py_func.__code__.co_names)

@@ -15,6 +15,13 @@ SCIPY_RELATIVE = 1e-12  # what DOP853 is asked for
 SCIPY_ABSOLUTE = 1e-14  # of d_y
 SCIPY_HYSTERESIS = 1e-9  # of d_y: the other solver's own error is about 1e-12
 
+# --- Motion in a plane -------------------------------------------------------------------
+PLANE_LINE = 1e-12  # of the peak force: a line in the plane and the line; 5e-14 measured
+PLANE_TURNED = 1e-9  # kN, mm and K: Newton's last correction of two motions
+PLANE_HYSTERESIS = 1e-8  # of d_y, from DOP853; 2e-12 measured
+PLANE_TANGENT = 1e-6  # relative: central differences; 2e-7 and 1e-9 measured
+PLANE_CIRCLE = 1e-5  # a polygon of 2000 sides and the circle
+
 # --- Conduction --------------------------------------------------------------------------
 MODE_CAP = 3e-4  # of the mode's peak, 32 + 32 cells; the second mode comes to 2.5e-4
 TIME_CAP = 1e-5  # K after 8 s with dt = 20 ms, from cells up to 40 K apart; 7e-6 measured

@@ -61,7 +61,8 @@ def check_layout(description: dict[str, Any]) -> int:
         assert [field for field, _ in fields] == list(plain._fields)
         checked += 1
     for name, row in description["rows"].items():
-        plain = row_type(classes[name.removesuffix("Lanes")])
+        components = 2 if name.endswith("Plane") else 1
+        plain = row_type(classes[name.removesuffix("Lanes").removesuffix("Plane")], components)
         assert [field for field, *_ in row["fields"]] == list(plain.names or ())
         if not name.endswith("Lanes"):
             assert row["size"] == plain.itemsize

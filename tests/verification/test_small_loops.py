@@ -45,7 +45,7 @@ class Law:
         layer = self.new.layers[0]
         layer.d, layer.z = d, self.at(d)[0]
         if self.rubber.closed_loops:
-            remember(self.rubber, self.old, self.new, 0)
+            remember(self.rubber, self.old, self.new, 0, d - float(self.old.layers["d"][0]))
         copy_state(self.new, self.old)
         return float(layer.z)
 

@@ -10,15 +10,34 @@ at least `sharing_start` ke, and w stays 0.
 """
 
 import math
+from typing import Any
 
 from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.hysteresis import advance
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.types import EULER, Layer, LayerWork, Rubber, State
+from thermobearing.core.vector import (
+    Matrix,
+    Pair,
+    Vector,
+    choice,
+    dot,
+    isotropic,
+    minus,
+    norm,
+    outer,
+    pick,
+    plus,
+    scaled,
+    transposed_times,
+    zero,
+)
 
 
 @compiled
-def strain_factor(rubber: Rubber, ke: float, kh: float, s: float, z: float) -> tuple[float, float]:
+def _strain_factor_on_line(
+    rubber: Rubber, ke: float, kh: float, s: float, z: float
+) -> tuple[float, float]:
     """B s^2 and its derivative by s, or their monotone form where s and Z differ in sign."""
     b = rubber.hardening
     if rubber.monotone and any_lane(s * z < 0.0):
@@ -34,15 +53,40 @@ def strain_factor(rubber: Rubber, ke: float, kh: float, s: float, z: float) -> t
 
 
 @compiled
+def _strain_factor_in_plane(
+    rubber: Rubber, ke: float, kh: float, s: Pair, z: Pair
+) -> tuple[float, Pair]:
+    """`strain_factor` in a plane, where there is no monotone form."""
+    b = rubber.hardening
+    return b * dot(s, s), scaled(s, 2.0 * b)
+
+
+strain_factor = choice(_strain_factor_on_line, _strain_factor_in_plane, at=3)
+
+
+@compiled
+def hardening_strain(d: Vector, mean: Vector, w: float) -> Vector:
+    """Strain s at which the hardening factor is taken, as a displacement [mm]."""
+    return plus(scaled(d, 1.0 - w), scaled(mean, w))
+
+
+@compiled
 def force_and_tangent(
-    rubber: Rubber, ke: float, kh: float, d: float, z: float, slope: float, mean: float, w: float
-) -> tuple[float, float]:
+    rubber: Rubber,
+    ke: float,
+    kh: float,
+    d: Vector,
+    z: Vector,
+    slope: Matrix,
+    mean: Vector,
+    w: float,
+) -> tuple[Vector, Matrix]:
     """Layer force [kN] and tangent [kN/mm] from d, Z and dZ/dd (Eq. 4.34, hardening at s)."""
-    s = (1.0 - w) * d + w * mean
-    more, by_s = strain_factor(rubber, ke, kh, s, z)
+    more, by_s = strain_factor(rubber, ke, kh, hardening_strain(d, mean, w), z)
     hardening = 1.0 + more
-    by_strain = by_s * (1.0 - w) * z
-    return ke * d + hardening * kh * z, ke + kh * (hardening * slope + by_strain)
+    by_strain = outer(z, scaled(by_s, 1.0 - w))
+    force = plus(scaled(d, ke), scaled(z, hardening * kh))
+    return force, plus(isotropic(d, ke), scaled(plus(scaled(slope, hardening), by_strain), kh))
 
 
 @compiled
@@ -71,7 +115,7 @@ def clear(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> bo
 
 
 @compiled
-def margin(
+def _margin_on_line(
     rubber: Rubber, ke: float, kh: float, old: State, j: int, step: float
 ) -> tuple[float, float]:
     """Layer tangent / ke at w = 0 after the increment `step`, and its derivative [1/mm].
@@ -104,25 +148,82 @@ def margin(
 
 
 @compiled
-def weight(rubber: Rubber, old: State, work: LayerWork, step: float) -> tuple[float, float]:
+def _least_hardening(b: float, d_y: float, d: Pair, z: Pair) -> tuple[float, float, float]:
+    """Smallest eigenvalue, and two parts of it, of the symmetric b (Z d' + d Z') - h Z Z'/d_y^2.
+
+    h = 1 + b |d|^2. It is half - root with the trace of 2 half; returns these three.
+    """
+    h = 1.0 + b * dot(d, d)
+    half = b * dot(z, d) - 0.5 * h * dot(z, z) / (d_y * d_y)
+    skew = b * (z[0] * d[1] - z[1] * d[0])
+    root = math.sqrt(half * half + skew * skew)
+    return half - root, half, root
+
+
+@compiled
+def _margin_in_plane(
+    rubber: Rubber, ke: float, kh: float, old: State, j: int, step: Pair
+) -> tuple[float, Pair]:
+    """`margin` in a plane: smallest eigenvalue of the symmetric part of the layer tangent / ke.
+
+    dZ/dd is that of loading in all directions, I - Z Z'/d_y^2.
+    """
+    b, d_y, start = rubber.hardening, rubber.yield_displacement, rubber.sharing_start
+    z0: Any = old.layers[j].z
+    d: Any = plus(old.layers[j].d, step)
+    harmful = 2.0 * b * norm(d) * kh * d_y > (1.0 - start) * ke
+    if all_lanes(no(harmful)):
+        return 1.0, zero(step)
+    h = 1.0 + b * dot(d, d)
+    steepest = max(1.0, 1.0 + rubber.unloading_curvature * dot(z0, z0))
+    moved = steepest * norm(step)  # |Z| changes by at most that, and the eigenvalue by a multiple
+    least = _least_hardening(b, d_y, d, z0)[0]
+    lowest = least - 2.0 * (h / d_y * (1.0 + moved / d_y) + b * norm(d)) * moved
+    fine = no(harmful) | (ke + kh * (h + lowest) >= start * ke)
+    if all_lanes(fine):
+        return 1.0, zero(step)
+    z: Any
+    z, by = advance(rubber, old, j, d, step)
+    least, half, root = _least_hardening(b, d_y, d, z)
+    value = 1.0 + kh / ke * (h + least)
+    # The derivatives of half and skew by d and Z, and of both by the step.
+    per, skew = dot(z, z) / (d_y * d_y), b * (z[0] * d[1] - z[1] * d[0])
+    half_by_d = minus(scaled(z, b), scaled(d, b * per))
+    half_by_z = minus(scaled(d, b), scaled(z, h / (d_y * d_y)))
+    skew_by_d: Pair = (-b * z[1], b * z[0])
+    skew_by_z: Pair = (b * d[1], -b * d[0])
+    over_root = 1.0 / select(root > 0.0, root, 1.0)
+    of_half, of_skew = 1.0 - half * over_root, -skew * over_root
+    by_d = plus(scaled(half_by_d, of_half), scaled(skew_by_d, of_skew))
+    by_z = plus(scaled(half_by_z, of_half), scaled(skew_by_z, of_skew))
+    by_d = plus(by_d, scaled(d, 2.0 * b))
+    rate = scaled(plus(by_d, transposed_times(by, by_z)), kh / ke)
+    return select(fine, 1.0, value), pick(fine, zero(step), rate)
+
+
+margin = choice(_margin_on_line, _margin_in_plane, at=5)
+
+
+@compiled
+def weight(rubber: Rubber, old: State, work: LayerWork, step: Vector) -> tuple[float, Vector]:
     """w, and its derivative by the increment `step` of all layers [1/mm]."""
-    smallest, rate = 1.0, 0.0
+    smallest, rate = 1.0, zero(step)
     if rubber.monotone:
-        return 0.0, 0.0
+        return 0.0, zero(step)
     for j in range(len(work.trial)):
         value, by = margin(rubber, work.elastic[j], work.hysteretic[j], old, j, step)
         less = value < smallest
-        smallest, rate = select(less, value, smallest), select(less, by, rate)
+        smallest, rate = select(less, value, smallest), pick(less, by, rate)
     width = rubber.sharing_start - rubber.sharing_full
     t = (rubber.sharing_start - smallest) / width
     none, all_of_it = t <= 0.0, t >= 1.0
     if all_lanes(none):
-        return 0.0, 0.0
+        return 0.0, zero(step)
     if all_lanes(all_of_it):
-        return 1.0, 0.0
+        return 1.0, zero(step)
     w = t * t * (3.0 - 2.0 * t)
-    by_step = -6.0 * t * (1.0 - t) / width * rate
+    by_step = scaled(rate, -6.0 * t * (1.0 - t) / width)
     return (
         select(none, 0.0, select(all_of_it, 1.0, w)),
-        select(none | all_of_it, 0.0, by_step),
+        pick(none | all_of_it, zero(step), by_step),
     )

@@ -17,16 +17,39 @@ which is that of the law above. A reversal inside of it begins an inner branch, 
 the outer one: the same equation about the centre Z_n + sigma Z_P in place of zero. It ends at the
 last turning point but one (d_{n-1}, Z_{n-1}), where the branch before goes on and both points are
 forgotten. On steady loops there are no inner branches, and the law is the published one.
+
+**In a plane** Z and d are vectors, and the law must not depend on the choice of axes:
+
+    dZ = dd - Z [gamma (dd . Z) + beta |dd . Z|]
+
+Over a straight increment of length a in the direction e, the part p = Z . e follows the law of a
+line, and the part q across it decays with the same f(u) = du/de:  q'/q = sqrt(f(p')/f(p)).
+Explicit Euler and closed small loops are for a line only.
 """
 
 import math
+from typing import Any
 
 from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.records import Rows
 from thermobearing.core.types import DEPTH, EULER, Layer, Rubber, State, Turn
+from thermobearing.core.vector import (
+    Pair,
+    Square,
+    choice,
+    direction,
+    dot,
+    isotropic,
+    norm,
+    outer,
+    pick,
+    plus,
+    scaled,
+)
 
 NO_MOTION = 1e-12  # displacement, relative to d_y, too small for its direction to matter
+SHORT = 1e-7  # the same, below which differences of a closed form are taken from its limit
 
 
 @compiled
@@ -149,7 +172,62 @@ def branch(
 
 
 @compiled
-def advance(rubber: Rubber, old: State, j: int, d: float, moved: float) -> tuple[float, float]:
+def _decay(p: float, e: float, d_y: float, curvature: float) -> tuple[float, float, float]:
+    """Move Z . e = p over a path e; returns it, by what the part across shrinks, and d of that/dp.
+
+    The last two are R = sqrt(f(p')/f(p)) and dR/dp.
+    """
+    u, left, ratio = p, e, 1.0
+    unloads = p < 0.0
+    start = 1.0 + curvature * p * p
+    if any_lane(unloads):
+        nearer, rest = unload(p, e, curvature)
+        u, left = select(unloads, nearer, p), select(unloads, rest, e)
+        ratio = math.sqrt((1.0 + curvature * u * u) / start)
+        ratio = select(unloads, ratio, 1.0)
+    grown, whole = 0.0, 1.0
+    loads = u >= 0.0
+    if any_lane(loads):
+        lost = math.expm1(-left / d_y)
+        both, grown = 1.0 + (1.0 + lost) * (1.0 + lost), -lost * (2.0 + lost)
+        whole = both + u / d_y * grown  # 2 exp(-left/d_y) (cosh + u/d_y sinh)
+        ratio = select(loads, ratio * 2.0 * (1.0 + lost) / whole, ratio)
+        u = select(loads, (u * both + d_y * grown) / whole, u)
+    growth = select(u < 0.0, curvature * u, -u / (d_y * d_y))
+    by_unloading = (growth - curvature * p) / start
+    return u, ratio, ratio * select(unloads, by_unloading, -grown / (d_y * whole))
+
+
+@compiled
+def plane_increment(z: Pair, increment: Pair, d_y: float, curvature: float) -> tuple[Pair, Square]:
+    """Z and dZ/dd after a straight increment in the plane, in closed form.
+
+    With a zero increment the tangent is that of loading.
+    """
+    e = norm(increment)
+    along: Pair = pick(e > 0.0, direction(increment), direction(z))
+    across: Pair = -along[1], along[0]
+    p, q = dot(z, along), dot(z, across)
+    after, ratio, by_p = _decay(p, e, d_y, curvature)
+    growth = select(after < 0.0, curvature * after, -after / (d_y * d_y))
+    start = select(p < 0.0, curvature, -1.0 / (d_y * d_y))
+    short = e <= SHORT * d_y
+    per = 1.0 / select(short, d_y, e)
+    side = ratio * q
+    # dZ/dd in the directions along and across: by turning the increment, across.
+    ee, ne = hysteretic_slope(after, d_y, curvature), side * growth
+    en = select(short, q * start * p, side * (ratio - 1.0) * per)
+    nn = select(short, 1.0 + start * q * q, (after - ratio * p + q * q * by_p) * per)
+    by_along = plus(scaled(along, ee), scaled(across, ne))
+    by_across = plus(scaled(along, en), scaled(across, nn))
+    slope = plus(outer(by_along, along), outer(by_across, across))
+    return plus(scaled(along, after), scaled(across, side)), slope
+
+
+@compiled
+def _advance_on_line(
+    rubber: Rubber, old: State, j: int, d: float, moved: float
+) -> tuple[float, float]:
     """Z and dZ/dd of layer j after a monotone motion to d, by `moved`."""
     d_y, curvature = rubber.yield_displacement, rubber.unloading_curvature
     layer = old.layers[j]
@@ -164,6 +242,40 @@ def advance(rubber: Rubber, old: State, j: int, d: float, moved: float) -> tuple
     if rubber.closed_loops:
         z = centre + sigma * z
     return z, slope
+
+
+@compiled
+def _advance_in_plane(
+    rubber: Rubber, old: State, j: int, d: Pair, moved: Pair
+) -> tuple[Pair, Square]:
+    """`advance` in a plane."""
+    z: Any = old.layers[j].z
+    return plane_increment(z, moved, rubber.yield_displacement, rubber.unloading_curvature)
+
+
+advance = choice(_advance_on_line, _advance_in_plane, at=3)
+
+
+@compiled
+def _start_slope_on_line(rubber: Rubber, old: State, j: int, step: float) -> float:
+    """dZ/dd where layer j sets out in the direction of `step`."""
+    sigma, centre = direction(step), 0.0
+    if rubber.closed_loops:
+        centre = entry(old.layers[j], old.turns[j], sigma)[2]
+    d_y = rubber.yield_displacement
+    return hysteretic_slope(sigma * (old.layers[j].z - centre), d_y, rubber.unloading_curvature)
+
+
+@compiled
+def _start_slope_in_plane(rubber: Rubber, old: State, j: int, step: Pair) -> Square:
+    """`start_slope` in a plane: I - (gamma + beta sign(step . Z)) Z Z'."""
+    z: Any = old.layers[j].z
+    per = -1.0 / (rubber.yield_displacement * rubber.yield_displacement)
+    curvature = select(dot(z, step) < 0.0, rubber.unloading_curvature, per)
+    return plus(isotropic(z, 1.0), outer(scaled(z, curvature), z))
+
+
+start_slope = choice(_start_slope_on_line, _start_slope_in_plane, at=3)
 
 
 @compiled
@@ -196,10 +308,10 @@ def forget(turns: Rows[Turn], full: bool, amplitude: float, d_y: float, curvatur
 
 
 @compiled
-def remember(rubber: Rubber, old: State, new: State, j: int) -> None:
-    """Turning points of layer j after a step, once it is accepted."""
+def _remember_on_line(rubber: Rubber, old: State, new: State, j: int, moved: float) -> None:
+    """Turning points of layer j after a step by `moved`, once it is accepted."""
     layer, after, past, turns = old.layers[j], new.layers[j], old.turns[j], new.turns[j]
-    d_y, moved = rubber.yield_displacement, after.d - layer.d
+    d_y = rubber.yield_displacement
     sigma = select(moved >= 0.0, 1.0, -1.0)
     rests = abs(moved) <= NO_MOTION * d_y  # what is left is rounding, not a reversal
     after.heading = select(rests, layer.heading, sigma)
@@ -232,3 +344,29 @@ def remember(rubber: Rubber, old: State, new: State, j: int) -> None:
         forget(turns, full, amplitude, d_y, rubber.unloading_curvature)
     after.turns = select(full, left - 2.0, left)
     after.amplitude = amplitude
+
+
+@compiled
+def _nothing_to_remember(rubber: Rubber, old: State, new: State, j: int, moved: Pair) -> None:
+    """Small loops stay open in a plane."""
+
+
+remember = choice(_remember_on_line, _nothing_to_remember, at=4)
+
+
+@compiled
+def _leaves_branch(rubber: Rubber, old: State, j: int, d: float, by: float) -> bool:
+    """Return whether a correction `by` of layer j at d passes a turning point."""
+    sigma = direction(d - old.layers[j].d)
+    x, _, _, left, end = branch(old.layers[j], old.turns[j], d, sigma)
+    ends = (left > 1.0) & (sigma * (d + by - end) >= 0.0)
+    return ends | (sigma * (d + by - x) < 0.0)
+
+
+@compiled
+def _stays_on_branch(rubber: Rubber, old: State, j: int, d: Pair, by: Pair) -> bool:
+    """There are no branches in a plane."""
+    return False
+
+
+leaves_branch = choice(_leaves_branch, _stays_on_branch, at=3)

@@ -3,6 +3,7 @@
 Kalpakidis & Constantinou (2009): one temperature for the bulk of a core; its surface rises p
 times as much. Each end is a disc heating a half-space (flux over F(t+), Eq. 5.5), the side a
 hole heating a plate (t+^{1/3}); t+ = diffusivity x time / r_l^2 since the motion began.
+In a plane the yield surface of a core is a circle, to which forces return along the radius.
 """
 
 import math
@@ -17,6 +18,22 @@ from thermobearing.core.types import (
     Lead,
     State,
     Workspace,
+)
+from thermobearing.core.vector import (
+    Matrix,
+    Pair,
+    Square,
+    Vector,
+    choice,
+    direction,
+    dot,
+    isotropic,
+    norm,
+    outer,
+    pick,
+    plus,
+    scaled,
+    times,
 )
 
 STRENGTH_ITERATIONS = 20
@@ -72,60 +89,106 @@ def side_factor(start: float, end: float) -> float:
 
 
 @compiled
-def core_heat(lead: Lead, source: int, before: float, after: float, dx: float) -> float:
+def core_heat(lead: Lead, source: int, before: Vector, after: Vector, dx: Vector) -> float:
     """Heat of one core over a displacement increment: its work, or the plastic part of it."""
-    heat = 0.5 * (before + after) * dx
+    heat = dot(scaled(plus(before, after), 0.5), dx)
     if source == HEAT_FROM_DISSIPATION:
-        heat -= 0.5 * (after * after - before * before) / lead.stiffness
+        heat -= 0.5 * (dot(after, after) - dot(before, before)) / lead.stiffness
     return heat
 
 
 @compiled
+def _no_turning(lead: Lead, sign: float, q: float, size: float) -> float:
+    """A force on a line does not turn."""
+    return 0.0
+
+
+@compiled
+def _turning_in_plane(lead: Lead, sign: Pair, q: float, size: float) -> Square:
+    """Tangent of a force of constant strength q that turns: q K/|trial| (I - n n')."""
+    by = q * lead.stiffness / select(size > 0.0, size, 1.0)
+    return plus(isotropic(sign, by), outer(scaled(sign, -by), sign))
+
+
+_slope_by_turning = choice(_no_turning, _turning_in_plane, at=1)
+
+
+@compiled
+def _yielding_slope_on_line(
+    before: float, sign: float, q: float, dx: float, per: float, heat_by_q: float, turning: float
+) -> float:
+    """Tangent of a core that yields: its work warms it by dx, and softens it by `per`."""
+    by_x = -per * q * 0.5 * (before + sign * q) / (1.0 + per * q * heat_by_q)
+    return sign * by_x
+
+
+@compiled
+def _yielding_slope_in_plane(
+    before: Pair, sign: Pair, q: float, dx: Pair, per: float, heat_by_q: float, turning: Square
+) -> Square:
+    """`_yielding_slope` in a plane, where the force turns too."""
+    mean = plus(plus(before, scaled(sign, q)), times(turning, dx))
+    by_x = scaled(mean, -per * q * 0.5 / (1.0 + per * q * heat_by_q))
+    return plus(turning, outer(sign, by_x))
+
+
+_yielding_slope = choice(_yielding_slope_on_line, _yielding_slope_in_plane)
+
+
+@compiled
 def core_force(
-    lead: Lead, source: int, temperature: float, before: float, dx: float
-) -> tuple[float, float]:
+    lead: Lead, source: int, temperature: float, before: Vector, dx: Vector
+) -> tuple[Vector, Matrix]:
     """Force of one core after an increment dx [mm], and its tangent [kN/mm].
 
     Elastic, then yielding at Q = Q_0 exp(-E2 (T - T_0)) with T warmed by the work of this
     increment (implicit, so that strength and heat agree at the end of the step).
     """
-    trial = before + lead.stiffness * dx
-    sign = select(trial >= 0.0, 1.0, -1.0)
+    trial = plus(before, scaled(dx, lead.stiffness))
+    sign, size = direction(trial), norm(trial)
     fall = lead.softening
     if all_lanes(fall == 0.0):
-        yields = abs(trial) > lead.strength
+        yields = size > lead.strength
         return (
-            select(yields, sign * lead.strength, trial),
-            select(yields, 0.0, lead.stiffness),
+            pick(yields, scaled(sign, lead.strength), trial),
+            pick(
+                yields,
+                _slope_by_turning(lead, sign, lead.strength, size),
+                isotropic(dx, lead.stiffness),
+            ),
         )
     cold = q = lead.strength * math.exp(-fall * (temperature - lead.reference_temperature))
     per = fall / lead.capacity
-    elastic = no(abs(trial) > cold * math.exp(-per * core_heat(lead, source, before, trial, dx)))
+    elastic = no(size > cold * math.exp(-per * core_heat(lead, source, before, trial, dx)))
     if all_lanes(elastic):
-        return trial, lead.stiffness
+        return trial, isotropic(dx, lead.stiffness)
     plastic = 1.0 if source == HEAT_FROM_DISSIPATION else 0.0
     done = elastic
     for _ in range(STRENGTH_ITERATIONS):
-        heated = cold * math.exp(-per * core_heat(lead, source, before, sign * q, dx))
-        heat_by_q = 0.5 * sign * dx - plastic * q / lead.stiffness
+        heated = cold * math.exp(-per * core_heat(lead, source, before, scaled(sign, q), dx))
+        heat_by_q = dot(scaled(sign, 0.5), dx) - plastic * q / lead.stiffness
         correction = (q - heated) / (1.0 + per * heated * heat_by_q)
         q = select(done, q, q - correction)
         done = done | no(abs(correction) > STRENGTH_TOLERANCE * cold)
         if all_lanes(done):
             break
-    heat_by_q = 0.5 * sign * dx - plastic * q / lead.stiffness
-    by_x = -per * q * 0.5 * (before + sign * q) / (1.0 + per * q * heat_by_q)
-    return select(elastic, trial, sign * q), select(elastic, lead.stiffness, sign * by_x)
+    heat_by_q = dot(scaled(sign, 0.5), dx) - plastic * q / lead.stiffness
+    turning = _slope_by_turning(lead, sign, q, size)
+    slope = _yielding_slope(before, sign, q, dx, per, heat_by_q, turning)
+    return (
+        pick(elastic, trial, scaled(sign, q)),
+        pick(elastic, isotropic(dx, lead.stiffness), slope),
+    )
 
 
 @compiled
-def _run_clock(lead: Lead, old: Branches, dx: float, dt: float, new: Branches) -> float:
+def _run_clock(lead: Lead, old: Branches, dx: Vector, dt: float, new: Branches) -> float:
     """Advance the clock of the motion; returns t+ at the start of the step.
 
     A pause as long as the half-space takes to recover (t+ of the pause = 1) stops it: the
     next motion starts it again from zero.
     """
-    moves = dx != 0.0
+    moves = norm(dx) != 0.0
     recovered = old.idle * lead.clock_rate >= 1.0
     start = select(moves & recovered, 0.0, old.clock)
     new.clock = start + dt
@@ -226,7 +289,7 @@ def lead_step(
     work: Workspace,
     state: State,
     new: State,
-    dx: float,
+    dx: Vector,
     dt: float,
     ambient: float,
 ) -> float:

@@ -45,6 +45,15 @@ class Rows(Protocol[R]):
         ...
 
 
+class PlaneRow(np.record):  # type: ignore[misc]  # numpy types it as final
+    """A row whose vectors are pairs in plain Python, as in compiled kernels."""
+
+    def __getattribute__(self, name: str) -> Any:
+        """Return a number, or the numbers of a vector."""
+        found = super().__getattribute__(name)
+        return tuple(found.tolist()) if type(found) is np.ndarray else found
+
+
 class Label(NamedTuple):
     """The names of a number of a record in files and figures."""
 
@@ -53,22 +62,33 @@ class Label(NamedTuple):
     meaning: str
 
 
+def vector_fields(record: Any) -> dict[str, tuple[int, ...]]:
+    """Return the fields of a record that are vectors or matrices, and their shape in a plane."""
+    hints = get_type_hints(record, include_extras=True)
+    marks = {name: getattr(hint, "__metadata__", ((),))[0] for name, hint in hints.items()}
+    return {name: mark for name, mark in marks.items() if isinstance(mark, tuple) and mark}
+
+
 @cache
-def row_type(record: Any) -> np.dtype[Any]:
-    """The numpy type of one row, aligned as compiled code likes it; one object per record."""
+def row_type(record: Any, components: int = 1) -> np.dtype[Any]:
+    """The numpy type of one row, aligned as compiled code likes it; one object per record.
+
+    With two components each vector is a field of that shape.
+    """
     hints = get_type_hints(record)
-    fields = np.dtype([(name, KINDS[kind]) for name, kind in hints.items()], align=True)
-    return np.dtype((np.record, fields))
+    wide = vector_fields(record) if components > 1 else {}
+    fields = [(name, KINDS[kind], wide.get(name, ())) for name, kind in hints.items()]
+    return np.dtype((PlaneRow if wide else np.record, np.dtype(fields, align=True)))
 
 
-def rows(record: type[R], *shape: int) -> Rows[R]:
+def rows(record: type[R], *shape: int, components: int = 1) -> Rows[R]:
     """An array of rows, all zero."""
-    return cast(Rows[R], np.zeros(shape, dtype=row_type(cast(Any, record))))
+    return cast(Rows[R], np.zeros(shape, dtype=row_type(cast(Any, record), components)))
 
 
-def unset(record: type[R], *shape: int) -> Rows[R]:
+def unset(record: type[R], *shape: int, components: int = 1) -> Rows[R]:
     """An array of rows whose numbers are still to be written."""
-    return cast(Rows[R], np.empty(shape, dtype=row_type(cast(Any, record))))
+    return cast(Rows[R], np.empty(shape, dtype=row_type(cast(Any, record), components)))
 
 
 def filled(record: type[R], **columns: Any) -> Rows[R]:
@@ -86,4 +106,4 @@ def filled(record: type[R], **columns: Any) -> Rows[R]:
 def labels(record: Any) -> Sequence[Label]:
     """Name, unit and meaning of each number of a record, in their order."""
     hints = get_type_hints(record, include_extras=True)
-    return tuple(Label(name, *hint.__metadata__) for name, hint in hints.items())
+    return tuple(Label(name, *hint.__metadata__[-2:]) for name, hint in hints.items())

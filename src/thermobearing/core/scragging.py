@@ -22,6 +22,7 @@ from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.choose import any_lane, select
 from thermobearing.core.records import Rows
 from thermobearing.core.types import Layer, LayerWork, Rubber
+from thermobearing.core.vector import minus, norm
 
 
 @compiled
@@ -39,11 +40,11 @@ def wear(rubber: Rubber, old: Rows[Layer], new: Rows[Layer]) -> None:
     """Largest displacement and virgin share after a step."""
     for j in range(len(old)):
         before = old[j].farthest
-        largest = max(before, abs(new[j].d))
+        largest = max(before, norm(new[j].d))
         v = old[j].virgin
         strained = largest > 0.0
         if any_lane(strained):
-            travel = abs(new[j].d - old[j].d) / largest
+            travel = norm(minus(new[j].d, old[j].d)) / largest
             worn = v * math.exp(-travel / rubber.mullins_decay)
             growth = (largest - before) / largest
             worn = 1.0 - (1.0 - worn) * math.exp(-growth / rubber.mullins_renewal)

@@ -20,13 +20,17 @@ function of the smallest layer tangent that equal increments x/N would give: 0 a
 and tangent are continuous in x, and dw/dx is known. All layers still carry one force F, so the
 work F dd_j of the layers adds up to F dx and the energy balance needs no extra term; the price is
 the difference between F and the force of the unmodified layer law, reported as the mismatch.
+
+In a plane forces and displacements are vectors, and tangents are matrices: d^2 is |d|^2, the last
+term of the tangent is (1 - w) 2 B kh Z s', and what is said of a tangent holds for the smallest
+eigenvalue of its symmetric part.
 """
 
 import math
 
 from thermobearing.core.compiled.kernel import compiled
-from thermobearing.core.hardening import force_and_tangent, weight
-from thermobearing.core.hysteresis import NO_MOTION, advance, branch, entry, hysteretic_slope
+from thermobearing.core.hardening import force_and_tangent, hardening_strain, weight
+from thermobearing.core.hysteresis import NO_MOTION, advance, leaves_branch, start_slope
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import (
@@ -39,6 +43,32 @@ from thermobearing.core.types import (
     LayerWork,
     Rubber,
     State,
+)
+from thermobearing.core.vector import (
+    Matrix,
+    Pair,
+    Square,
+    Vector,
+    choice,
+    direction,
+    divide,
+    dot,
+    inverse,
+    isotropic,
+    lowest,
+    minus,
+    no_slope,
+    norm,
+    outer,
+    over,
+    pick,
+    plus,
+    product,
+    scaled,
+    solve,
+    times,
+    total,
+    zero,
 )
 
 PLAIN_NEWTON = 10  # iterations before each Newton step is searched along its line
@@ -54,12 +84,12 @@ def _layer_law(
     old: State,
     work: LayerWork,
     j: int,
-    d: float,
-    mean: float,
+    d: Vector,
+    mean: Vector,
     w: float,
-) -> tuple[float, float, float, float]:
+) -> tuple[Vector, Matrix, Vector, Matrix]:
     """Force [kN], tangent [kN/mm], Z [mm] and dZ/dd of layer j at displacement d (Eq. 4.34)."""
-    z, slope = advance(rubber, old, j, d, d - old.layers[j].d)
+    z, slope = advance(rubber, old, j, d, minus(d, old.layers[j].d))
     ke, kh = work.elastic[j], work.hysteretic[j]
     force, tangent = force_and_tangent(rubber, ke, kh, d, z, slope, mean, w)
     return force, tangent, z, slope
@@ -67,7 +97,7 @@ def _layer_law(
 
 @compiled
 def evaluate(
-    rubber: Rubber, old: State, work: LayerWork, mean: float, w: float, new: Rows[Layer]
+    rubber: Rubber, old: State, work: LayerWork, mean: Vector, w: float, new: Rows[Layer]
 ) -> float:
     """Forces and tangents of all layers at the trial, their Z into `new`; min tangent / ke."""
     smallest = math.inf
@@ -77,7 +107,7 @@ def evaluate(
         work.tangent[j] = tangent
         work.slope[j] = slope
         new[j].z = z
-        smallest = min(smallest, tangent / work.elastic[j])
+        smallest = min(smallest, lowest(tangent) / work.elastic[j])
     return smallest
 
 
@@ -87,16 +117,16 @@ def _line_slope(
     multiplicity: Floats,
     old: State,
     work: LayerWork,
-    mean: float,
+    mean: Vector,
     w: float,
     a: float,
 ) -> float:
     """Slope, along the Newton direction, of the convex energy that sharing minimises."""
     slope = 0.0
     for j in range(len(multiplicity)):
-        d = work.trial[j] + a * work.direction[j]
+        d = plus(work.trial[j], scaled(work.direction[j], a))
         force, _, _, _ = _layer_law(rubber, old, work, j, d, mean, w)
-        slope += multiplicity[j] * force * work.direction[j]
+        slope += dot(scaled(force, multiplicity[j]), work.direction[j])
     return slope
 
 
@@ -106,7 +136,7 @@ def search(
     multiplicity: Floats,
     old: State,
     work: LayerWork,
-    mean: float,
+    mean: Vector,
     w: float,
 ) -> float:
     """Step length in (0, 1] that clearly reduces the slope along the Newton direction."""
@@ -124,49 +154,72 @@ def search(
 
 
 @compiled
+def _mean_strain_on_line(
+    rubber: Rubber, per: float, kh: float, z: float, s: float, w: float
+) -> float:
+    """`per` times the derivative of a layer force by the mean displacement."""
+    return per * w * 2.0 * rubber.hardening * s * kh * z
+
+
+@compiled
+def _mean_strain_in_plane(
+    rubber: Rubber, per: Square, kh: float, z: Pair, s: Pair, w: float
+) -> Square:
+    """`_by_mean_strain` in a plane."""
+    return outer(times(per, z), scaled(s, w * 2.0 * rubber.hardening * kh))
+
+
+_by_mean_strain = choice(_mean_strain_on_line, _mean_strain_in_plane, at=3)
+
+
+@compiled
 def _common_force(
     rubber: Rubber,
     multiplicity: Floats,
     work: LayerWork,
     new: Rows[Layer],
-    x: float,
+    x: Vector,
     w: float,
-) -> tuple[float, float, float]:
+) -> tuple[Vector, Matrix, float]:
     """Newton's common force, its tangent at fixed w, and how far the layer forces are apart."""
-    mean = x / rubber.layer_count
-    compliance = 0.0
+    mean = over(x, rubber.layer_count)
+    compliance = by_mean = no_slope(x)
     gap = x
-    by_mean = 0.0
     for j in range(len(work.trial)):
-        work.direction[j] = 1.0 / work.tangent[j]
-        per = multiplicity[j] * work.direction[j]
-        compliance += per
-        gap += per * work.force[j] - multiplicity[j] * work.trial[j]
-        s = (1.0 - w) * work.trial[j] + w * mean
-        by_mean += per * w * 2.0 * rubber.hardening * s * work.hysteretic[j] * new[j].z
-    force = gap / compliance
+        flexibility = inverse(work.tangent[j], 1.0)
+        work.flexibility[j] = flexibility
+        per = scaled(flexibility, multiplicity[j])
+        compliance = plus(compliance, per)
+        trial = scaled(work.trial[j], multiplicity[j])
+        gap = plus(gap, minus(times(per, work.force[j]), trial))
+        s = hardening_strain(work.trial[j], mean, w)
+        by_strain = _by_mean_strain(rubber, per, work.hysteretic[j], new[j].z, s, w)
+        by_mean = plus(by_mean, by_strain)
+    force = solve(compliance, gap)
     apart = 0.0
     for j in range(len(work.trial)):
-        difference = force - work.force[j]
-        apart = max(apart, abs(difference))
-        work.direction[j] *= difference
-    return force, (1.0 + by_mean / rubber.layer_count) / compliance, apart
+        difference = minus(force, work.force[j])
+        apart = max(apart, norm(difference))
+        work.direction[j] = times(work.flexibility[j], difference)
+    by_x = plus(isotropic(x, 1.0), over(by_mean, rubber.layer_count))
+    return force, divide(compliance, by_x), apart
 
 
 @compiled
 def _force_by_weight(
-    rubber: Rubber, multiplicity: Floats, work: LayerWork, new: Rows[Layer], x: float, w: float
-) -> float:
+    rubber: Rubber, multiplicity: Floats, work: LayerWork, new: Rows[Layer], x: Vector, w: float
+) -> Vector:
     """Derivative of the common force by w [kN]."""
-    mean = x / rubber.layer_count
-    compliance, by_w = 0.0, 0.0
+    mean = over(x, rubber.layer_count)
+    compliance, by_w = no_slope(x), zero(x)
     for j in range(len(work.trial)):
-        flexibility = multiplicity[j] / work.tangent[j]
-        compliance += flexibility
-        s = (1.0 - w) * work.trial[j] + w * mean
-        by_s = 2.0 * rubber.hardening * s * work.hysteretic[j] * new[j].z
-        by_w += flexibility * by_s * (mean - work.trial[j])
-    return by_w / compliance
+        flexibility = inverse(work.tangent[j], multiplicity[j])
+        compliance = plus(compliance, flexibility)
+        s = hardening_strain(work.trial[j], mean, w)
+        by_s = outer(new[j].z, scaled(scaled(s, 2.0 * rubber.hardening), work.hysteretic[j]))
+        more = times(product(flexibility, by_s), minus(mean, work.trial[j]))
+        by_w = plus(by_w, more)
+    return solve(compliance, by_w)
 
 
 @compiled
@@ -177,15 +230,11 @@ def _kinks(rubber: Rubber, old: State, work: LayerWork) -> bool:
     """
     found = False
     for j in range(len(work.trial)):
-        moved, by = work.trial[j] - old.layers[j].d, work.direction[j]
-        sigma = select(moved >= 0.0, 1.0, -1.0)
-        jumps = abs(moved) + sigma * by < 0.0
+        moved, by = minus(work.trial[j], old.layers[j].d), work.direction[j]
+        jumps = norm(moved) + dot(direction(moved), by) < 0.0
         if rubber.closed_loops:
-            d = work.trial[j]
-            x, _, _, left, end = branch(old.layers[j], old.turns[j], d, sigma)
-            ends = (left > 1.0) & (sigma * (d + by - end) >= 0.0)
-            jumps = jumps | ends | (sigma * (d + by - x) < 0.0)
-        found = found | (jumps & (abs(by) > NO_MOTION * rubber.yield_displacement))
+            jumps = jumps | leaves_branch(rubber, old, j, work.trial[j], by)
+        found = found | (jumps & (norm(by) > NO_MOTION * rubber.yield_displacement))
     return found
 
 
@@ -193,8 +242,8 @@ def _kinks(rubber: Rubber, old: State, work: LayerWork) -> bool:
 def correct(work: LayerWork, new: Rows[Layer]) -> None:
     """The last correction: the next iterate differs by its square, so the law is not evaluated."""
     for j in range(len(new)):
-        work.trial[j] += work.direction[j]
-        new[j].z += work.slope[j] * work.direction[j]
+        work.trial[j] = plus(work.trial[j], work.direction[j])
+        new[j].z = plus(new[j].z, times(work.slope[j], work.direction[j]))
 
 
 @compiled
@@ -203,24 +252,24 @@ def newton(
     multiplicity: Floats,
     old: State,
     work: LayerWork,
-    x: float,
+    x: Vector,
     w: float,
     new: Rows[Layer],
     smallest: float,
-) -> tuple[float, float, float, int]:
+) -> tuple[Vector, Matrix, float, int]:
     """Equal layer forces at fixed w, from the trial that `work` and `smallest` describe.
 
     Returns the bearing force [kN], its tangent at fixed w [kN/mm], the smallest layer
     tangent relative to ke, and COMPLETED, NOT_CONVERGED or NOT_FINITE.
     """
-    mean = x / rubber.layer_count
+    mean = over(x, rubber.layer_count)
     stiffness = rubber.elastic_stiffness + rubber.hysteretic_stiffness
     floor = stiffness * rubber.yield_displacement
-    force, tangent, done = 0.0, 0.0, False
+    force, tangent, done = zero(x), no_slope(x), False
     for iteration in range(ALL_NEWTON):
         force, tangent, apart = _common_force(rubber, multiplicity, work, new, x, w)
-        lost = no(math.isfinite(force + apart))
-        done = apart <= LAST_CORRECTION * (abs(force) + floor)
+        lost = no(math.isfinite(total(force) + apart))
+        done = apart <= LAST_CORRECTION * (norm(force) + floor)
         if any_lane(done):
             done = done & no(_kinks(rubber, old, work))
         if all_lanes(done | lost):
@@ -230,35 +279,32 @@ def newton(
         if iteration >= PLAIN_NEWTON:
             a = search(rubber, multiplicity, old, work, mean, w)
         for j in range(len(new)):
-            ahead = work.trial[j] + a * work.direction[j]
-            work.trial[j] = select(done, work.trial[j], ahead)
+            ahead = plus(work.trial[j], scaled(work.direction[j], a))
+            work.trial[j] = pick(done, work.trial[j], ahead)
         smallest = evaluate(rubber, old, work, mean, w, new)
     correct(work, new)
     return force, tangent, smallest, select(done, COMPLETED, NOT_CONVERGED)
 
 
 @compiled
-def _start_tangents(rubber: Rubber, old: State, work: LayerWork, mean: float, step: float) -> bool:
+def _start_tangents(
+    rubber: Rubber, old: State, work: LayerWork, mean: Vector, step: Vector
+) -> bool:
     """Forces and tangents of all layers at the start, in the direction of motion.
 
     Returns whether they may be trusted: no tangent is below the margin and the step is short.
     """
-    sigma = select(step >= 0.0, 1.0, -1.0)
-    d_y = rubber.yield_displacement
-    healthy = abs(step) < d_y
+    healthy = norm(step) < rubber.yield_displacement
     for j in range(len(work.trial)):
         d, z = old.layers[j].d, old.layers[j].z
-        centre = 0.0
-        if rubber.closed_loops:
-            centre = entry(old.layers[j], old.turns[j], sigma)[2]
-        slope = hysteretic_slope(sigma * (z - centre), d_y, rubber.unloading_curvature)
+        slope = start_slope(rubber, old, j, step)
         force, tangent = force_and_tangent(
             rubber, work.elastic[j], work.hysteretic[j], d, z, slope, mean, 0.0
         )
         work.trial[j] = d
         work.force[j] = force
         work.tangent[j] = tangent
-        healthy = healthy & (tangent >= rubber.sharing_start * work.elastic[j])
+        healthy = healthy & (lowest(tangent) >= rubber.sharing_start * work.elastic[j])
     return healthy
 
 
@@ -268,8 +314,8 @@ def _first_trial(
     multiplicity: Floats,
     old: State,
     work: LayerWork,
-    x: float,
-    step: float,
+    x: Vector,
+    step: Vector,
     w: float,
     new: Rows[Layer],
 ) -> None:
@@ -280,16 +326,16 @@ def _first_trial(
     """
     uniform = w > 0.0
     if not all_lanes(uniform):
-        healthy = _start_tangents(rubber, old, work, x / rubber.layer_count, step)
+        healthy = _start_tangents(rubber, old, work, over(x, rubber.layer_count), step)
         uniform = uniform | no(healthy)
         if not all_lanes(uniform):
             _common_force(rubber, multiplicity, work, new, x, 0.0)
             for j in range(len(new)):
-                ahead = work.trial[j] + work.direction[j]
-                work.trial[j] = select(uniform, old.layers[j].d + step, ahead)
+                ahead = plus(work.trial[j], work.direction[j])
+                work.trial[j] = pick(uniform, plus(old.layers[j].d, step), ahead)
             return
     for j in range(len(new)):
-        work.trial[j] = old.layers[j].d + step
+        work.trial[j] = plus(old.layers[j].d, step)
 
 
 @compiled
@@ -298,26 +344,33 @@ def solved(
     multiplicity: Floats,
     old: State,
     work: LayerWork,
-    x: float,
-    step: float,
+    x: Vector,
+    step: Vector,
     w: float,
     new: Rows[Layer],
-) -> tuple[float, float, float, int]:
+) -> tuple[Vector, Matrix, float, int]:
     """Equal layer forces at fixed w from the start of a step; returns what `newton` does."""
     _first_trial(rubber, multiplicity, old, work, x, step, w, new)
-    smallest = evaluate(rubber, old, work, x / rubber.layer_count, w, new)
+    smallest = evaluate(rubber, old, work, over(x, rubber.layer_count), w, new)
     return newton(rubber, multiplicity, old, work, x, w, new, smallest)
 
 
 @compiled
-def _largest_mismatch(rubber: Rubber, work: LayerWork, new: Rows[Layer], force: float) -> float:
+def _largest_mismatch(rubber: Rubber, work: LayerWork, new: Rows[Layer], force: Vector) -> float:
     """Largest difference between the bearing force and a layer's unmodified law [kN]."""
     largest = 0.0
     for j in range(len(work.trial)):
         law, _ = force_and_tangent(
-            rubber, work.elastic[j], work.hysteretic[j], new[j].d, new[j].z, 0.0, 0.0, 0.0
+            rubber,
+            work.elastic[j],
+            work.hysteretic[j],
+            new[j].d,
+            new[j].z,
+            no_slope(force),
+            zero(force),
+            0.0,
         )
-        largest = max(largest, abs(law - force))
+        largest = max(largest, norm(minus(law, force)))
     return largest
 
 
@@ -327,33 +380,33 @@ def share(
     multiplicity: Floats,
     old: State,
     work: LayerWork,
-    x_old: float,
-    x: float,
+    x_old: Vector,
+    x: Vector,
     new: Rows[Layer],
-) -> tuple[float, float, float, float, int]:
+) -> tuple[Vector, Matrix, float, float, int]:
     """Layer displacements and Z at the bearing displacement x [mm], into `new`.
 
     Returns the bearing force [kN], the tangent [kN/mm], the mismatch [kN], w and the outcome.
     """
-    step = (x - x_old) / rubber.layer_count
+    step = over(minus(x, x_old), rubber.layer_count)
     w, rate = weight(rubber, old, work, step)
-    force, tangent, outcome = 0.0, 0.0, NOT_CONVERGED
+    force, tangent, outcome = zero(x), no_slope(x), NOT_CONVERGED
     for _ in range(2):
         force, tangent, smallest, outcome = solved(rubber, multiplicity, old, work, x, step, w, new)
         good = (w == 1.0) | ((outcome == COMPLETED) & (smallest > 0.0))
         if all_lanes(good):
             break
         # Layers so unlike that equal increments say nothing: always unique.
-        w, rate = select(good, w, 1.0), select(good, rate, 0.0)
-    if any_lane(rate != 0.0):
+        w, rate = select(good, w, 1.0), pick(good, rate, zero(x))
+    if any_lane(norm(rate) != 0.0):
         by_w = _force_by_weight(rubber, multiplicity, work, new, x, w)
-        tangent += by_w * rate / rubber.layer_count
+        tangent = plus(tangent, over(outer(by_w, rate), rubber.layer_count))
     if all_lanes(outcome != COMPLETED):
         return force, tangent, 0.0, w, outcome
     lost = False
     for j in range(len(new)):
         new[j].d = work.trial[j]
-        lost = lost | (abs(new[j].z) > EULER_LIMIT * rubber.yield_displacement)
+        lost = lost | (norm(new[j].z) > EULER_LIMIT * rubber.yield_displacement)
     outcome = select((outcome == COMPLETED) & lost, EULER_UNSTABLE, outcome)
     outcome = select((outcome == COMPLETED) & (w > 0.0), SOFTENED, outcome)
     return force, tangent, _largest_mismatch(rubber, work, new, force), w, outcome

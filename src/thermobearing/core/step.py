@@ -13,7 +13,7 @@ search for x may call `move` as often as it needs between one `begin` and one `s
 import math
 
 from thermobearing.core.compiled.kernel import compiled
-from thermobearing.core.hardening import strain_factor
+from thermobearing.core.hardening import hardening_strain, strain_factor
 from thermobearing.core.heat import eliminate, factor, substitute
 from thermobearing.core.hysteresis import remember
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
@@ -36,6 +36,19 @@ from thermobearing.core.types import (
     Rubber,
     State,
     Workspace,
+)
+from thermobearing.core.vector import (
+    Matrix,
+    Vector,
+    dot,
+    isotropic,
+    minus,
+    no_slope,
+    over,
+    plus,
+    scaled,
+    total,
+    zero,
 )
 from thermobearing.core.viscous import maxwell
 
@@ -106,12 +119,11 @@ def _set_stiffness(
 
 @compiled
 def recoverable_energy(
-    rubber: Rubber, ke: float, kh: float, d: float, z: float, mean: float, w: float
+    rubber: Rubber, ke: float, kh: float, d: Vector, z: Vector, mean: Vector, w: float
 ) -> float:
     """Energy one layer would give back: 1/2 ke d^2 + 1/2 (1 + B s^2) kh Z^2 [kN mm]."""
-    s = (1.0 - w) * d + w * mean
-    hardening, _ = strain_factor(rubber, ke, kh, s, z)
-    return 0.5 * (ke * d * d + (1.0 + hardening) * kh * z * z)
+    hardening, _ = strain_factor(rubber, ke, kh, hardening_strain(d, mean, w), z)
+    return 0.5 * (dot(scaled(d, ke), d) + dot(scaled(z, (1.0 + hardening) * kh), z))
 
 
 @compiled
@@ -120,9 +132,9 @@ def _add_layer_heat(
     work: Workspace,
     old: Rows[Layer],
     new: Rows[Layer],
-    mean_force: float,
+    mean_force: Vector,
     viscous_heat: float,
-    mean: float,
+    mean: Vector,
     w: float,
 ) -> tuple[float, float]:
     """Heat of every layer into the right side of the heat step (Eq. 4.22).
@@ -134,7 +146,7 @@ def _add_layer_heat(
     recoverable = 0.0
     layer_cells, cells = constants.layer_cells, constants.cells
     for j in range(len(old)):
-        heat = viscous_heat + mean_force * (new[j].d - old[j].d)
+        heat = viscous_heat + dot(mean_force, minus(new[j].d, old[j].d))
         new[j].stored = 0.0
         if constants.heat_source == HEAT_FROM_DISSIPATION:
             ke, kh = work.layers.elastic[j], work.layers.hysteretic[j]
@@ -152,46 +164,47 @@ def _add_layer_heat(
 
 @compiled
 def _beside_rubber(
-    constants: Constants, state: State, new: State, x: float, dt: float
-) -> tuple[float, float, float, float]:
+    constants: Constants, state: State, new: State, x: Vector, dt: float
+) -> tuple[Vector, Vector, Matrix, float]:
     """Forces of lead and of the viscous branch, their tangent, and what is recoverable."""
     lead, viscous = constants.lead, constants.viscous
     old, after = state.branches[0], new.branches[0]
-    dx = x - state.books[0].displacement
-    lead_force = 0.0
-    tangent = 0.0
+    dx = minus(x, state.books[0].displacement)
+    lead_force = zero(dx)
+    tangent = no_slope(dx)
     stored = 0.0
     after.lead_temperature = old.lead_temperature
-    after.core_force = 0.0
-    after.maxwell_force = 0.0
+    after.core_force = zero(dx)
+    after.maxwell_force = zero(dx)
     if any_lane(lead.cores > 0.0):
-        after.core_force, slope = core_force(
+        core, by_core = core_force(
             lead, constants.heat_source, old.lead_temperature, old.core_force, dx
         )
-        lead_force = lead.cores * after.core_force
-        tangent += lead.cores * slope
-        stored += 0.5 * lead.cores * after.core_force * after.core_force / lead.stiffness
+        after.core_force = core
+        lead_force = scaled(core, lead.cores)
+        tangent = plus(tangent, scaled(by_core, lead.cores))
+        stored += dot(scaled(core, 0.5 * lead.cores), core) / lead.stiffness
     if any_lane(viscous.stiffness > 0.0):
         f, slope = maxwell(viscous.stiffness, viscous.relaxation, old.maxwell_force, dx, dt)
         after.maxwell_force = f
-        tangent += slope
-        stored += 0.5 * f * f / viscous.stiffness
+        tangent = plus(tangent, isotropic(dx, slope))
+        stored += dot(scaled(f, 0.5), f) / viscous.stiffness
     if constants.heat_source != HEAT_FROM_DISSIPATION:
         stored = 0.0
     return lead_force, after.maxwell_force, tangent, stored
 
 
 @compiled
-def _viscous_layer_heat(constants: Constants, state: State, new: State, dx: float) -> float:
+def _viscous_layer_heat(constants: Constants, state: State, new: State, dx: Vector) -> float:
     """Heat of the viscous branch that goes into each rubber layer over the step [kN mm]."""
     viscous = constants.viscous
     if all_lanes(viscous.stiffness == 0.0) or not viscous.heats:
         return 0.0
     before = state.branches[0].maxwell_force
     after = new.branches[0].maxwell_force
-    heat = 0.5 * (before + after) * dx
+    heat = dot(scaled(plus(before, after), 0.5), dx)
     if constants.heat_source == HEAT_FROM_DISSIPATION:
-        heat -= 0.5 * (after * after - before * before) / viscous.stiffness
+        heat -= 0.5 * (dot(after, after) - dot(before, before)) / viscous.stiffness
     return heat / constants.rubber.layer_count
 
 
@@ -200,14 +213,14 @@ def heat_step(
     constants: Constants,
     work: Workspace,
     state: State,
-    x: float,
+    x: Vector,
     dt: float,
     ambient: float,
     new: State,
 ) -> None:
     """Heat of the step into rubber and lead, conduction, and the heat balance."""
     cells, old, books = constants.cells, state.books[0], new.books[0]
-    dx = x - old.displacement
+    dx = minus(x, old.displacement)
     if any_lane(work.factored_dt[0] != dt):
         factor(cells, constants.side_implicit, dt, work.cells)
         factor_ports(constants, work, dt)
@@ -219,9 +232,9 @@ def heat_step(
         work,
         state.layers,
         new.layers,
-        0.5 * (old.rubber_force + books.rubber_force),
+        scaled(plus(old.rubber_force, books.rubber_force), 0.5),
         _viscous_layer_heat(constants, state, new, dx),
-        x / constants.rubber.layer_count,
+        over(x, constants.rubber.layer_count),
         books.sharing_weight,
     )
     lead_stored = 0.0
@@ -258,8 +271,8 @@ def has_failed(outcome: int) -> bool:
 
 @compiled
 def move(
-    constants: Constants, work: Workspace, state: State, x: float, dt: float, new: State
-) -> tuple[float, float, int]:
+    constants: Constants, work: Workspace, state: State, x: Vector, dt: float, new: State
+) -> tuple[Vector, Matrix, int]:
     """Mechanical part of a step, after `begin`: forces at the displacement x, into `new`.
 
     May be repeated with another x. Returns force, tangent and outcome as `step` does.
@@ -273,10 +286,10 @@ def move(
     if all_lanes(failed):
         return rubber_force, tangent, outcome
     lead_force, viscous_force, slope, stored = _beside_rubber(constants, state, new, x, dt)
-    force = rubber_force + lead_force + viscous_force
-    outcome = select(no(failed | math.isfinite(force)), NOT_FINITE, outcome)
+    force = plus(plus(rubber_force, lead_force), viscous_force)
+    outcome = select(no(failed | math.isfinite(total(force))), NOT_FINITE, outcome)
     if all_lanes(has_failed(outcome)):
-        return force, tangent + slope, outcome
+        return force, plus(tangent, slope), outcome
     books.displacement = x
     books.force = force
     books.rubber_force = rubber_force
@@ -285,7 +298,7 @@ def move(
     books.recoverable = stored
     books.layer_force_mismatch = mismatch
     books.sharing_weight = w
-    return force, tangent + slope, outcome
+    return force, plus(tangent, slope), outcome
 
 
 @compiled
@@ -301,10 +314,12 @@ def settle(
         wear(constants.rubber, state.layers, new.layers)
     if constants.rubber.closed_loops:
         for j in range(len(new.layers)):
-            remember(constants.rubber, state, new, j)
+            moved = minus(new.layers[j].d, state.layers[j].d)
+            remember(constants.rubber, state, new, j, moved)
     x, force = books.displacement, books.force
     books.clock = old.clock + dt
-    books.work_in = old.work_in + 0.5 * (old.force + force) * (x - old.displacement)
+    mean_force, dx = scaled(plus(old.force, force), 0.5), minus(x, old.displacement)
+    books.work_in = old.work_in + dot(mean_force, dx)
     heat_step(constants, work, state, x, dt, ambient, new)
     lost = no(math.isfinite(books.heat_lost_sides + books.heat_released))
     away = runs_away(constants, new)
@@ -316,12 +331,15 @@ def step(
     constants: Constants,
     work: Workspace,
     state: State,
-    x: float,
+    x: Vector,
     dt: float,
     ambient: float,
     new: State,
-) -> tuple[float, float, int]:
+) -> tuple[Vector, Matrix, int]:
     """Move the bearing to displacement x over the time dt.
+
+    On a line displacement, force and tangent are numbers. In a plane (core/plane.py) they are a
+    pair, a pair, and rows of pairs.
 
     Parameters
     ----------

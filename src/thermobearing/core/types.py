@@ -6,14 +6,15 @@ thing stands in one row (`records.py`), since every array handed to a compiled f
 nanoseconds; what long loops run through, cells and scratch, stands in columns (measured).
 """
 
-from typing import Annotated, Any, Final, NamedTuple
+from typing import Annotated, Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.core.records import Floats as Floats
 from thermobearing.core.records import Ints as Ints
-from thermobearing.core.records import Rows, rows
+from thermobearing.core.records import Rows, rows, vector_fields
+from thermobearing.core.vector import MATRIX, VECTOR, Vector
 
 # How Z is advanced (Rubber.integrator).
 EXACT: Final = 0
@@ -32,6 +33,10 @@ EULER_UNSTABLE: Final = 4
 TEMPERATURE_RUNAWAY: Final = 5
 
 DEPTH: Final = 12  # turning points that a layer remembers where small loops close
+
+# One number for each layer or step on a line; in a plane these axes come last.
+Vectors: TypeAlias = Annotated[Floats, VECTOR]
+Matrices: TypeAlias = Annotated[Floats, MATRIX]
 
 NEVER_MOVED: Final = 1e30  # Branches.idle of a virgin bearing: the first motion starts the clock
 
@@ -102,8 +107,8 @@ class LawPiece:
 class Layer:
     """The memory of a rubber layer."""
 
-    d: float  # displacement d_j [mm]
-    z: float  # hysteretic variable Z_j [mm]
+    d: Vector  # displacement d_j [mm]
+    z: Vector  # hysteretic variable Z_j [mm]
     stored: float  # recoverable energy of one layer [kN mm]
     farthest: float  # largest |d_j| so far [mm]
     virgin: float  # share of the virgin stiffness that is left, 1 to 0
@@ -123,8 +128,8 @@ class Branches:
     """Lead cores and rate dependence, parallel to the rubber."""
 
     lead_temperature: float  # [degC]; 0 without lead
-    core_force: float  # of one core [kN]
-    maxwell_force: float  # of the rate-dependent branch [kN]
+    core_force: Vector  # of one core [kN]
+    maxwell_force: Vector  # of the rate-dependent branch [kN]
     clock: float  # time since the motion began [s]
     idle: float  # time since it stopped [s]
 
@@ -133,8 +138,8 @@ class RubberBooks:
     """The results of every bearing: energies since the start; `recoverable` is the present one."""
 
     clock: Annotated[float, "s", "time since the start"]
-    displacement: Annotated[float, "mm", "shear displacement of the bearing"]
-    force: Annotated[float, "kN", "restoring force, positive with positive displacement"]
+    displacement: Annotated[Vector, "mm", "shear displacement of the bearing"]
+    force: Annotated[Vector, "kN", "restoring force, positive with positive displacement"]
     work_in: Annotated[float, "kN mm", "mechanical work done on the bearing"]
     heat_released: Annotated[float, "kN mm", "heat released in the rubber layers"]
     recoverable: Annotated[float, "kN mm", "recoverable energy stored in the rubber layers"]
@@ -150,9 +155,9 @@ class RubberBooks:
 class Books(RubberBooks):
     """Further results of a bearing with lead or rate dependence."""
 
-    rubber_force: Annotated[float, "kN", "share of the rubber layers in the force"]
-    lead_force: Annotated[float, "kN", "share of the lead cores in the force"]
-    viscous_force: Annotated[float, "kN", "share of the rate-dependent branch in the force"]
+    rubber_force: Annotated[Vector, "kN", "share of the rubber layers in the force"]
+    lead_force: Annotated[Vector, "kN", "share of the lead cores in the force"]
+    viscous_force: Annotated[Vector, "kN", "share of the rate-dependent branch in the force"]
     lead_temperature: Annotated[float, "degC", "temperature of the lead cores"]
 
 
@@ -161,11 +166,12 @@ class LayerWork(NamedTuple):
 
     elastic: Floats  # alpha_0 e^{..} K_r at the layer's temperature [kN/mm]
     hysteretic: Floats  # (1 - alpha_0) e^{..} K_r
-    force: Floats  # at the present iterate [kN]
-    tangent: Floats  # [kN/mm]
-    trial: Floats  # layer displacement at the present iterate [mm]
-    direction: Floats  # Newton correction [mm]
-    slope: Floats  # dZ/dd
+    force: Vectors  # at the present iterate [kN]
+    tangent: Matrices  # [kN/mm]
+    trial: Vectors  # layer displacement at the present iterate [mm]
+    direction: Vectors  # Newton correction [mm]
+    slope: Matrices  # dZ/dd
+    flexibility: Matrices  # inverse of the tangent [mm/kN]
 
 
 class CellWork(NamedTuple):
@@ -294,7 +300,7 @@ class Workspace(NamedTuple):
 class Path(NamedTuple):
     """Displacements to march through; arrays have one entry per step."""
 
-    x: Floats  # [mm]
+    x: Vectors  # [mm]
     dt: Floats  # [s]
     ambient: Floats  # mean ambient temperature of the step [degC]
     keep: NDArray[np.bool_]  # whether the end of the step is kept
@@ -306,8 +312,8 @@ class Kept(NamedTuple):
 
     books: Rows[Books]  # [rows]
     rubber: Floats  # [rows, L] temperatures at mid-thickness [degC]
-    layer_displacement: Floats  # [rows, L] d_j [mm]
-    hysteretic: Floats  # [rows, L] Z_j [mm]
+    layer_displacement: Vectors  # [rows, L] d_j [mm]
+    hysteretic: Vectors  # [rows, L] Z_j [mm]
     cells: NDArray[np.floating]  # [rows, n] temperatures, single or double precision [degC]
 
     def part(self, first: int, end: int) -> "Kept":
@@ -323,20 +329,24 @@ class Kept(NamedTuple):
 
 
 def new_state(
-    constants: Constants, temperature: Floats, lead_temperature: float | None = None
+    constants: Constants,
+    temperature: Floats,
+    lead_temperature: float | None = None,
+    components: int = 1,
 ) -> State:
     """A virgin bearing (no displacement, no hysteresis) at the given temperatures [degC].
 
-    The lead starts at the mean temperature of the cells between its ends, unless given.
+    It moves on a line, or in a plane with two components. The lead starts at the mean temperature
+    of the cells between its ends, unless given.
     """
     layers = len(constants.multiplicity)
     state = State(
-        layers=rows(Layer, layers),
+        layers=rows(Layer, layers, components=components),
         turns=rows(Turn, layers, DEPTH + 2 if constants.rubber.closed_loops else 0),
         temperature=np.array(temperature, dtype=np.float64),
-        branches=rows(Branches, 1),
+        branches=rows(Branches, 1, components=components),
         ends=np.zeros(len(constants.lead_modes)),
-        books=rows(Books, 1),
+        books=rows(Books, 1, components=components),
     )
     state.layers["virgin"] = 1.0
     state.branches["idle"] = NEVER_MOVED
@@ -348,13 +358,18 @@ def new_state(
     return state
 
 
-def new_workspace(constants: Constants) -> Workspace:
+def new_workspace(constants: Constants, components: int = 1) -> Workspace:
     """Scratch arrays for one run; never share them between threads."""
     layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
-    ports = constants.lead_ports
+    ports, wide = constants.lead_ports, vector_fields(LayerWork)
     return Workspace(
         factored_dt=np.zeros(1),
-        layers=LayerWork(*np.zeros((7, layers))),
+        layers=LayerWork(
+            *(
+                np.zeros((layers, *(wide.get(name, ()) if components > 1 else ())))
+                for name in LayerWork._fields
+            )
+        ),
         cells=CellWork(*np.zeros((4, cells))),
         lead_ports=PortWork(np.zeros((ports, ports)), np.zeros(ports), np.zeros(ports)),
         lead_modes=rows(ModeWork, len(constants.lead_modes)),

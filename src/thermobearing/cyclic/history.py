@@ -11,6 +11,7 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.border.errors import InputError
 from thermobearing.core.lead_ends import longest_rest_step
 from thermobearing.core.march import keep_row, march
+from thermobearing.core.plane import count_components, march_plane, plain
 from thermobearing.core.records import Floats, unset
 from thermobearing.core.types import (
     COMPLETED,
@@ -44,7 +45,7 @@ class Segment:
 
     kind: str
     label: str
-    x: Floats  # [mm]
+    x: Floats  # [mm]; [steps], or [steps, 2] in a plane
     dt: Floats  # [s]
     cycle: NDArray[np.int32]  # number of the cycle within the segment, 0 outside cycles
     turning: NDArray[np.bool_]  # a leg ends here: always kept in a result
@@ -177,15 +178,18 @@ class History:
     kept: int = 0
 
 
-def room_for(constants: Constants, count: int, groups: tuple[str, ...]) -> Kept:
+def room_for(
+    constants: Constants, count: int, groups: tuple[str, ...], components: int = 1
+) -> Kept:
     """Return rows for the energy balance and the chosen groups; other groups have no columns."""
+    vector = (components,) if components > 1 else ()
     layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
     wide = {name: layers if name in groups else 0 for name in Kept._fields}
     return Kept(
-        books=unset(Books, count),
+        books=unset(Books, count, components=components),
         rubber=np.empty((count, wide["rubber"])),
-        layer_displacement=np.empty((count, wide["layer_displacement"])),
-        hysteretic=np.empty((count, wide["hysteretic"])),
+        layer_displacement=np.empty((count, wide["layer_displacement"], *vector)),
+        hysteretic=np.empty((count, wide["hysteretic"], *vector)),
         cells=np.empty((count, cells if "cells" in groups else 0), dtype=np.float32),
     )
 
@@ -198,21 +202,22 @@ def _kept_steps(segment: Segment, keep_every: int) -> NDArray[np.bool_]:
 
 
 def cut_rests(
-    constants: Constants, segment: Segment, keep: NDArray[np.bool_], start: float
+    constants: Constants, segment: Segment, keep: NDArray[np.bool_], start: float | Floats
 ) -> tuple[Segment, NDArray[np.bool_], NDArray[np.int64]]:
     """Cut steps without motion into pieces short enough for the heat flow out of lead.
 
     Returns the segment, which of its pieces are kept, and the piece that each step ends with.
     """
     longest = longest_rest_step(constants)
-    still = np.diff(segment.x, prepend=start) == 0.0
+    before = np.concatenate([np.reshape(start, (1, *segment.x.shape[1:])), segment.x[:-1]])
+    still = (segment.x == before).reshape(len(before), -1).all(axis=1)
     pieces = np.where(still, np.maximum(1.0, np.ceil(segment.dt / longest)), 1.0).astype(np.int64)
     ends = np.cumsum(pieces) - 1
     if len(ends) == ends[-1] + 1:
         return segment, keep, ends
     kept = np.zeros(pieces.sum(), dtype=bool)
     kept[ends] = keep
-    x, dt = np.repeat(segment.x, pieces), np.repeat(segment.dt / pieces, pieces)
+    x, dt = np.repeat(segment.x, pieces, axis=0), np.repeat(segment.dt / pieces, pieces)
     return replace(segment, x=x, dt=dt, cycle=np.repeat(segment.cycle, pieces)), kept, ends
 
 
@@ -231,23 +236,26 @@ def run_segments(
     """Run a test; return what was computed in any case, with a typed outcome.
 
     The cells begin at `initial`, the lead at `initial_lead` [degC], by default the mean of the
-    cells next to it; `begin` is the state that another test left, by default a virgin one. Every
+    cells next to it; `begin` is the state that another test left, by default a virgin one. The
+    bearing moves on a line, or in a plane if the segments have displacements [steps, 2]. Every
     n-th step and the ends of legs are kept, of the histories in `groups`. `progress` is called
     with the number of steps done since its last call.
     """
     # One row more per segment: a rest that settles early keeps the step at which it does.
     room = 1 + sum(int(_kept_steps(part, keep_every).sum()) + 1 for part in segments)
+    components = 1 if segments[0].x.ndim == 1 else 2
     initial = np.array(initial, dtype=np.float64)
     if len(initial) != len(constants.cells.capacity):  # compiled code would write past the end
         raise ValueError(f"{len(initial)} temperatures for {len(constants.cells.capacity)} cells")
     run = History(
-        rows=room_for(constants, room, groups),
+        rows=room_for(constants, room, groups, components),
         segment=np.zeros(room, dtype=np.int32),
         cycle=np.zeros(room, dtype=np.int32),
         initial=initial,
-        state=new_state(constants, initial, initial_lead) if begin is None else begin,
+        state=begin or new_state(constants, initial, initial_lead, components),
     )
-    keep_row(constants, run.state, run.rows, 0)
+    keep = plain(keep_row, run.state)
+    keep(constants, run.state, run.rows, 0)
     run.kept = 1
     try:
         for number, segment in enumerate(segments):
@@ -258,7 +266,7 @@ def run_segments(
     last = run.kept - 1
     if run.rows.books[last].clock != run.state.books[0].clock:
         # The run was cut off: its last row is kept too, so that energies and profiles agree.
-        keep_row(constants, run.state, run.rows, run.kept)
+        keep(constants, run.state, run.rows, run.kept)
         run.segment[run.kept], run.cycle[run.kept] = run.segment[last], run.cycle[last]
         run.kept += 1
     run.rows = run.rows.part(0, run.kept)
@@ -275,16 +283,19 @@ def _run_segment(
     keep_every: int,
     progress: Progress | None,
 ) -> bool:
-    work, spare = new_workspace(constants), new_state(constants, run.initial)
+    components = count_components(run.state)
+    work = new_workspace(constants, components)
+    spare = new_state(constants, run.initial, components=components)
+    run_path = march if components == 1 else march_plane
     keep = _kept_steps(segment, keep_every)
-    segment, keep, ends = cut_rests(constants, segment, keep, run.state.books[0].displacement)
+    segment, keep, ends = cut_rests(constants, segment, keep, run.state.books["displacement"][0])
     for first in range(0, len(segment.x), CHUNK):
         part = slice(first, first + CHUNK)
         dt = np.ascontiguousarray(segment.dt[part])
         means = ambient.means(run.state.books[0].clock, dt)
-        path = Path(segment.x[part], dt, means, keep[part], segment.within)
+        path = Path(np.ascontiguousarray(segment.x[part]), dt, means, keep[part], segment.within)
         room = run.rows.part(run.kept, len(run.segment))
-        found = march(constants, work, run.state, spare, path, room)
+        found = run_path(constants, work, run.state, spare, path, room)
         done, kept, outcome, softened, mismatch = found
         run.steps += done
         run.softened_steps += softened

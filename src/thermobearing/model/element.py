@@ -8,9 +8,9 @@ states and calls the coupled step; it adds no physics.
 import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, Self, Unpack
+from typing import Any, Self, Unpack, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,8 @@ from thermobearing.border.schema import validated
 from thermobearing.border.units import HUGEST, is_number, number_list, refuse_hidden
 from thermobearing.core.compiled.kernel import prepare
 from thermobearing.core.march import copy_state
+from thermobearing.core.plane import count_components, line_only_options, plain, step_plane
+from thermobearing.core.records import Floats
 from thermobearing.core.step import step
 from thermobearing.core.types import (
     COMPLETED,
@@ -57,6 +59,23 @@ class Trial:
     outcome: str
 
 
+@dataclass(frozen=True)
+class PlaneTrial:
+    """Response to one trial displacement in a horizontal plane.
+
+    Attributes
+    ----------
+    force : components of the restoring force [kN], [2].
+    tangent : derivatives of the force (rows) by the displacement (columns) [kN/mm], [2, 2]; not
+        symmetric in general, because a hysteretic force has no potential.
+    outcome : "completed", or the reason why the step ended early.
+    """
+
+    force: Floats
+    tangent: Floats
+    outcome: str
+
+
 class BearingElement:
     """One bearing for an outside solver, modelled as `run` models it.
 
@@ -69,13 +88,17 @@ class BearingElement:
         face first); or the state at the end of an earlier test, from `tb.end_state`, whose
         energies restart at zero.
     initial_lead : lead temperature at the start [degC]; that of the adjacent cells by default.
+    components : horizontal directions of motion: 1, or 2 for a bearing in a plane. In a plane
+        displacements and forces are pairs (x, y); not with integrator "euler", small_loops
+        "closed" and hardening "monotone".
     model : `ModelOptions`, or the name of an earlier model (model/earlier.py) but "bilinear",
         whose constants `from_constants` takes; "multi-layer" by default.
     options : fields of `ModelOptions`, such as scheme or lead_ends.
 
     Raises
     ------
-    InputError : no such bearing, options or temperatures that do not fit it.
+    InputError : no such bearing, options or temperatures that do not fit it, neither 1 nor 2
+        components.
 
     Examples
     --------
@@ -84,6 +107,10 @@ class BearingElement:
     >>> element.commit()
     >>> trial.outcome, trial.force > 10.0  # kN
     ('completed', True)
+    >>> element = BearingElement("shen-hdr-specimen", ambient=-20, components=2)
+    >>> trial = element.set_trial((3.0, 4.0), dt=0.1)
+    >>> trial.force.shape, trial.tangent.shape
+    ((2,), (2, 2))
     """
 
     @renamed()
@@ -94,6 +121,7 @@ class BearingElement:
         *,
         initial: float | Sequence[float] | NDArray[np.float64] | SpecimenState | None = None,
         initial_lead: float | None = None,
+        components: int = 1,
         model: ModelOptions | Model | None = None,
         **options: Unpack[ModelKeywords],
     ) -> None:
@@ -105,7 +133,7 @@ class BearingElement:
         if problems:
             raise InputError(problems, "BearingElement()")
         constants = build_model(bearing, chosen).constants
-        self._start_from(constants, ambient, initial, initial_lead)
+        self._start_from(constants, ambient, initial, initial_lead, components)
 
     @classmethod
     def from_constants(
@@ -115,13 +143,14 @@ class BearingElement:
         *,
         initial: float | Sequence[float] | NDArray[np.float64] | SpecimenState | None = None,
         initial_lead: float | None = None,
+        components: int = 1,
     ) -> Self:
         """Return an element from constants of the coupled step, such as those of a modified model.
 
         Parameters
         ----------
         constants : from `build_model(...).constants` or `bilinear_constants`.
-        ambient, initial, initial_lead : as of the class [degC].
+        ambient, initial, initial_lead, components : as of the class [degC], [degC], [degC], [1].
 
         Raises
         ------
@@ -135,38 +164,54 @@ class BearingElement:
         0.9
         """
         element = cls.__new__(cls)
-        element._start_from(constants, ambient, initial, initial_lead)
+        element._start_from(constants, ambient, initial, initial_lead, components)
         return element
 
     def _start_from(
-        self, constants: Constants, ambient: float, initial: Any, initial_lead: float | None
+        self,
+        constants: Constants,
+        ambient: float,
+        initial: Any,
+        initial_lead: float | None,
+        components: int,
     ) -> None:
         """Allocate the states at the start."""
+        if components not in (1, 2):
+            raise InputError(f"components = {shortened(repr(components))}: must be 1 or 2")
+        lacking = line_only_options(constants) if components == 2 else []
+        if lacking:
+            raise InputError([f"components = 2: not with {one}" for one in lacking])
         self._ambient = float(check_temperature(ambient, "ambient"))
         if initial_lead is not None:
             initial_lead = float(check_temperature(initial_lead, "initial_lead"))
         if isinstance(initial, SpecimenState):
-            start = begun_from(initial, constants, initial_lead)
+            start = begun_from(initial, constants, initial_lead, components)
         else:
             cells = len(constants.cells.capacity)
             given = ambient if initial is None else initial
-            start = new_state(constants, _of_cells("initial", given, cells), initial_lead)
+            start = new_state(
+                constants, _of_cells("initial", given, cells), initial_lead, components
+            )
         self._constants = constants
-        self._work = new_workspace(constants)
+        self._work = new_workspace(constants, components)
         self._start = start
-        self._committed = new_state(constants, start.temperature)
-        self._trial = new_state(constants, start.temperature)
-        copy_state(start, self._committed)
-        copy_state(start, self._trial)
+        self._committed = new_state(constants, start.temperature, components=components)
+        self._trial = new_state(constants, start.temperature, components=components)
+        _copy(start, self._committed)
+        _copy(start, self._trial)
         self._failed = ""
 
     @cached_property
-    def _run_step(self) -> Callable[[float, float, float], tuple[float, float, int]]:
+    def _run_step(self) -> Callable[..., Any]:
+        """Call `step` of the displacement, the duration and the ambient temperature."""
         records = (self._constants, self._work, self._committed)
-        return prepare(step, *records, 0.0, 0.0, 0.0, self._trial)
+        kernel: Any = step if self.components == 1 else step_plane
+        return prepare(kernel, *records, *[0.0] * (2 + self.components), self._trial)
 
     @cached_property
     def _accept(self) -> Callable[[], None]:
+        if self.components > 1:
+            return partial(_copy, self._trial, self._committed)
         return prepare(copy_state, self._trial, self._committed)
 
     def __getstate__(self) -> dict[str, Any]:
@@ -196,36 +241,59 @@ class BearingElement:
         """The default ambient temperature of a trial [degC]."""
         return self._ambient
 
+    @property
+    def components(self) -> int:
+        """Horizontal directions of motion, 1 or 2."""
+        return count_components(self._committed)
+
     def __repr__(self) -> str:
         books = self._committed.books
+        at, force = (
+            ", ".join(f"{one:g}" for one in np.atleast_1d(books[name][0]))
+            for name in ("displacement", "force")
+        )
         return (
-            f"<BearingElement at {books['displacement'][0]:g} mm, {books['force'][0]:g} kN, "
+            f"<BearingElement at {at} mm, {force} kN, "
             f"{books['clock'][0]:g} s; warmest cell {self._committed.temperature.max():.1f} degC>"
         )
 
-    def set_trial(self, x: float, dt: float, ambient: float | None = None) -> Trial:
+    @overload
+    def set_trial(self, x: float, dt: float, ambient: float | None = None) -> Trial: ...
+
+    @overload
+    def set_trial(
+        self, x: Sequence[float] | Floats, dt: float, ambient: float | None = None
+    ) -> PlaneTrial: ...
+
+    def set_trial(self, x: Any, dt: float, ambient: float | None = None) -> Trial | PlaneTrial:
         """Apply displacement x [mm] after a step dt [s] from the committed state.
 
         Parameters
         ----------
-        x : displacement of the upper face relative to the lower one [mm].
+        x : displacement of the upper face relative to the lower one [mm]; with two components a
+            pair (x, y).
         dt : length of the step [s], > 0.
         ambient : ambient temperature [degC]; that of the element by default.
 
         Returns
         -------
-        Trial : after any `outcome` but "completed" there is nothing to commit.
+        Trial : after any `outcome` but "completed" there is nothing to commit. `PlaneTrial` with
+            two components.
 
         Raises
         ------
-        InputError : not a number, a step that is not positive, an ambient temperature out of range.
+        InputError : not a number or a pair of numbers, a step that is not positive, an ambient
+            temperature out of range.
         """
-        x, dt = _number("x", "mm", x), _step_length(dt)
         around = self._ambient
+        at, dt = _numbers("x", "mm", x, self.components), _step_length(dt)
         if ambient is not None:
             around = float(check_temperature(ambient, "set_trial(): ambient"))
-        force, tangent, outcome = self._run_step(x, dt, around)
-        return Trial(force, tangent, self._note(outcome))
+        *found, outcome = self._run_step(*at, dt, around)
+        if len(at) == 1:
+            return Trial(found[0], found[1], self._note(outcome))
+        numbers = np.array(found)
+        return PlaneTrial(numbers[:2], numbers[2:].reshape(2, 2), self._note(outcome))
 
     def _note(self, outcome: int) -> str:
         """Return the name of the outcome of a trial, which decides whether it can be accepted."""
@@ -253,13 +321,13 @@ class BearingElement:
     def revert_to_start(self) -> None:
         """Reset to the initial state: a virgin bearing, or the end of an earlier test."""
         self._failed = ""
-        copy_state(self._start, self._committed)
-        copy_state(self._start, self._trial)
+        _copy(self._start, self._committed)
+        _copy(self._start, self._trial)
 
     def save(self) -> State:
         """Return a copy of the committed state."""
-        saved = new_state(self._constants, self._committed.temperature)
-        copy_state(self._committed, saved)
+        saved = new_state(self._constants, self._committed.temperature, components=self.components)
+        _copy(self._committed, saved)
         return saved
 
     def __copy__(self) -> Self:
@@ -275,11 +343,15 @@ class BearingElement:
         InputError : no state, or one of another bearing.
         """
         own = self._committed
-        if not isinstance(saved, State) or saved.temperature.shape != own.temperature.shape:
+        if (
+            not isinstance(saved, State)
+            or saved.temperature.shape != own.temperature.shape
+            or count_components(saved) != self.components
+        ):
             raise InputError("restore(): needs a state that save() of this bearing returned")
         self._failed = ""
-        copy_state(saved, self._committed)
-        copy_state(saved, self._trial)
+        _copy(saved, self._committed)
+        _copy(saved, self._trial)
 
 
 @dataclass(frozen=True)
@@ -308,7 +380,7 @@ class BearingElements:
 
     Raises
     ------
-    InputError : none, or one element twice.
+    InputError : none, one element twice, or one that moves in a plane.
 
     Examples
     --------
@@ -325,6 +397,8 @@ class BearingElements:
         self.elements = [*elements]
         if not elements or len({id(one) for one in elements}) < len(elements):
             raise InputError("BearingElements(): needs one element or more, each of them once")
+        if any(one.components > 1 for one in elements):
+            raise InputError("BearingElements(): takes elements with one component only")
 
     def set_trial(
         self,
@@ -385,6 +459,7 @@ def element(
     *,
     initial: float | Sequence[float] | NDArray[np.float64] | SpecimenState | None = None,
     initial_lead: float | None = None,
+    components: int = 1,
     model: ModelOptions | Model | None = None,
     **options: Unpack[ModelKeywords],
 ) -> BearingElement:
@@ -394,7 +469,8 @@ def element(
     ----------
     bearing : a Bearing, a library name, or a TOML file.
     ambient : ambient temperature, also of the bearing at the start [degC], in [-100, 100].
-    initial, initial_lead, model, options : as of `BearingElement` [degC].
+    initial, initial_lead, components, model, options : as of `BearingElement`; two components
+        are for a bearing that moves in a plane.
 
     Returns
     -------
@@ -413,8 +489,19 @@ def element(
     True
     """
     return BearingElement(
-        bearing, ambient, initial=initial, initial_lead=initial_lead, model=model, **options
+        bearing,
+        ambient,
+        initial=initial,
+        initial_lead=initial_lead,
+        components=components,
+        model=model,
+        **options,
     )
+
+
+def _copy(source: State, target: State) -> None:
+    """Overwrite a state with another."""
+    plain(copy_state, source)(source, target)
 
 
 def _number(key: str, unit: str, value: Any) -> float:
@@ -445,6 +532,19 @@ def _row(key: str, values: Any, count: int) -> list[float]:
         raise InputError(f"set_trial(): {key}: has {found.size} numbers for {count} bearings")
     row: list[float] = np.broadcast_to(found, count).tolist()
     return row
+
+
+def _numbers(key: str, unit: str, value: Any, components: int) -> list[float]:
+    """Return a number or a pair of numbers as floats."""
+    if components == 1:
+        return [_number(key, unit, value)]
+    found: list[float] = number_list(value, f"set_trial(): {key}").tolist()
+    if len(found) != components:
+        raise InputError(
+            f"set_trial(): {key} = {shortened(repr(value))}: must be a pair (x, y) in {unit}, "
+            "because the element has two components"
+        )
+    return found
 
 
 def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:

@@ -155,17 +155,25 @@ def specimen_state(
     return SpecimenState(**found)
 
 
-def begun_from(given: SpecimenState, constants: Constants, lead: float | None = None) -> State:
+def begun_from(
+    given: SpecimenState,
+    constants: Constants,
+    lead: float | None = None,
+    components: int = 1,
+) -> State:
     """Return the state of a bearing that continues from a test; its energies restart at zero.
 
     `constants`: of the same bearing and model; `lead`: temperature of the lead [degC],
-    instead of the given one.
+    instead of the given one. With two components it must be at rest in the middle: a test on a
+    line does not say what the bearing remembers across.
     """
     fault = misfit(given, constants)
+    if components == 2 and given.complete:
+        fault = "is of a test on a line; with components = 2 give temperatures only"
     if fault:
         raise InputError(f"initial_state: {fault}")
     lead = given.lead_temperature if lead is None else lead
-    state = new_state(constants, np.array(given.temperature), lead)
+    state = new_state(constants, np.array(given.temperature), lead, components)
     if given.complete:
         for key, name in LAYERS.items():
             state.layers[name] = getattr(given, key)

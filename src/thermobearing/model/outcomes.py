@@ -9,6 +9,7 @@ from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.core.march import is_possible
+from thermobearing.core.plane import plain
 from thermobearing.core.types import (
     COMPLETED,
     EULER_UNSTABLE,
@@ -106,7 +107,7 @@ def is_physical(constants: Constants, state: State, recoverable_before: float = 
     no closed energy balance: there only temperatures are checked.
     """
     return bool(
-        is_possible(
+        plain(is_possible, state)(
             np.ascontiguousarray(state.temperature),
             state.books,
             recoverable_before,

@@ -115,6 +115,8 @@ def _pack(
     for name, number in {"count": count, "rate": 1.0 if rate is None else rate}.items():
         if not is_number(number) or not 0.0 < number < HUGEST:
             raise InputError(f"{name} = {number!r}: must be a positive number")
+    if element.components > 1:
+        raise InputError("element: a uniaxial material takes an element with one component")
     if units not in get_args(UnitNames):
         raise InputError(f"units = {units!r}: must be one of {', '.join(get_args(UnitNames))}")
     factors = Units.named(units)

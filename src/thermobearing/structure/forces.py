@@ -114,6 +114,7 @@ def _line_workspace(kind: Kind, m: int) -> Workspace:
             layers.trial,
             layers.direction,
             layers.slope,
+            layers.flexibility,
         ),
         work.cells,
         work.lead_ports,

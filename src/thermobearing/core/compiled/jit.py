@@ -12,10 +12,12 @@ from typing import Any
 import numba
 from numba import types
 from numba.core import caching as _caching
-from numba.extending import typeof_impl
+from numba.core.imputils import lower_constant
+from numba.extending import models, register_model, typeof_impl
 
 from thermobearing.core.compiled.kernel import Kernel
 from thermobearing.core.compiled.sources import OPTIONS, cache_directory, kernels_digest
+from thermobearing.core.vector import Choice
 
 caching: Any = _caching  # numba has no types here
 
@@ -83,6 +85,47 @@ def new_dispatcher(function: Callable[..., Any]) -> Any:
 @typeof_impl.register(Kernel)
 def _typeof_kernel(kernel: Kernel, _: Any) -> Any:
     return types.Dispatcher(kernel.dispatcher)
+
+
+class ChoiceType(types.Callable, types.Opaque):
+    """Versions of a kernel; the type of one argument decides which one a call compiles."""
+
+    def __init__(self, choice: Choice) -> None:
+        self.choice = choice
+        super().__init__(f"Choice({', '.join(str(one) for one in choice.versions)})")
+
+    def _version(self, given: Any) -> Any:
+        kind: Any = given[self.choice.at]
+        rank = 0
+        while isinstance(kind, types.BaseTuple):
+            columns: Any = kind
+            kind, rank = columns.types[0], rank + 1
+        return types.Dispatcher(self.choice.versions[rank].dispatcher)
+
+    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+        """Return the signature of a call."""
+        return self._version(args).get_call_type(context, args, kws)
+
+    def get_call_signatures(self) -> Any:
+        """Return the signatures that are known: none."""
+        return (), True
+
+    def get_impl_key(self, sig: Any) -> Any:
+        """Return what identifies the machine code of a call."""
+        return self._version(sig.args).get_impl_key(sig)
+
+
+register_model(ChoiceType)(models.OpaqueModel)
+
+
+@typeof_impl.register(Choice)
+def _typeof_choice(choice: Choice, _: Any) -> Any:
+    return ChoiceType(choice)
+
+
+@lower_constant(ChoiceType)
+def _lower_choice(context: Any, *_: Any) -> Any:
+    return context.get_dummy_value()
 
 
 from thermobearing.core.lanes import arithmetic, choices, functions, views  # noqa: E402

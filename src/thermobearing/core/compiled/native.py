@@ -300,7 +300,7 @@ class Face:
         for _, described in entry["arguments"]:
             kind: Any = _new_kind(described, library.description)
             if isinstance(kind, RecordKind):
-                reused = REUSED.get(described["record"], 0)
+                reused = REUSED.get(described["record"].rstrip("2"), 0)
                 kind = TableKind(kind, counted=False, reused=reused)
             self.kinds.append(kind)
         arguments = "".join(kind.format for kind in self.kinds)

@@ -33,6 +33,8 @@ def _lane_row(row: np.dtype[Any]) -> np.dtype[Any]:
     """The numpy type of a record with lanes in place of floats."""
     fields = []
     for name in row.names or ():
+        if row[name].shape:
+            raise ValueError("runs in a plane")
         wide = row[name] == np.float64
         fields.append((name, row[name], (WIDTH,)) if wide else (name, row[name]))
     return np.dtype(fields)
@@ -68,7 +70,7 @@ def side_by_side(parts: Sequence[T]) -> T:
 
     Raises
     ------
-    ValueError : they differ in shape, in a whole number or in a choice.
+    ValueError : they differ in shape, in a whole number or in a choice, or move in a plane.
     """
     first: Any = parts[0]
     every: Sequence[Any] = parts

@@ -1,5 +1,9 @@
-"""What numba makes of `as_lanes`: the same memory with lanes in place of the last axes."""
+"""What numba makes of `as_lanes` and `as_plane`: the same memory with other last axes.
 
+Lanes take the place of the axis of the runs, and pairs that of the axes of vectors and matrices.
+"""
+
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,11 +16,13 @@ from numba.np import arrayobj
 
 from thermobearing.core.lanes.kinds import BYTES, DOUBLE, LaneType
 from thermobearing.core.lanes.memory import as_lanes
+from thermobearing.core.records import vector_fields
 from thermobearing.core.types import SharedCells
+from thermobearing.core.vector import as_plane
 
 
-class LaneRecord(types.Record):
-    """A record with lanes in place of floats."""
+class ViewedRecord(types.Record):
+    """A record with lanes in place of floats, or pairs in place of vectors."""
 
     @property
     def dtype(self) -> np.dtype[Any]:
@@ -24,20 +30,20 @@ class LaneRecord(types.Record):
         return np.dtype((np.void, self.size))
 
 
-@register_model(LaneRecord)
-class LaneRecordModel(models.RecordModel):
+@register_model(ViewedRecord)
+class ViewedRecordModel(models.RecordModel):
     """Bytes, as of any record."""
 
 
-def _lane_record(record: Any, width: int) -> LaneRecord:
-    """The numba type of a record whose floats are arrays of `width`."""
+def _viewed_record(record: Any, viewed: Callable[[Any], Any], *, aligned: bool) -> ViewedRecord:
+    """The numba type of a record whose fields that are arrays are viewed."""
     fields: Any = []
     for name, field in record.fields.items():
         kind = field.type
         if isinstance(kind, types.NestedArray):
-            kind = LaneType(width)
+            kind = viewed(kind)
         fields.append((name, {"type": kind, "offset": field.offset}))
-    return LaneRecord(fields, record.size, False)
+    return ViewedRecord(fields, record.size, aligned)
 
 
 def lane_kind(kind: Any, width: int) -> Any:
@@ -53,7 +59,8 @@ def lane_kind(kind: Any, width: int) -> Any:
     if not isinstance(kind, types.Array):
         return kind
     if isinstance(kind.dtype, types.Record):
-        return types.Array(_lane_record(kind.dtype, width), kind.ndim, kind.layout, aligned=False)
+        record = _viewed_record(kind.dtype, lambda _: LaneType(width), aligned=False)
+        return types.Array(record, kind.ndim, kind.layout, aligned=False)
     if kind.dtype != types.float64:
         return kind
     if kind.ndim == 1:
@@ -61,15 +68,45 @@ def lane_kind(kind: Any, width: int) -> Any:
     return types.Array(LaneType(width), kind.ndim - 1, "C", aligned=False)
 
 
-def converted(context: Any, builder: Any, old: Any, value: Any, width: int) -> Any:
-    """The value with the type of `lane_kind`; arrays keep their memory, one lane is loaded."""
-    new = lane_kind(old, width)
+def _nested(shape: tuple[int, ...]) -> Any:
+    """The type of a vector or a matrix."""
+    kind: Any = types.float64
+    for count in reversed(shape):
+        kind = types.UniTuple(kind, count)
+    return kind
+
+
+def plane_kind(kind: Any, shape: tuple[int, ...] = ()) -> Any:
+    """The type that `as_plane` gives to a record, or to an array whose last axes are `shape`."""
+    if isinstance(kind, types.BaseTuple):
+        columns: Any = kind
+        made = getattr(kind, "instance_class", None)
+        wide = vector_fields(made) if made else {}
+        names = getattr(kind, "fields", range(len(columns.types)))
+        inner = [
+            plane_kind(one, wide.get(name, ()))
+            for name, one in zip(names, columns.types, strict=True)
+        ]
+        return types.BaseTuple.from_types(inner, made)
+    if not isinstance(kind, types.Array):
+        return kind
+    if isinstance(kind.dtype, types.Record):
+        record = _viewed_record(kind.dtype, lambda one: _nested(one.shape), aligned=True)
+        return types.Array(record, kind.ndim, kind.layout)
+    return types.Array(_nested(shape), kind.ndim - len(shape), "C") if shape else kind
+
+
+def converted(context: Any, builder: Any, old: Any, value: Any, new: Any) -> Any:
+    """The value with a type of `lane_kind` or `plane_kind`.
+
+    Arrays keep their memory, one lane is loaded.
+    """
     if new == old:
         return value
     if isinstance(old, types.BaseTuple):
         columns: Any = old
         parts = [
-            converted(context, builder, one, builder.extract_value(value, k), width)
+            converted(context, builder, one, builder.extract_value(value, k), new.types[k])
             for k, one in enumerate(columns.types)
         ]
         return context.make_tuple(builder, new, parts)
@@ -77,12 +114,13 @@ def converted(context: Any, builder: Any, old: Any, value: Any, width: int) -> A
         return value
     array = context.make_array(old)(context, builder, value)
     if isinstance(new, LaneType):
-        vector = ir.VectorType(DOUBLE, width).as_pointer()
+        vector = ir.VectorType(DOUBLE, new.width).as_pointer()
         return builder.load(builder.bitcast(array.data, vector), align=BYTES)
     made = context.make_array(new)(context, builder)
     itemsize = array.itemsize
-    if isinstance(new.dtype, LaneType):
-        itemsize = context.get_constant(types.intp, BYTES * width)
+    if not isinstance(new.dtype, types.Record):
+        size = context.get_abi_sizeof(context.get_data_type(new.dtype))
+        itemsize = context.get_constant(types.intp, size)
     arrayobj.populate_array(
         made,
         data=builder.bitcast(array.data, context.get_data_type(new.dtype).as_pointer()),
@@ -98,14 +136,23 @@ def _as_lanes(_: Any, made: Any, width: Any) -> Any:
     wide = width.literal_value
 
     def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return converted(context, builder, signature.args[0], values[0], wide)
+        kind = signature.args[0]
+        return converted(context, builder, kind, values[0], lane_kind(kind, wide))
 
     return lane_kind(made, wide)(made, width), code
 
 
+def _as_plane(_: Any, record: Any) -> Any:
+    viewed = plane_kind(record)
+
+    def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return converted(context, builder, signature.args[0], values[0], viewed)
+
+    return viewed(record), code
+
+
 # numba finds an intrinsic by the function that kernels call, which needs no numba.
-_view: Any = intrinsic(prefer_literal=True)(_as_lanes)
-infer_global(
-    as_lanes,
-    types.Function(make_intrinsic_template(_view, _as_lanes, "as_lanes", prefer_literal=True)),
-)
+for name, function, typed in (("as_lanes", as_lanes, _as_lanes), ("as_plane", as_plane, _as_plane)):
+    handle: Any = intrinsic(prefer_literal=True)(typed)
+    template = make_intrinsic_template(handle, typed, name, prefer_literal=True)
+    infer_global(function, types.Function(template))
