@@ -3,10 +3,12 @@
 import ast
 import contextlib
 import io
+import re
 import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from urllib.parse import parse_qsl
 
 import pytest
 from matplotlib.figure import Figure
@@ -15,6 +17,8 @@ import thermobearing as tb
 from docs.builder import api, docstrings, figures, links, outputs
 from tests.opensees import needs_opensees
 from tests.unit.inputs import command
+from thermobearing.bearing.library import list_bearings
+from thermobearing.border.library import data_path
 
 DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = [DOCS / "index.md", *sorted((DOCS / "guide").glob("[!i]*.md"))]
@@ -61,6 +65,18 @@ def test_an_example_draws(path: Path, tmp_path: Path, monkeypatch: pytest.Monkey
         for part in filter(lambda part: ast.parse(part).body, lines):  # some have text only
             drawn += isinstance(dotted_value(part, path.name, names), Figure)
     assert drawn >= 1
+
+
+def test_examples_open_the_live_page_in_views_that_it_has() -> None:
+    page = data_path("live", "page.html").read_text(encoding="utf-8")
+    views = set(re.findall(r'data-views="(\w+)"', page))
+    states = [
+        dict(parse_qsl(fragment))
+        for path in EXAMPLES
+        for fragment in re.findall(r"bearing\.html#([^\"]+)", path.read_text(encoding="utf-8"))
+    ]
+    assert {state.get("view", "test") for state in states} == {"test", "bridge", "codes"} <= views
+    assert {state["base"] for state in states} <= set(list_bearings())
 
 
 def dotted_value(text: str, name: str, names: dict[str, Any]) -> Any:
