@@ -232,7 +232,7 @@ function newWorkspace(constants) {
     Object.fromEntries(names.split(" ").map((name) => [name, room(n)]));
   return {
     factored_dt: room(1),
-    layers: all("elastic hysteretic force tangent trial direction slope", layers),
+    layers: all("elastic hysteretic force tangent trial direction slope flexibility", layers),
     cells: all("elimination pivot upper change", cells),
     lead_ports: { conductance: room(ports, ports), base: room(ports), flow: room(ports) },
     lead_modes: room(constants.lead_modes.shape[0]),
