@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
+from thermobearing.commands.check import check_file
 from thermobearing.core.types import Floats
 from thermobearing.opensees import server as server_module
 from thermobearing.opensees.case import (
@@ -436,6 +437,7 @@ def test_ctrl_c_ends_the_command_which_writes_what_it_served(tmp_path: Path) -> 
     client.socket.close()
     result = tb.load_result(tmp_path / "out")
     assert result["force"].values[0, 1:].tolist() == forces
+    assert check_file(tmp_path / "out" / "case.resolved.toml").kind == "served case"
     again = command(str(tmp_path / "out" / "case.resolved.toml"), "--port", str(port), "--once")
     assert again.stderr is not None
     assert again.stderr.readline()

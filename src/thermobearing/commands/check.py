@@ -27,6 +27,7 @@ from thermobearing.identify.records.record import ChamberNumbers, TestRecord, lo
 from thermobearing.identify.uncertainty.covariance import Groups
 from thermobearing.model.outcomes import TemperatureLimits
 from thermobearing.model.stack import build_stack
+from thermobearing.opensees.case import ServedCase, load_served_case
 from thermobearing.results.ranges import TESTED
 from thermobearing.sequences.case import SequenceCase, load_sequence_case
 from thermobearing.structure.model import DampingKind, Structure, load_structure
@@ -73,8 +74,8 @@ def check_file(path: Path) -> Checked:
     """Return the kind of a TOML file, its main facts, and warnings of implausible values.
 
     Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
-    next to a CSV), "earthquake case", "study", "sequence case", "design case", "case" of a cyclic
-    test, and those of the package's own data.
+    next to a CSV), "earthquake case", "study", "sequence case", "served case", "design case",
+    "case" of a cyclic test, and those of the package's own data.
     """
     table, _ = split_sources(read_toml(path))
     kind = _find_kind(table, path)
@@ -107,6 +108,8 @@ def _find_kind(table: dict[str, Any], path: Path) -> str:
     data = ((kind, its) for kind, (its, _) in DATA.items())
     if path.parent.name not in LIBRARIES and path.absolute().is_relative_to(data_path()):
         return next((kind for kind, its in data if its & keys), SHIPPED)
+    if table.get("command") == "serve":
+        return "served case"
     for kind, its in (
         ("structure", {"bodies"}),
         ("sequence case", {"parts"}),
@@ -225,6 +228,14 @@ def _sequence_facts(case: SequenceCase) -> dict[str, str]:
     }
 
 
+def _served_facts(case: ServedCase) -> dict[str, str]:
+    return {
+        "bearing": f"{case.bearing.name} ({case.bearing.description})",
+        "ambient": f"{case.ambient:g} degC",
+        "element": f"{case.count} side by side, in {case.units}-s",
+    }
+
+
 def _structure_facts(structure: Structure, damping: DampingKind | None = None) -> dict[str, str]:
     """Coordinates, masses, periods and damping of a structure."""
     prepared = prepare_structure(structure, damping=damping)
@@ -339,6 +350,7 @@ KINDS: dict[
     ),
     "study": (load_study, _study_facts, _levels),
     "sequence case": (load_sequence_case, _sequence_facts, lambda case: [case.bearing]),
+    "served case": (load_served_case, _served_facts, lambda case: [case.bearing]),
     "design case": (
         load_design_case,
         _design_facts,
