@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 
 import thermobearing as tb
 from tests import tolerances as tol
+from thermobearing.bearing.ambient import Ambient
 from thermobearing.core.hysteresis import plane_increment
 from thermobearing.core.lanes.memory import WIDTH, side_by_side
 from thermobearing.core.lead import core_force
@@ -32,7 +33,7 @@ from thermobearing.core.types import (
     new_workspace,
 )
 from thermobearing.core.vector import lowest
-from thermobearing.cyclic.history import room_for
+from thermobearing.cyclic.history import Segment, room_for, run_segments
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants, isothermal
 from thermobearing.model.options import ModelOptions, build_model
 
@@ -370,6 +371,35 @@ def test_the_largest_force_across_is_near_zero_displacement_across() -> None:
     most = np.abs(last["force"][:, 1]).argmax()
     assert abs(last["displacement"][most, 1]) < 0.25 * 7.5
     assert abs(last["displacement"][most, 0]) > 0.95 * 75.0
+
+
+def test_a_test_along_a_line_in_the_plane() -> None:
+    """With a rest that is cut into short steps for the heat flow out of lead."""
+    constants = constants_of("lrb-example", lead_ends="finite-plate")
+    x = np.append(60.0 * np.sin(0.1 * np.arange(1, 101)), np.full(3, 60.0 * math.sin(10.0)))
+    dt = np.append(np.full(100, DT), [10.0, 500.0, 500.0])
+    e = np.array([0.6, -0.8])
+    runs = [
+        run_segments(
+            constants,
+            [Segment("recorded", "", path, dt, np.zeros(103, np.int32), np.arange(103) % 9 == 0)],
+            Ambient.constant(-20.0),
+            np.full(len(constants.cells.capacity), -20.0),
+            keep_every=5,
+            groups=("rubber", "cells", "layer_displacement"),
+        )
+        for path in (x, np.outer(x, e))
+    ]
+    line, plane = runs
+    assert (line.outcome, line.kept, line.steps) == (plane.outcome, plane.kept, plane.steps)
+    assert line.steps > len(x)
+    scale = np.abs(line.rows.books["force"]).max() * tol.PLANE_LINE
+    force = np.outer(line.rows.books["force"], e)
+    assert_allclose(plane.rows.books["force"], force, rtol=0.0, atol=scale)
+    d = line.rows.layer_displacement[..., np.newaxis] * e
+    assert_allclose(plane.rows.layer_displacement, d, rtol=0.0, atol=100.0 * tol.PLANE_LINE)
+    for name in ("rubber", "cells"):
+        assert_allclose(getattr(plane.rows, name), getattr(line.rows, name), rtol=1e-6)
 
 
 def test_an_element_moves_in_the_plane() -> None:
