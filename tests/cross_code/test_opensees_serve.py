@@ -259,6 +259,7 @@ with serve(BEARING, ambient=AMBIENT) as line:
 """
 
 
+@pytest.mark.thorough
 def test_a_killed_server_ends_the_analysis_with_a_message() -> None:
     done = subprocess.run(
         [sys.executable, "-c", KILLED], capture_output=True, text=True, timeout=60, check=False
@@ -269,6 +270,7 @@ def test_a_killed_server_ends_the_analysis_with_a_message() -> None:
     assert done.returncode == 1
 
 
+@pytest.mark.thorough
 def test_two_interpreters_side_by_side() -> None:
     code = KILLED.replace("    line._process.kill()\n", "")
     both = [

@@ -423,12 +423,17 @@ def command(*words: str) -> "subprocess.Popen[str]":
     return subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
+def port_printed_by(running: "subprocess.Popen[str]") -> int:
+    assert running.stderr is not None
+    return next(
+        int(found[1]) for text in running.stderr if (found := re.search(r"port (\d+)", text))
+    )
+
+
 def test_ctrl_c_ends_the_command_which_writes_what_it_served(tmp_path: Path) -> None:
     words = ["shen-hdr-bridge", "--ambient", "-20", "--port", "0", "--no-figures"]
     running = command(*words, "-o", str(tmp_path / "out"), "--units", "kN-mm")
-    assert running.stderr is not None
-    port = int(re.findall(r"port (\d+)", running.stderr.readline())[0])
-    client = Client(port)
+    client = Client(port_printed_by(running))
     forces = [client.step(x, t) for t, x in PATH]
     running.send_signal(signal.SIGINT)
     running.communicate(timeout=LIMIT)
@@ -438,14 +443,19 @@ def test_ctrl_c_ends_the_command_which_writes_what_it_served(tmp_path: Path) -> 
     result = tb.load_result(tmp_path / "out")
     assert result["force"].values[0, 1:].tolist() == forces
     assert check_file(tmp_path / "out" / "case.resolved.toml").kind == "served case"
-    again = command(str(tmp_path / "out" / "case.resolved.toml"), "--port", str(port), "--once")
-    assert again.stderr is not None
-    assert again.stderr.readline()
-    client = Client(port)
-    assert [client.step(x, t) for t, x in PATH] == forces
+
+
+@pytest.mark.thorough
+def test_a_case_is_served_again_until_the_last_element_has_left(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(case().to_toml(), encoding="utf-8")
+    running = command(str(file), "--port", "0", "--once", "-o", str(tmp_path / "out"))
+    client = Client(port_printed_by(running))
+    assert [client.step(x, t) for t, x in PATH] == expected(PATH)
     client.end()
-    again.kill()
-    again.communicate()
+    running.communicate(timeout=LIMIT)
+    assert running.returncode == 0
+    assert tb.load_result(tmp_path / "out").table["steps"].tolist() == [len(PATH)]
 
 
 @pytest.mark.parametrize(
@@ -471,3 +481,31 @@ def test_two_writes_in_a_row_do_not_wait_for_an_acknowledgement(running: Running
         took.append(time.perf_counter() - begun)
     client.end()
     assert np.median(took) < 0.02
+
+
+STOPPED = """
+import os, signal
+from tests.unit.test_served import ONE, LOOPBACK, Server, case
+from thermobearing.opensees.keeper import Keeper
+from thermobearing.opensees.server import load_kernels
+server = Server(case(), print, Keeper.start(1.5))
+load_kernels(server.case)
+print(server.listen(ONE, None, LOOPBACK, 0), flush=True)
+moved = lambda: any(len(history.time) > 1 for history in server.histories())
+server.run(lambda: moved() and os.kill(os.getpid(), signal.SIGSTOP))
+"""
+
+
+@pytest.mark.thorough
+def test_a_server_that_is_stuck_is_ended() -> None:
+    stuck = subprocess.Popen(
+        [sys.executable, "-c", STOPPED], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert stuck.stdout is not None
+    client = Client(int(stuck.stdout.readline()))
+    assert client.step(3.0, 0.1) > 0.0
+    time.sleep(1.0)  # it is stopped
+    assert_only_nan(client)
+    client.socket.close()
+    assert "receives NaN" in stuck.communicate(timeout=LIMIT)[1]
+    assert stuck.returncode == -signal.SIGKILL

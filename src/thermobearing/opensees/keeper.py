@@ -7,8 +7,8 @@ Where no true answer is possible the connection is flooded with NaN (all bits se
 alignment): the convergence test of OpenSees fails and `analyze` returns.
 
 A keeper is a small process with copies of the connections. It does nothing until the server has
-ended, for whatever reason (killed, out of memory), and then floods those that are open. Systems
-without `fork` have no keeper.
+ended, for whatever reason (killed, out of memory), and then floods those that are open. A server
+that gives no sign of life for a minute is ended. Systems without `fork` have no keeper.
 """
 
 import contextlib
@@ -21,7 +21,8 @@ from typing import Self
 
 NOTHING = b"\xff" * 65536  # NaN, many times
 PAUSE = 0.001  # of the keeper between two rounds [s]
-STAY, LEAVE, QUIET = b"s", b"l", b"q"
+STAY, LEAVE, QUIET, ALIVE = b"s", b"l", b"q", b"a"
+PATIENCE = 60.0  # of the keeper without a sign of life [s]
 MESSAGE = (
     "thermobearing: the server of the bearings has ended during the analysis; OpenSees receives "
     "NaN from now on, so that its steps fail\n"
@@ -57,15 +58,19 @@ class Keeper:
         self._channel = channel
 
     @classmethod
-    def start(cls) -> Self | None:
-        """Start a keeper; None where the system has none. To be called before any thread runs."""
+    def start(cls, patience: float = PATIENCE) -> Self | None:
+        """Start a keeper; None where the system has none. To be called before any thread runs.
+
+        `patience` is the longest time without `alive` [s], after its first call.
+        """
         if not hasattr(os, "fork") or not hasattr(socket, "send_fds"):
             return None
         ours, theirs = socket.socketpair()
+        server = os.getpid()
         if os.fork() == 0:
             ours.close()
             try:
-                _keep(theirs)
+                _keep(theirs, server, patience)
             finally:
                 os._exit(0)
         theirs.close()
@@ -76,6 +81,11 @@ class Keeper:
         with contextlib.suppress(OSError):  # it was killed: the server works without
             socket.send_fds(self._channel, [STAY], [connection.fileno()])
 
+    def alive(self) -> None:
+        """Give a sign of life; from the first on the keeper expects others."""
+        with contextlib.suppress(OSError):
+            self._channel.send(ALIVE)
+
     def release(self, *, stay: bool) -> None:
         """End the keeper, or let it flood the connections that are open."""
         with contextlib.suppress(OSError):
@@ -83,7 +93,7 @@ class Keeper:
             self._channel.close()
 
 
-def _keep(channel: socket.socket) -> None:
+def _keep(channel: socket.socket, server: int, patience: float) -> None:
     """Hold connections until the server ends; flood them then until OpenSees closes them."""
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         signal.signal(getattr(signal, name), signal.SIG_IGN)
@@ -93,8 +103,12 @@ def _keep(channel: socket.socket) -> None:
     held: dict[int, socket.socket] = {}
     events = select.poll()
     events.register(channel, select.POLLIN)
+    limit = None  # [ms]
     while True:
-        for number, event in events.poll():
+        found = events.poll(limit)
+        if not found and os.getppid() == server:
+            os.kill(server, signal.SIGKILL)
+        for number, event in found:
             if number != channel.fileno():
                 if event & (select.POLLHUP | select.POLLERR):  # the server closed it
                     events.unregister(number)
@@ -108,6 +122,8 @@ def _keep(channel: socket.socket) -> None:
                     os.write(2, MESSAGE.encode())
                 _flood_all(list(held.values()))
                 return
+            if data == ALIVE:
+                limit = 1e3 * patience
             if data == QUIET:
                 os.dup2(nowhere, 2)  # as above, and the end was wanted
             for new in numbers:

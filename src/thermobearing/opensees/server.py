@@ -148,6 +148,8 @@ class Server:
             now = time.monotonic()
             if now - self._looked > TICK:
                 self._looked = now
+                if self._keeper is not None:
+                    self._keeper.alive()
                 self._look_for_halves(now)
                 if done():
                     return
@@ -342,6 +344,11 @@ def _send(client: socket.socket, data: bytes) -> None:
             client.setblocking(False)
 
 
+def load_kernels(case: ServedCase) -> None:
+    """Load the kernels, or compile them, which may take a minute, before anybody waits."""
+    ServedElement(case, Layout(1, (1,), (1,), None), 0)
+
+
 def serve_until(
     case: ServedCase, layout: Layout, address: str, port: int, *, once: bool, say: Say
 ) -> Server:
@@ -357,6 +364,7 @@ def serve_until(
     """
     server = Server(case, say, Keeper.start())
     port = server.listen(layout, None, address, port)
+    load_kernels(case)
     dofs = " ".join(["-dof", *map(str, layout.dofs)])
     say(
         f"serving {case.bearing.name} at {address}, port {port}, in {case.units}-s; "
@@ -389,7 +397,7 @@ class _Child:
         os.dup2(2, 1)  # what is printed by accident is no answer
         self.case: ServedCase = pickle.load(sys.stdin.buffer)
         self.server = Server(self.case, self._say, keeper)
-        ServedElement(self.case, Layout(1, (1,), (1,), None), 0)  # loads or compiles the kernels
+        load_kernels(self.case)
         self._commands: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._bell, self._rung = socket.socketpair()
         self.server.watch(self._rung, self._obey)
