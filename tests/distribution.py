@@ -135,6 +135,7 @@ def main(folder: Path, pythons: list[str]) -> None:
             packed.extractall(unpacked.work, filter="data")
         (source,) = unpacked.work.iterdir()
         unpacked.install(f"{source}[test]")
+        unpacked.install("--no-deps", "--force-reinstall", str(wheel))  # some tests need libraries
         unpacked.run(
             "python", "-m", "pytest", "-q", "-m", "not thorough", *SDIST_TESTS, where=source
         )
