@@ -159,7 +159,6 @@ OPENSEES_PEAK = 1e-4  # 2e-5 measured; 5e-3 is asked
 OPENSEES_HISTORY = 1e-4  # of the peak, at every step: 2e-5 (stiff beams) and 1e-12 measured
 OPENSEES_SERVED = 1e-8  # of the peak: the same equations in two programs; 2e-12 measured
 OPENSEES_SERVED_PIER = 1e-4  # peaks: 3e-6 measured (stiff beams); 1e-3 is asked
-OPENSEES_SERVED_PIER = 1e-3  # peaks; 1e-4 measured
 OPENSEES_GIRDER_RIGID = 1e-3  # peaks; 3e-5 of bearings and 3e-4 of piers measured
 OPENSEES_GIRDER_BEARINGS = 0.02  # peaks: columns there, rigid piers here; 0.015 measured
 OPENSEES_GIRDER_PIERS = 0.04  # likewise; 0.029 measured
