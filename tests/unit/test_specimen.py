@@ -15,6 +15,7 @@ import pytest
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.conftest import Recorder
 from tests.unit.inputs import command, last_line
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.reported import residual_rows
@@ -203,7 +204,7 @@ def test_only_the_command_of_the_specimen_is_extrapolated() -> None:
     assert (simulated.lag, simulated.ahead, simulated.outside) == (1.5, 2.0, False)
 
 
-def test_a_late_specimen_whose_command_is_extrapolated_by_its_delay() -> None:
+def test_a_late_specimen_whose_command_is_extrapolated_by_its_delay(measured: Recorder) -> None:
     """A delay outside acts as a simulated one, and the extrapolation makes up for most of it."""
     motion = tb.load_motion("jra-ii-ii-1")
     late = STEPS_LATE * min(motion.dt, 0.005)
@@ -218,6 +219,11 @@ def test_a_late_specimen_whose_command_is_extrapolated_by_its_delay() -> None:
         errors.append(np.abs(calculated.rows.q - ideal.rows.q).max() / scale)
     assert errors[1] < 0.3 * errors[0]
     assert errors[2] < 0.3 * errors[1]
+    measured(
+        "hybrid test with a delay of 10 ms, displacements without compensation, orders 1 and 3",
+        ", ".join(f"{error:.1%}" for error in errors),
+        "each less than 0.3 of the one before",
+    )
 
 
 AFTER = 100
