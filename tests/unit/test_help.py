@@ -71,7 +71,15 @@ def test_units_are_among_them() -> None:
 # An option that takes numbers, as newer and older versions of typer write it.
 NUMBER = r"(--[a-z-]+)[^<]*?(?:<[^>]*float|FLOAT)"
 # Numbers without a unit; every other number says its own.
-PURE = {"--capacity", "--tolerance", "--strain", "--damping", "--zone-factor", "--end-spreading"}
+PURE = {
+    "--capacity",
+    "--tolerance",
+    "--strain",
+    "--damping",
+    "--ratio",
+    "--zone-factor",
+    "--end-spreading",
+}
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)

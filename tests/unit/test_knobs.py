@@ -17,7 +17,7 @@ from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN
 from thermobearing.bearing.model import Bearing
 from thermobearing.cyclic.case import Analysis, Case
-from thermobearing.cyclic.protocol import Cycles, Ramp, Recorded, Rest
+from thermobearing.cyclic.protocol import Cycles, PlanePath, Ramp, Recorded, Rest
 from thermobearing.model.options import Side
 
 STEPS = [
@@ -229,6 +229,15 @@ STEP_KEYS: list[tuple[str, dict[str, Any], dict[str, Any]]] = [
     ("cycles.frequency", {"strain": 1.0, "frequency": 0.5}, {"frequency": 0.49}),
     ("cycles.count", {"strain": 1.0, "speed": 60.0, "count": 1}, {"count": 2}),
     ("cycles.closing_strain", {"strain": 1.0, "speed": 60.0}, {"closing_strain": 0.1}),
+    ("path.path", {"path": "circle", "strain": 1.0, "period": 2.0}, {"path": "square"}),
+    ("path.strain", {"path": "circle", "strain": 1.0, "period": 2.0}, {"strain": 1.1}),
+    ("path.amplitude", {"path": "circle", "amplitude": 30.0, "period": 2.0}, {"amplitude": 31.0}),
+    ("path.ratio", {"path": "eight", "strain": 1.0, "period": 2.0}, {"ratio": 0.6}),
+    ("path.speed", {"path": "circle", "strain": 1.0, "speed": 60.0}, {"speed": 61.0}),
+    ("path.period", {"path": "circle", "strain": 1.0, "period": 2.0}, {"period": 2.1}),
+    ("path.frequency", {"path": "circle", "strain": 1.0, "frequency": 0.5}, {"frequency": 0.49}),
+    ("path.count", {"path": "circle", "strain": 1.0, "period": 2.0, "count": 1}, {"count": 2}),
+    ("path.ramp", {"path": "circle", "strain": 1.0, "period": 2.0}, {"ramp": 1.0}),
     ("ramp.to", {"to": 10.0, "speed": 10.0}, {"to": 11.0}),
     ("ramp.to_strain", {"to_strain": 0.3, "speed": 10.0}, {"to_strain": 0.4}),
     ("ramp.speed", {"to": 10.0, "speed": 10.0}, {"speed": 11.0}),
@@ -251,8 +260,9 @@ def test_keys_of_steps(kind: str, keys: dict[str, Any], change: dict[str, Any]) 
 
 
 def test_every_key_of_a_step_was_tried() -> None:
-    kinds = {"cycles": Cycles, "ramp": Ramp, "rest": Rest}
+    kinds = {"cycles": Cycles, "path": PlanePath, "ramp": Ramp, "rest": Rest}
     keys = {f"{kind}.{key}" for kind, model in kinds.items() for key in model.model_fields}
     assert {key for key in keys if not key.endswith(".step")} == {row[0] for row in STEP_KEYS}
-    # read in test_protocol.py and test_arrays.py
-    assert set(Recorded.model_fields) == {"step", "file", "time_s", "displacement_mm"}
+    # read in test_protocol.py, test_arrays.py and test_paths.py
+    lists = {"time_s", "displacement_mm", "displacement_y_mm"}
+    assert set(Recorded.model_fields) == lists | {"step", "file", "column_y"}

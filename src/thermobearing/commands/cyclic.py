@@ -31,7 +31,7 @@ WORTH_TELLING = 20e6  # size of a result that is announced before it is computed
 OPTIONS = (
     "model scheme integrator hardening small_loops heat_source lead_ends clock stack"  # of a model
 )
-SHORT = "strain cycles wave speed frequency period rest"  # of a test in a few words
+SHORT = "strain cycles wave path ratio speed frequency period rest"  # of a test in a few words
 
 
 @command(
@@ -55,7 +55,8 @@ SHORT = "strain cycles wave speed frequency period rest"  # of a test in a few w
         keep_every="|Keep every n-th step and all turning points; 1 by default.",
     ),
     examples="cyclic --bearing shen-lhdr-specimen --ambient -20 --ambient 23 -o my-run\n"
-    "cyclic --strain 1.75 --wave sine --frequency 0.5 --cycles 11",
+    "cyclic --strain 1.75 --wave sine --frequency 0.5 --cycles 11\n"
+    "cyclic --strain 1.75 --path circle --frequency 0.5 --cycles 3",
     panel=ANALYSES,
 )
 def _cyclic(
@@ -86,6 +87,8 @@ def _cyclic(
     words = {name: given.pop(name) for name in SHORT.split() if name in given}
     if words and "strain" not in words:
         raise InputError(f"--{next(iter(words))} requires --strain")
+    if {"wave", "path"} <= set(words):
+        raise InputError("--wave is of cycles on a line; a --path has none")
     given["test"] = cyclic_test(**words) if words else None
     given |= {"exposure": exposure_given(exposure), "histories": "complete" if complete else None}
     loaded = load_case(case, **given) if case else make_case({}, "command line", **given)

@@ -90,7 +90,12 @@ REPORT_OPTIONS = {
     "no_live": NoLive,
 }
 COMPARE = Annotated[
-    bool, option("--compare", help="Compare the result with earlier models.", panel=MODEL)
+    bool,
+    option(
+        "--compare",
+        help="Compare the result with earlier models; of a path, with a line.",
+        panel=MODEL,
+    ),
 ]
 EXPOSURE = Annotated[
     list[str] | None,

@@ -29,6 +29,7 @@ from thermobearing.border.schema import (
 )
 from thermobearing.border.toml import split_sources, to_table, to_toml
 from thermobearing.climate.readers import read_air
+from thermobearing.core.plane import line_only_options
 from thermobearing.core.records import Floats, labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
@@ -47,6 +48,7 @@ from thermobearing.report.title import case_table
 from thermobearing.results.ranges import Row, compared
 from thermobearing.results.saved import read_dataset
 
+PLANE_OPTIONS = "use integrator = exact, small_loops = published, hardening = printed"
 TEXTS = ("name", "description", "citation")  # of a bearing: nothing that it does
 
 
@@ -386,9 +388,20 @@ class Case(Strict):
                 f"but the stack has {cells} cells"
             )
         # The constants of a bilinear model come from a test.
-        if self.initial_state is not None and not found and self.analysis.model != "bilinear":
-            fault = misfit(self.initial_state, build_model(self.bearing, self.analysis).constants)
+        if not found and self.analysis.model != "bilinear":
+            constants = build_model(self.bearing, self.analysis).constants
+            fault = misfit(self.initial_state, constants) if self.initial_state else ""
             found += [f"initial_state: {fault}"] if fault else []
+            if self.test.in_plane:
+                found += [
+                    f"analysis.{name}: is not available in a plane; {PLANE_OPTIONS}"
+                    for name in line_only_options(constants)
+                ]
+        if self.test.in_plane and self.initial_state and self.initial_state.complete:
+            found.append(
+                "initial_state: is of a test on a line and does not say what the bearing remembers "
+                "across; give its temperatures as initial_profile"
+            )
         if not found:  # of a test that cannot be done the steps say nothing
             steps *= len(self.ambient)
             row = len(labels(Books)) + cells * len(self.analysis.keep)

@@ -16,7 +16,7 @@ import pandas as pd
 from thermobearing.bearing.model import Bearing
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Case
-from thermobearing.cyclic.protocol import CyclicTest
+from thermobearing.cyclic.protocol import CORNERS, Cycles, CyclicTest, PlanePath, Recorded
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.run import run, run_case
 from thermobearing.model.earlier import models_that_fit
@@ -34,8 +34,13 @@ LEAST_DAMPING = 1e-3  # h_eq below which there is no energy to speak of: linear 
 def compare_models(case: Case) -> dict[str, Result]:
     """Return the results of a test by model, the multi-layer one first.
 
-    All models run it with the conservative scheme and automatic stack.
+    All models run it with the conservative scheme and automatic stack. A test in a plane is
+    compared with the one on a line of equal amplitude and period instead.
     """
+    if case.test.in_plane:
+        line = test_on_line(case.test, case.bearing.total_rubber_thickness)
+        cases = {"plane": case, "line": case.model_copy(update={"test": line})}
+        return {name: run_case(one) for name, one in cases.items()}
     found: dict[str, Result] = {}
     changes = {"scheme": "conservative", "stack": "auto"}
     for model in models_that_fit(case.bearing):
@@ -44,14 +49,51 @@ def compare_models(case: Case) -> dict[str, Result]:
     return found
 
 
+def test_on_line(test: CyclicTest, total_rubber_thickness: float) -> CyclicTest:
+    """Return the test on a line that has the amplitudes along x and the periods of a test.
+
+    Turns become sine cycles, those of a square and a cruciform triangular ones; of recordings the
+    motion along x is left. The rubber thickness is in mm.
+    """
+    steps: list[Any] = []
+    for step in test.steps:
+        if isinstance(step, PlanePath):
+            wave = "triangular" if step.path in CORNERS else "sine"
+            period = step.turn_duration(total_rubber_thickness)
+            size = {"strain": step.strain, "amplitude": step.amplitude}
+            steps.append(Cycles(wave=wave, period=period, count=step.count, **size))
+        elif isinstance(step, Recorded):
+            steps.append(step.model_copy(update={"column_y": None, "displacement_y_mm": None}))
+        else:
+            steps.append(step)
+    return CyclicTest(name=f"{test.name}, on a line", dt=test.dt, steps=steps)
+
+
+def _line_rises(plane: Result, line: Result) -> list[dict[str, Any]]:
+    """Return the rises of temperature in a plane and on a line, a row for each run and part."""
+    rows = []
+    for number, ambient in enumerate(plane["ambient"].values):
+        for place in compared_places(plane):
+            rises = []
+            for result in (plane, line):
+                values = _temperatures(result, number, place)
+                rises.append(float(np.nanmax(values) - values[0]))
+            row = {"ambient_degC": float(ambient), "part": place, "rise_K": rises[0]}
+            rows.append(row | {"line_rise_K": rises[1], "rise_ratio": rises[0] / rises[1]})
+    return rows
+
+
 def comparison_table(results: Mapping[str, Result]) -> pd.DataFrame:
     """Return the errors of each model against the first, a row per ambient temperature and model.
 
     Over the loadings: root mean square and largest temperature error of the outer layer, the inner
     layer and the lead [K]; root mean square force error [% of the peak]; error of G_e, h_eq and
     energy of the last cycle and of the peak force [%]. A model whose run ended early, which its
-    outcome says, is compared as far as it got.
+    outcome says, is compared as far as it got. Of a test in a plane and the one on a line: the
+    largest rise of temperature at each of these places [K], and their ratio.
     """
+    if "line" in results:
+        return pd.DataFrame(_line_rises(results["plane"], results["line"]))
     (_, truth), *others = results.items()
     runs = range(truth.dataset.sizes["ambient"])
     return pd.DataFrame([_errors(truth, other, name, k) for k in runs for name, other in others])

@@ -1,7 +1,8 @@
 """The labelled dataset of a test, its thinned histories and their size.
 
 Dimensions: `ambient` (one per run), `time` (kept steps), `layer` (1 is the outermost rubber
-layer), `cell` (1 is at the upper face). Runs whose rests end at different times have
+layer), `cell` (1 is at the upper face), and `component` (x, y) of displacements and forces in a
+plane. Runs whose rests end at different times have
 different clocks: `clock(ambient, time)` then replaces the coordinate `time`. Shorter runs
 are padded with NaN.
 
@@ -23,12 +24,13 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import calibration_ranges
 from thermobearing.bearing.plausible import doubled_law
+from thermobearing.core.plane import count_components
 from thermobearing.core.records import Floats, Ints, labels
 from thermobearing.core.types import Books, RubberBooks
 from thermobearing.cyclic.case import Case, beyond, rig_demand
 from thermobearing.cyclic.history import History, Segment
-from thermobearing.cyclic.protocol import Cycles, survey
-from thermobearing.cyclic.result import CYCLES, Result, column_quantity, run_name
+from thermobearing.cyclic.protocol import Cycles, PlanePath, lengths, survey
+from thermobearing.cyclic.result import COMPONENT, CYCLES, Result, column_quantity, run_name
 from thermobearing.model.constants import outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.handover import DIMENSIONS, PREFIX, state_memory
@@ -135,13 +137,15 @@ def _build_dataset(
     for name in meanings:
         if name != "clock" or not same:
             values = _stacked([run.rows.books[name] for run in runs])
-            data[name] = xr.Variable(steps, values, meanings[name])
-    data["strain"] = (steps, data["displacement"].values / bearing.total_rubber_thickness)
-    data["stress"] = (steps, data["force"].values * (1e3 / bearing.area))
+            dims = (*steps, COMPONENT)[: values.ndim]
+            data[name] = xr.Variable(dims, values, meanings[name])
+    moved, force = data["displacement"], data["force"]
+    data["strain"] = (moved.dims, moved.values / bearing.total_rubber_thickness)
+    data["stress"] = (force.dims, force.values * (1e3 / bearing.area))
     for group, (name, dimension) in GROUPS.items():
         if group in case.analysis.keep:
             values = _stacked([run.rows._asdict()[group] for run in runs])
-            data[name] = ((*steps, dimension), values)
+            data[name] = ((*steps, dimension, COMPONENT)[: values.ndim], values)
     for name in ("segment", "cycle"):
         data[name] = (steps, _stacked([getattr(run, name) for run in runs], PADDING[name]))
     lead = [run.state.books[0].lead_temperature if bearing.lead else np.nan for run in runs]
@@ -164,6 +168,8 @@ def _build_dataset(
         "cell_thickness": ("cell", stack.thickness),
         "part": ("cell", np.array(stack.part, dtype=object)),
     }
+    if moved.dims[-1] == COMPONENT:
+        coordinates[COMPONENT] = (COMPONENT, np.array(["x", "y"], dtype=object))
     if same:
         coordinates["time"] = ("time", clock[0], meanings["clock"])
     plain = {key: as_attribute(value) for key, value in attributes.items()}
@@ -178,7 +184,12 @@ def _build_dataset(
 
 
 def _memories(runs: list[History]) -> dict[str, Any]:
-    """Return the state at the end of each run, from which another test can go on."""
+    """Return the state at the end of each run, from which another test can go on.
+
+    None of a test in a plane, which hands over temperatures only.
+    """
+    if count_components(runs[0].state) > 1:
+        return {}
     memories, found = [state_memory(run.state) for run in runs], {}
     for key in memories[0]:
         values, also = np.array([memory[key] for memory in memories]), DIMENSIONS.get(key)
@@ -214,11 +225,11 @@ def _collect_warnings(case: Case, segments: list[Segment], climates: list[Ambien
         )
     if case.initial_state is not None and not case.initial_state.complete:
         found.append(
-            "the earlier result hands over temperatures only (it was written before results held "
-            "the complete state): rubber and lead begin unloaded and virgin, at zero displacement"
+            "the earlier result hands over temperatures only (it is of a test in a plane, or was "
+            "written before results held the complete state): rubber and lead begin unloaded and "
+            "virgin, at zero displacement"
         )
-    x = np.concatenate([[case.starts_at], *(segment.x for segment in segments)])
-    increment = float(np.abs(np.diff(x)).max()) / case.bearing.geometry.rubber_layers
+    increment = float(_way(case, segments).max()) / case.bearing.geometry.rubber_layers
     yielding = case.bearing.hysteresis.yield_displacement
     if increment > yielding:
         found.append(
@@ -240,6 +251,12 @@ def _outside_law(case: Case, climates: list[Ambient], histories: list[History]) 
     return outside_law(case.bearing.name, case.bearing.temperature_law, runs)
 
 
+def _way(case: Case, segments: list[Segment]) -> Floats:
+    """Return how far the bearing moves in each step [mm]."""
+    start = np.full_like(segments[0].x[:1], case.starts_at)
+    return lengths(np.diff(np.concatenate([start, *(segment.x for segment in segments)]), axis=0))
+
+
 def _compared_rows(
     case: Case, segments: list[Segment], climates: list[Ambient], histories: list[History]
 ) -> dict[str, list[Row]]:
@@ -247,17 +264,19 @@ def _compared_rows(
 
     The speed is that of the complete test.
     """
-    x = np.concatenate([[case.starts_at], *(segment.x for segment in segments)])
     dt = np.concatenate([segment.dt for segment in segments])
-    speed = float((np.abs(np.diff(x)) / dt).max())
+    speed = float((_way(case, segments) / dt).max())
     found: dict[str, list[Row]] = {"rig": [], "tested_range": []}
     for climate, history in zip(climates, histories, strict=False):
         books, name = history.rows.books, run_name(climate.at(0.0))
-        peaks = [float(np.abs(books[one]).max()) for one in ("force", "displacement")]
+        peaks = [float(lengths(books[one]).max()) for one in ("force", "displacement")]
+        moved = books["displacement"]
+        if moved.ndim > 1:  # strain of the resultant, cycles along x
+            moved = np.copysign(lengths(moved), moved[:, 0])
         found["rig"] += rig_demand(case.rig, name, [*peaks, speed])
         reached = reached_by(
             books["clock"],
-            books["displacement"],
+            moved,
             speed,
             rubber=case.bearing.total_rubber_thickness,
             ambient=(float(climate.temperature.min()), float(climate.temperature.max())),
@@ -304,8 +323,9 @@ def _rows_worth(result: Result, run: int) -> Ints:
     A step without cycles counts as one.
     """
     data = result.dataset
-    names = ("segment", "cycle", "displacement", "force")
-    segment, cycle, x, force = (data[name].values[run] for name in names)
+    segment, cycle = (data[name].values[run] for name in ("segment", "cycle"))
+    sides = [side for n in ("displacement", "force") for side in np.atleast_2d(data[n][run].T)]
+    x = np.asarray(sides[0])
     count = int((segment >= 0).sum())
     change = np.diff(segment[:count]) | np.diff(cycle[:count])
     bounds = {0, count, *(1 + np.flatnonzero(change)).tolist()}
@@ -317,7 +337,7 @@ def _rows_worth(result: Result, run: int) -> Ints:
     for first, end in pairwise(sorted(place for place in bounds if place <= count)):
         block = slice(first, end)
         even = np.linspace(0, end - first - 1, min(end - first, POINTS)).round()
-        ends = [turn(values[block]) for values in (x, force) for turn in (np.argmax, np.argmin)]
+        ends = [turn(values[block]) for values in sides for turn in (np.argmax, np.argmin)]
         kept.append(first + np.concatenate([even, ends]).astype(np.int64))
     return np.unique(np.concatenate(kept))
 
@@ -334,12 +354,16 @@ def expected_size(case: Case) -> float:
     layers = max(stack.part.count("rubber") // max(case.bearing.cells.rubber, 1), 1)
     wide = sum(layers for name in keep if name != "cells")
     row = DOUBLE * (len(labels(Books)) + 2 + wide) + COUNTERS
+    row += (DOUBLE + TEXT) * 6 if case.test.in_plane else 0  # second components
     row += SINGLE * len(stack.part) if "cells" in keep else 0
     row += TEXT * (CSV_COLUMNS + (layers if "rubber" in keep else 0))
     _, steps = survey(case.test, case.bearing.total_rubber_thickness, case.starts_at)
     steps = 1.0 + steps / case.analysis.keep_every
     recorded = any(step.step == "recorded" for step in case.test.steps)
     if case.analysis.histories != COMPLETE and not recorded:
-        parts = sum(step.count + 1 if isinstance(step, Cycles) else 1 for step in case.test.steps)
+        parts = sum(
+            step.count + 2 if isinstance(step, Cycles | PlanePath) else 1
+            for step in case.test.steps
+        )
         steps = min(steps, parts * (POINTS + 4.0))
     return float(row) * steps * len(case.ambient)

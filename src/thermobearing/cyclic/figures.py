@@ -39,6 +39,8 @@ SHOWN_CYCLES = (1, 2, 5)  # of Fig. 4.8
 KJ = 1e-3  # kN mm -> kN m = kJ
 STRAIN, STRESS = "shear strain [%]", "shear stress [MPa]"
 PEAK = "peak stress"
+IN_PLANE = "the bearing moves in a plane; see orbit"
+COMPONENT_LOOKS = ("-", ":")  # of x and y
 Line = tuple[Floats, drawing.Look]  # values by run and time, and how they are drawn
 # Variable, label, colour: safe for colour-blind readers.
 SHARES = (
@@ -58,7 +60,9 @@ CYCLE_LOOKS = (("-", "o"), ("--", "s"), (":", "^"))  # line and marker
 POINTS = ("none", "o")
 FORCE: drawing.Look = {"color": drawing.INK, "linewidth": 0.9, "linestyle": "--"}
 LEAD, INNER, OUTER = "#222222", "#D55E00", "#56B4E9"
-METHODS = "displacement loops measures layer_temperatures lead_temperature force_shares profiles"
+METHODS = (
+    "displacement orbit loops measures layer_temperatures lead_temperature force_shares profiles"
+)
 METHODS += " layer_shear energy comparison"
 FILES = {"displacement": "imposed_displacement", "energy": "energy_balance"}  # else the method
 KEPT = (  # figure, variable that it needs, group of it
@@ -127,7 +131,7 @@ class TimeAxis(DrawnAxis):
     def _loading_ends(self) -> list[tuple[int, str]]:
         """Return number and name of some segments whose ends are shown: loadings, if any."""
         found: list[int] = []
-        for kinds in ({"cycles", "recorded"}, {"ramp"}, {"rest", "closing cycle"}):
+        for kinds in ({"cycles", "path", "recorded"}, {"ramp"}, {"rest", "closing cycle"}):
             found = found or [i for i, kind in enumerate(self._kinds) if kind in kinds]
         names = [self._labels[i] for i in found]
         chosen = np.unique(np.linspace(0, len(found) - 1, MOST_PROFILES).round().astype(int))
@@ -159,7 +163,7 @@ class TimeAxis(DrawnAxis):
     def _label_loadings(self, ax: Axes) -> None:
         """Write what is imposed above each loading that is wide enough for its label."""
         run = self.farthest
-        times, labelled = self.times[run], ("cycles", "recorded")
+        times, labelled = self.times[run], ("cycles", "path", "recorded")
         for s in (s for s in self.stretches if not s.rest):
             start = times[self._inside(run, s.first, s.last)]
             for number in range(s.first, s.last + 1):
@@ -200,6 +204,10 @@ class Figures(drawing.Figures):
             needs |= dict.fromkeys(
                 ("lead_temperature", "force_shares"), (False, "the bearing has no lead")
             )
+        if result.in_plane:
+            needs |= dict.fromkeys(("loops", "force_shares", "layer_shear"), (False, IN_PLANE))
+        else:
+            needs["orbit"] = (False, "the bearing moves on a line; see loops")
         return {name: reason for name, (there, reason) in needs.items() if not there}
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
@@ -254,8 +262,12 @@ class Figures(drawing.Figures):
         """Draw the imposed displacement [mm] and strain [%] against time; rests are cut out."""
         time = TimeAxis(self._result, cut=True)
         figure, (ax,) = drawing.panels(1, 1, (9.0, 3.4), self._title("imposed displacement"))
-        x, y = time.trace(time.farthest, self._data["displacement"].values[time.farthest])
-        ax.plot(x, y, color=drawing.INK, linewidth=0.9)
+        moved = np.atleast_2d(self._data["displacement"].values[time.farthest].T)
+        for values, line, name in zip(moved, COMPONENT_LOOKS, ("x", "y (across)"), strict=False):
+            place, y = time.trace(time.farthest, values)
+            ax.plot(place, y, color=drawing.INK, linewidth=0.9, linestyle=line, label=name)
+        if len(moved) > 1:
+            drawing.legend_below(figure, list(ax.lines))
         time.set_ticks(ax)
         drawing.name_axes(ax, time.caption(), "shear displacement [mm]")
         factor = 100.0 / float(self._data.attrs["total_rubber_thickness_mm"])
@@ -266,6 +278,30 @@ class Figures(drawing.Figures):
         strain.spines["right"].set_visible(False)  # the panel has one
         time.cut_out_rests(ax)
         time._label_loadings(ax)
+        return figure
+
+    def orbit(self) -> Figure:
+        """Draw the path of the displacement [mm] and that of the force [kN] in the plane.
+
+        One colour for each ambient temperature; rests are left out.
+        """
+        self._require("orbit")
+        moving, data = TimeAxis(self._result), self._data
+        figure, axes = drawing.panels(1, 2, (9.6, 5.2), self._title("paths in the plane"))
+        names = (("displacement", "mm"), ("force", "kN"))
+        for ax, (name, unit) in zip(axes, names, strict=True):
+            values, spans = data[name].values, 2.0 * float(np.nanmax(self._result.magnitude(name)))
+            for run, colour in enumerate(self._colours):
+                for rows in moving._moving_rows(run):
+                    x, y = values[run, rows].T
+                    kept = drawing.thin_loops(x, y, spans, spans)
+                    ax.plot(x[kept], y[kept], color=colour, linewidth=0.8)
+            for line in (ax.axhline, ax.axvline):
+                line(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
+            ax.set_aspect("equal", adjustable="datalim")
+            drawing.name_axes(ax, f"{name} along x [{unit}]", f"{name} across (y) [{unit}]")
+        pairs = zip(self._colours, self._run_titles(), strict=True)
+        drawing.legend_below(figure, [Line2D([], [], color=c, label=t) for c, t in pairs])
         return figure
 
     def loops(self, ax: Axes | None = None, *, label: str = "", color: str | None = None) -> Figure:
@@ -516,6 +552,8 @@ class Figures(drawing.Figures):
         stress of each cycle [%]; a column for each ambient temperature; one line per model.
         """
         self._require("comparison")
+        if self._result.in_plane:
+            return self._draw_plane_and_line()
         (reference, truth), *others = self._result.compared.items()
         count, rows = len(self._ambient), [*compared_places(truth), PEAK]
         colours = drawing.ordered_colours(len(others), "turbo")
@@ -543,6 +581,40 @@ class Figures(drawing.Figures):
         marks = zip(others, colours, strict=True)
         drawing.legend_below(figure, [Line2D([], [], color=c, label=n) for (n, _), c in marks])
         return figure
+
+    def _draw_plane_and_line(self) -> Figure:
+        """Draw the temperatures in the plane and those of the test on a line [°C].
+
+        The warmest rubber layer and the lead, in time; both tests have equal amplitudes and
+        periods.
+        """
+        compared, count = self._result.compared, len(self._ambient)
+        parts = [("rubber_temperature", "warmest rubber layer", "-")]
+        parts += [("lead_temperature", "lead", "--")] if self._result.has_lead else []
+        title = self._title("temperatures compared with those on a line")
+        figure, axes = drawing.panels(count, 1, (9.5, 1.4 + 2.4 * count), title)
+        handles = []
+        for run, (ax, name) in enumerate(zip(axes, self._run_titles(), strict=True)):
+            for (kind, result), colour in zip(compared.items(), (INNER, OUTER), strict=True):
+                time = TimeAxis(result, cut=True)
+                for variable, part, line in parts:
+                    look: drawing.Look = {"color": colour, "linestyle": line, "linewidth": 1.4}
+                    ax.plot(*time.trace(run, _hottest(result, variable)[run]), **look)
+                    if run == 0:
+                        handles.append(Line2D([], [], label=f"{part}, {kind}", **look))
+                if kind == "plane":
+                    time.set_ticks(ax, labels=run == count - 1)
+                    caption = time.caption()
+            drawing.name_axes(ax, y="temperature [°C]", title=name)
+        drawing.name_axes(axes[-1], caption)
+        drawing.legend_below(figure, handles)
+        return figure
+
+
+def _hottest(result: Result, name: str) -> Floats:
+    """Return the temperature of the warmest rubber layer, or of the lead, [ambient, time]."""
+    values = np.asarray(result[name].values)
+    return values.max(axis=-1) if name == "rubber_temperature" else values
 
 
 def drawn_layers(result: Result) -> list[tuple[str, int]]:

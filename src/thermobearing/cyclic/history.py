@@ -28,12 +28,18 @@ from thermobearing.cyclic.protocol import (
     FEWEST_STEPS,
     REST_GROWTH,
     REST_START,
+    SIDES,
     TINY,
     Cycles,
     CyclicTest,
+    PlanePath,
     Ramp,
     Recorded,
     Rest,
+    distance,
+    lengths,
+    lifted,
+    place_text,
     survey,
 )
 from thermobearing.model.outcomes import INTERRUPTED, NAMES, NOT_PHYSICAL, is_physical
@@ -90,17 +96,45 @@ def _cycles(step: Cycles, rubber: float, dt: float) -> list[Segment]:
     return segments
 
 
-def _ramp(step: Ramp, rubber: float, dt: float, start: float) -> Segment:
+def _turns(step: PlanePath, rubber: float, dt: float) -> list[Segment]:
+    """Return the turns on a path, with ramps from the origin and to it where they are away."""
+    duration, size = step.turn_duration(rubber), step.size(rubber)
+    sides = step.sides(duration, dt)
+    points, each = size * step.points(sides), SIDES * sides
+    count, origin, ramp = each * step.count, np.zeros(2), step.ramp_duration(rubber)
+    label = f"{step.strain:.0%}" if step.strain else f"{step.amplitude:g} mm"
+    turns = Segment(
+        kind="path",
+        label=f"{step.path} of {label}",
+        x=points[1:],
+        dt=np.full(count, duration / each),
+        cycle=np.repeat(np.arange(1, step.count + 1, dtype=np.int32), each),
+        turning=np.arange(1, count + 1) % sides == 0,
+        amplitude_strain=size / rubber,
+    )
+    ends = [_straight(origin, points[0], ramp, dt), turns, _straight(points[-1], origin, ramp, dt)]
+    return [
+        part for part in ends if part is turns or distance(points[0 if part is ends[0] else -1])
+    ]
+
+
+def _ramp(step: Ramp, rubber: float, dt: float, start: float | Floats) -> Segment:
     target = step.target(rubber)
-    duration = step.seconds(abs(target - start))
+    end = target if np.ndim(start) == 0 else lifted(target)
+    return _straight(start, end, step.seconds(distance(end, start)), dt)
+
+
+def _straight(start: float | Floats, end: float | Floats, duration: float, dt: float) -> Segment:
     steps = _equal_steps(duration, dt)
-    x = start + (target - start) * np.arange(1, steps + 1) / steps
-    x[-1] = target
+    part = np.arange(1, steps + 1)
+    x = np.stack([a + (b - a) * part / steps for a, b in np.atleast_2d(np.c_[start, end])], axis=-1)
+    x[-1] = end
+    x = x[:, 0] if np.ndim(start) == 0 else x
     span = max(duration, TINY)
-    return _plain("ramp", f"ramp to {target:g} mm", x, np.full(steps, span / steps))
+    return _plain("ramp", f"ramp to {place_text(end)} mm", x, np.full(steps, span / steps))
 
 
-def _rest(step: Rest, dt: float, start: float) -> Segment:
+def _rest(step: Rest, dt: float, start: float | Floats) -> Segment:
     duration, longest = step.span, step.longest_step(dt)
     steps = [min(dt, duration, REST_START)]
     left = duration - steps[0]
@@ -111,7 +145,8 @@ def _rest(step: Rest, dt: float, start: float) -> Segment:
         steps.append(size)
         left -= size
     label = f"rest {duration:g} s" if step.duration else f"rest until within {step.within:g} K"
-    return _plain("rest", label, np.full(len(steps), start), np.array(steps), step.within or 0.0)
+    x = np.full((len(steps), *np.shape(start)), start)
+    return _plain("rest", label, x, np.array(steps), step.within or 0.0)
 
 
 def _plain(kind: str, label: str, x: Floats, dt: Floats, within: float = 0.0) -> Segment:
@@ -119,14 +154,18 @@ def _plain(kind: str, label: str, x: Floats, dt: Floats, within: float = 0.0) ->
     return Segment(kind, label, x, dt, np.zeros(len(x), dtype=np.int32), turning, within=within)
 
 
-def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment:
+def _recorded(step: Recorded, rubber: float, dt: float, start: float | Floats) -> Segment:
     gaps, displacement, assumed = step.points(start)
+    if np.ndim(start) and displacement.ndim == 1:
+        displacement = lifted(displacement)
     counts = np.maximum(1, np.ceil(gaps / dt - TINY).astype(np.int64))
     steps = np.repeat(gaps / counts, counts)
     ends = np.concatenate([[0], np.cumsum(counts)])
     numbers = np.arange(counts.sum()) + 1
-    x, turns = np.interp(numbers, ends, displacement), np.isin(numbers, ends)
-    cycle, peak = np.zeros(len(x), dtype=np.int32), float(np.abs(displacement).max()) / rubber
+    turns, peak = np.isin(numbers, ends), float(lengths(displacement).max()) / rubber
+    x = np.stack([np.interp(numbers, ends, one) for one in np.atleast_2d(displacement.T)], axis=-1)
+    x = x if displacement.ndim > 1 else x[:, 0]
+    cycle = np.zeros(len(x), dtype=np.int32)
     said = tuple(f"{step.name}: {text}" for text in assumed)
     return Segment("recorded", step.name, x, steps, cycle, turns, peak, assumed=said)
 
@@ -134,23 +173,30 @@ def _recorded(step: Recorded, rubber: float, dt: float, start: float) -> Segment
 def build_segments(
     test: CyclicTest, total_rubber_thickness: float, start: float = 0.0
 ) -> list[Segment]:
-    """Sample a test for a bearing of some rubber thickness [mm] that is at `start` [mm]."""
+    """Sample a test for a bearing of some rubber thickness [mm] that is at `start` [mm].
+
+    In a test in the plane all segments have displacements [steps, 2].
+    """
     faults, _ = survey(test, total_rubber_thickness, start)
     if faults:
         raise InputError(faults, test.name)
     segments: list[Segment] = []
-    at, rubber = start, total_rubber_thickness
+    rubber, plane = total_rubber_thickness, test.in_plane
+    at: float | Floats = lifted(start) if plane else start
     for step in test.steps:
         match step:
             case Cycles():
-                segments += _cycles(step, rubber, test.dt)
+                some = _cycles(step, rubber, test.dt)
+                segments += [replace(one, x=lifted(one.x)) for one in some] if plane else some
+            case PlanePath():
+                segments += _turns(step, rubber, test.dt)
             case Ramp():
                 segments.append(_ramp(step, rubber, test.dt, at))
             case Rest():
                 segments.append(_rest(step, test.dt, at))
             case _:
                 segments.append(_recorded(step, rubber, test.dt, at))
-        at = float(segments[-1].x[-1])
+        at = segments[-1].x[-1] if plane else float(segments[-1].x[-1])
     return segments
 
 

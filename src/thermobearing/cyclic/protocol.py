@@ -1,8 +1,9 @@
-"""Displacement-controlled tests as a list of typed steps: cycles, ramps, rests, recordings.
+"""Displacement-controlled tests as a list of typed steps: cycles, paths, ramps, rests, recordings.
 
 Steps are data: they come from TOML or Python and go back to it (cyclic/history.py turns them
 into displacements and time steps for one bearing). Amplitudes are given as shear strain of
-the total rubber thickness or in mm.
+the total rubber thickness or in mm. A test with a path, or with a recording of two components,
+moves the bearing in a plane; its other steps then move along x.
 """
 
 import math
@@ -23,15 +24,17 @@ START = 1e-3  # of the largest displacement (1 mm at least): how far off a recor
 
 
 def checked_history(
-    times: Any, displacements: Any, start: float | None, where: str
+    times: Any, displacements: Any, start: float | Floats | None, where: str, across: Any = None
 ) -> tuple[Floats, Floats]:
     """Return the time between the points of a history [s], and its displacements [mm].
 
-    It must begin at `start` [mm], if that is known; `where` names it in messages.
+    With displacements `across` (y) there are two of them at each point. The history must begin at
+    `start` [mm], if that is known; `where` names it in messages.
     """
     try:
         time = number_list(times, "time [s]")
         displacement = number_list(displacements, "displacement [mm]")
+        other = None if across is None else number_list(across, "displacement across (y) [mm]")
     except InputError as error:
         raise InputError(error.problems, where) from None
     fault, gaps = "", np.diff(time)
@@ -39,16 +42,39 @@ def checked_history(
     if len(time) != len(displacement) or len(time) < 2:
         fault = f"{len(time)} times and {len(displacement)} displacements; two equally long lists "
         fault += "of at least 2 are needed"
+    elif other is not None and len(other) != len(time):
+        fault = f"{len(time)} times and displacements along x, but {len(other)} across (y); "
+        fault += "three equally long lists are needed"
     elif not (gaps > 0).all():
         k = int(np.argmin(gaps > 0))
         fault = f"time does not increase from {time[k]:g} to {time[k + 1]:g} s "
         fault += f"(rows {k + 1} and {k + 2} of the numbers)"
-    elif start is not None and abs(displacement[0] - start) > START * largest:
-        fault = f"starts at {displacement[0]:g} mm but the bearing is at {start:g} mm; "
-        fault += "put a ramp before it"
+    else:
+        if other is not None:
+            displacement = np.column_stack([displacement, other])
+            largest = max(largest, float(np.abs(other).max()))
+        if start is not None and distance(displacement[0], start) > START * largest:
+            fault = f"starts at {place_text(displacement[0])} mm but the bearing is at "
+            fault += f"{place_text(start)} mm; "
+            fault += "put a ramp before it" if other is None else "subtract the offset"
     if fault:
         raise InputError(fault, where)
     return gaps, displacement
+
+
+def lengths(places: Floats) -> Floats:
+    """Return how far displacements [steps] or [steps, 2] are from the origin [mm]."""
+    return np.abs(places) if places.ndim == 1 else np.hypot(*places.T)
+
+
+def distance(place: Any, other: Any = 0.0) -> float:
+    """Return the distance between two places on a line or in a plane [mm]."""
+    return math.hypot(*np.atleast_1d(np.subtract(place, other)))
+
+
+def place_text(place: Any) -> str:
+    """Return a displacement in words, such as "3" or "(3, 4)"."""
+    return f"{place:g}" if np.ndim(place) == 0 else f"({place[0]:g}, {place[1]:g})"
 
 
 Wave = Literal["triangular", "sine"]
@@ -111,6 +137,84 @@ class Cycles(Strict):
         return [size / speed for size in sizes]
 
 
+Shape = Literal["circle", "ellipse", "eight", "square", "spiral", "cruciform"]
+ACROSS = {"ellipse": 0.5, "eight": 0.5}  # amplitude across over that along x; 1 of other paths
+CORNERS = {  # of straight paths, all sides of which take the same part of a turn per length
+    "square": ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)),
+    "cruciform": ((0, 0), (1, 0), (0, 0), (-1, 0), (0, 0), (0, 1), (0, 0), (0, -1), (0, 0)),
+}
+SIDES = 8  # parts of a turn between points that every sampling hits
+FEWEST_ON_CURVE = 8  # steps in each of them: fewer make no curve
+FINE = 512  # points in each of them for the length of a path
+
+
+class PlanePath(Strict):
+    """Turns on a path in the plane, reached by a ramp from the origin and left by one to it.
+
+    `strain` or `amplitude` is that along x; `ratio` is the amplitude across (y) over it, 0.5 of an
+    ellipse and a figure of eight and 1 of the others if it is not given (a circle and a spiral
+    take none). A spiral grows evenly from the origin to its amplitude over its turns. Curves run
+    at constant angular velocity, square and cruciform at constant speed; `speed` is the mean one.
+    """
+
+    step: Literal["path"] = "path"
+    path: Shape
+    strain: Strain | None = None
+    amplitude: Amplitude | None = None
+    ratio: Annotated[float, Field(ge=1e-3, le=1.0)] | None = None
+    speed: Speed | None = None
+    period: Seconds | None = None
+    frequency: Annotated[float, in_unit("Hz"), Field(ge=1e-8, le=1e6)] | None = None
+    count: Annotated[int, Field(ge=1, le=MAX_CYCLES)] = 5
+    ramp: Seconds | None = None  # duration of each ramp; a quarter of a turn if not given
+
+    @classmethod
+    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
+        faults = _exactly_one(given, "strain", "amplitude")
+        faults += _exactly_one(given, "speed", "period", "frequency")
+        if "ratio" in given and given.get("path") in ("circle", "spiral"):
+            faults.append(f"ratio: a {given['path']} has none; use an ellipse")
+        return faults
+
+    def size(self, total_rubber_thickness: float) -> float:
+        """Amplitude along x [mm]."""
+        return self.amplitude or (self.strain or 0.0) * total_rubber_thickness
+
+    def turn_duration(self, total_rubber_thickness: float) -> float:
+        """Duration of a turn [s]."""
+        if self.speed is None:
+            return self.period or 1.0 / (self.frequency or 1.0)
+        points = self.size(total_rubber_thickness) * self.points(FINE)
+        return float(lengths(np.diff(points, axis=0)).sum()) / self.speed / self.count
+
+    def ramp_duration(self, total_rubber_thickness: float) -> float:
+        """Duration of the ramps from the origin and to it [s]."""
+        return self.ramp or 0.25 * self.turn_duration(total_rubber_thickness)
+
+    def sides(self, duration: float, dt: float) -> int:
+        """Number of time steps in each of the SIDES parts of a turn of some duration [s]."""
+        return max(FEWEST_ON_CURVE, math.ceil(duration / SIDES / dt - TINY))
+
+    def points(self, steps: int) -> Floats:
+        """All turns for an amplitude of 1, with the point at which they begin, [points, 2]."""
+        count = SIDES * steps
+        if self.path in CORNERS:
+            corners = np.array(CORNERS[self.path], dtype=float)
+            at = np.arange(count) / steps
+            turn = np.column_stack([np.interp(at, range(SIDES + 1), c) for c in corners.T])
+        else:
+            angle = 2.0 * np.pi * np.arange(count) / count
+            waves = np.cos(angle), np.sin(angle)
+            if self.path == "eight":
+                waves = np.sin(angle), np.sin(2.0 * angle)
+            turn = np.column_stack(waves)
+        turn[:, 1] *= ACROSS.get(self.path, 1.0) if self.ratio is None else self.ratio
+        found = np.concatenate([np.tile(turn, (self.count, 1)), turn[:1]])
+        if self.path == "spiral":
+            found *= np.linspace(0.0, 1.0, len(found))[:, np.newaxis]
+        return np.asarray(found)
+
+
 class Ramp(Strict):
     """One straight move to a strain or displacement, at a speed or over a time."""
 
@@ -164,35 +268,53 @@ Place = Annotated[float, Field(ge=-1e5, le=1e5)]  # [mm]
 
 
 class Recorded(Strict):
-    """A displacement history: a CSV file with columns time and displacement, or two lists."""
+    """A displacement history: a CSV file with columns time and displacement, or two lists.
+
+    With a displacement across (`column_y` is the title of its column, `displacement_y_mm` a third
+    list) the bearing moves in a plane.
+    """
 
     step: Literal["recorded"] = "recorded"
     file: Annotated[str, Field(min_length=1)] | None = None
     time_s: Annotated[tuple[Moment, ...], Field(max_length=MAX_STEPS)] | None = None
     displacement_mm: Annotated[tuple[Place, ...], Field(max_length=MAX_STEPS)] | None = None
+    column_y: Annotated[str, Field(min_length=1)] | None = None
+    displacement_y_mm: Annotated[tuple[Place, ...], Field(max_length=MAX_STEPS)] | None = None
 
     @classmethod
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         lists = {"time_s", "displacement_mm"} & set(given)
         if ("file" in given) == bool(lists) or len(lists) == 1:
             return ["give either file, or both time_s and displacement_mm"]
+        if "column_y" in given and "file" not in given:
+            return ["column_y is the title of a column of file; give displacement_y_mm with lists"]
+        if "displacement_y_mm" in given and "file" in given:
+            return ["displacement_y_mm goes with lists; give column_y with file"]
         return []
+
+    @property
+    def in_plane(self) -> bool:
+        """Whether there is a displacement across."""
+        return self.column_y is not None or self.displacement_y_mm is not None
 
     @property
     def name(self) -> str:
         """Name of the file, or "history"."""
         return "history" if self.file is None else Path(self.file).name
 
-    def points(self, start: float | None) -> tuple[Floats, Floats, list[str]]:
+    def points(self, start: float | Floats | None) -> tuple[Floats, Floats, list[str]]:
         """Return the time between points [s], displacements [mm] and what was assumed."""
         if self.file is None:
-            return *checked_history(self.time_s, self.displacement_mm, start, "history"), []
-        readings = read_laboratory(self.file, optional=("force", "ambient"))
-        found = checked_history(readings.values["time"], readings.displacement, start, self.file)
-        return *found, readings.assumptions
+            lists = self.time_s, self.displacement_mm, start, "history", self.displacement_y_mm
+            return *checked_history(*lists), []
+        readings = read_laboratory(self.file, optional=("force", "ambient"), across=self.column_y)
+        across = readings.values["displacement_y"] if self.in_plane else None
+        time, x = readings.values["time"], readings.displacement
+        return *checked_history(time, x, start, self.file, across), readings.assumptions
 
 
-Step = Annotated[Cycles | Ramp | Rest | Recorded, Field(discriminator="step")]
+AnyStep = Cycles | PlanePath | Ramp | Rest | Recorded
+Step = Annotated[AnyStep, Field(discriminator="step")]
 
 
 class CyclicTest(Strict):
@@ -202,7 +324,8 @@ class CyclicTest(Strict):
     ----------
     name : for titles.
     dt : largest time step while the bearing moves [s], in [1e-6, 10].
-    steps : of Cycles, Ramp, Rest and Recorded (tables with a key `step`), one after the other.
+    steps : of Cycles, PlanePath, Ramp, Rest and Recorded (tables with a key `step`), one after the
+        other.
 
     Examples
     --------
@@ -215,25 +338,42 @@ class CyclicTest(Strict):
     dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=10)] = 0.005
     steps: Annotated[list[Step], Field(min_length=1, max_length=MAX_PARTS)]
 
+    @property
+    def in_plane(self) -> bool:
+        """Whether the bearing moves in a plane."""
+        return any(
+            isinstance(step, PlanePath) or (isinstance(step, Recorded) and step.in_plane)
+            for step in self.steps
+        )
+
+
+def lifted(x: float | Floats) -> Floats:
+    """Return a displacement along x, or several [mm], as places in the plane."""
+    return np.stack([x, np.zeros_like(x)], axis=-1)
+
 
 def _step_faults(
-    step: Cycles | Ramp | Rest | Recorded, dt: float, rubber: float, at: float | None
-) -> tuple[float, float | None, list[str]]:
+    step: AnyStep, dt: float, rubber: float, at: float | Floats | None, plane: bool
+) -> tuple[float, float | Floats | None, list[str]]:
     """Return number of time steps, displacement at the end and faults of one step."""
-    faults, steps, end, peak, where = [], 0.0, at, 0.0, ""
+    faults, steps, peak, where = [], 0.0, 0.0, ""
+    end: float | Floats | None = at
+    origin = np.zeros(2) if plane else 0.0
     match step:
         case Cycles():
             parts = zip((step.count, 1), step.quarters(rubber), strict=False)
             steps = sum(4.0 * n * max(FEWEST_STEPS, quarter / dt) for n, quarter in parts)
-            end, peak = 0.0, step.size(rubber)
-            if at is not None and abs(at) > TINY:
-                faults.append(
-                    f"cycles start from zero, but the bearing is at {at:g} mm; "
-                    "put a ramp to 0 mm before them"
-                )
+            end, peak = origin, step.size(rubber)
+        case PlanePath():
+            duration = step.turn_duration(rubber)
+            steps = step.count * SIDES * max(FEWEST_ON_CURVE, duration / SIDES / dt)
+            steps += 2.0 * step.ramp_duration(rubber) / dt
+            peak = step.size(rubber) * float(lengths(step.points(1)).max())
+            end = origin
         case Ramp():
-            end = step.target(rubber)
-            steps, peak = step.seconds(abs(end - (at or 0.0))) / dt, abs(end)
+            target = step.target(rubber)
+            end = lifted(target) if plane else target
+            steps, peak = step.seconds(distance(end, 0.0 if at is None else at)) / dt, abs(target)
         case Rest():
             steps = step._steps(dt)
         case Recorded():
@@ -242,8 +382,16 @@ def _step_faults(
                 gaps, x, _ = step.points(at)
             except InputError as error:
                 return 0.0, None, error.lines()
-            end, peak = float(x[-1]), float(np.abs(x).max())
+            if plane and x.ndim == 1:
+                x = lifted(x)
+            end = x[-1] if plane else float(x[-1])
+            peak = float(lengths(x).max())
             steps = float(np.maximum(1.0, gaps / dt).sum())
+    if isinstance(step, Cycles | PlanePath) and at is not None and distance(at) > TINY:
+        faults.append(
+            f"{step.step} start from zero, but the bearing is at {place_text(at)} mm; "
+            "put a ramp to 0 mm before them"
+        )
     if peak > LARGEST_STRAIN * rubber * (1.0 + TINY):
         faults.append(
             f"{where}reaches {peak:g} mm, more than {LARGEST_STRAIN:.0%} of the total rubber "
@@ -259,13 +407,13 @@ def survey(
 
     The bearing is at `start` [mm] when it begins. Recordings are read; nothing is sampled.
     """
-    faults, total = [], 0.0
-    at: float | None = start
+    faults, total, plane = [], 0.0, test.in_plane
+    at: float | Floats | None = lifted(start) if plane else start
     for number, step in enumerate(test.steps):
-        steps, at, found = _step_faults(step, test.dt, total_rubber_thickness, at)
+        steps, at, found = _step_faults(step, test.dt, total_rubber_thickness, at, plane)
         total += steps
         faults += [f"steps[{number}]: {fault}" for fault in found]
-    cycles = sum(step.count for step in test.steps if isinstance(step, Cycles))
+    cycles = sum(step.count for step in test.steps if isinstance(step, Cycles | PlanePath))
     if cycles > MAX_CYCLES:
         faults.append(f"has {cycles} cycles; at most {MAX_CYCLES} can be done in one test")
     if total > MAX_STEPS:
@@ -289,6 +437,8 @@ def cyclic_test(
     period: float | None = None,
     rest: float | None = 4500.0,
     closing_strain: float | None = 0.1,
+    path: Shape | None = None,
+    ratio: float | None = None,
     dt: float = 0.005,
 ) -> CyclicTest:
     """Cycles at several amplitudes with rests between; without arguments, Table 3.4.
@@ -306,6 +456,10 @@ def cyclic_test(
     closing_strain : strain of the one small cycle that stops the loading smoothly after
         each amplitude (section 3.3.1; its size is not printed, 0.1 is our choice); None for
         none.
+    path : turns in the plane instead of cycles on a line: "circle", "ellipse", "eight", "square",
+        "spiral" or "cruciform", without closing cycle; `wave` does not apply.
+    ratio : amplitude of the path across (y) over that along x, in [0.001, 1]; 0.5 of an ellipse
+        and a figure of eight, 1 of a square and a cruciform by default.
     dt : largest time step while the bearing moves [s].
 
     Returns
@@ -314,24 +468,31 @@ def cyclic_test(
 
     Raises
     ------
-    InputError : a value out of range.
+    InputError : a value out of range; a ratio without a path.
 
     Examples
     --------
     >>> [step.step for step in cyclic_test(strain=[0.5, 1.0]).steps]
     ['cycles', 'rest', 'cycles']
+    >>> cyclic_test(strain=[1.0], path="ellipse", ratio=0.3).in_plane
+    True
     """
     levels = np.atleast_1d(np.asarray(strain, dtype=object)).ravel().tolist()
     if not levels:
         raise InputError("strain: give at least one amplitude", "cyclic_test()")
     rates = {"speed": speed, "frequency": frequency, "period": period}
     rate = {key: value for key, value in rates.items() if value is not None} or {"speed": SPEED}
-    common = {"count": cycles, "wave": wave, "closing_strain": closing_strain, **rate}
+    common = {"step": "cycles", "wave": wave, "closing_strain": closing_strain}
+    if path is not None:
+        common = {"step": "path", "path": path, "ratio": ratio}
+    elif ratio is not None:
+        raise InputError("ratio: is that of a path in the plane; give path", "cyclic_test()")
     steps: list[dict[str, object]] = []
     for level in levels:
         if steps and rest is not None:
             steps.append({"step": "rest", "duration": rest})
-        steps.append({"step": "cycles", "strain": level, **common})
+        steps.append({"strain": level, "count": cycles, **common, **rate})
     printed = (levels, cycles, rate) == ([0.5, 1.0, 1.5, 2.0, 2.5], 5, {"speed": SPEED}) and rest
+    printed = printed and path is None
     data = {"name": "Table 3.4" if printed else "cyclic test", "dt": dt, "steps": steps}
     return validated(CyclicTest, data, "cyclic_test()", from_file=False)

@@ -49,6 +49,7 @@ from thermobearing.results.time_axis import duration
 
 Case = Mapping[str, Any]
 Step = Mapping[str, Any]
+LOADINGS = ("cycles", "path")  # steps that have a count and an amplitude
 MOST_STEPS = 40  # rows of the table of a test
 MOMENTS = 24  # places of the slider
 KJ = 1e-3
@@ -76,7 +77,10 @@ def build_pieces(result: Result) -> Pieces:
         lead_rise=float(np.nanmax(lead - lead[:, :1])),
         residuals=residual_rows(result.energy, case["analysis"]),
         books=energy_table(result.energy),
-        assumptions=[*_start(case), *model_assumptions(case["analysis"], [case["bearing"]])],
+        assumptions=[
+            *_start(case),
+            *model_assumptions(case["analysis"], [case["bearing"]], plane=result.in_plane),
+        ],
         **content.result_parts(result, str(data.attrs["case"]), "cyclic", range_given=known),
     )
 
@@ -92,9 +96,9 @@ def words_of_test(test: Case) -> str:
 
 def _alike(step: Step) -> tuple[str, ...]:
     """Return what steps have in common that are described together."""
-    if step["step"] != "cycles":
+    if step["step"] not in LOADINGS:
         return (str(step["step"]),)
-    return ("cycles", str(step["count"]), _course([step]))
+    return (str(step["step"]), str(step["count"]), _course([step]))
 
 
 def _alike_words(steps: Sequence[Step]) -> str:
@@ -107,7 +111,8 @@ def _alike_words(steps: Sequence[Step]) -> str:
         strains = joined(f"{100.0 * float(step['strain']):g}" for step in steps)
         sizes = f"{strains} % shear strain"
     each = " each" if len(steps) > 1 else ""
-    return f"{counted(int(first['count']), 'cycle')}{each} of {sizes} ({_course([first])})"
+    what = "cycle" if first["step"] == "cycles" else "turn"
+    return f"{counted(int(first['count']), what)}{each} of {sizes} ({_course([first])})"
 
 
 def _size(step: Step) -> str:
@@ -122,9 +127,10 @@ def _course(steps: Sequence[Step]) -> str:
     for step in steps:
         rates = (("speed", "mean speed "), ("period", "period "), ("frequency", ""))
         match step["step"]:
-            case "cycles":
+            case "cycles" | "path":
                 key, words = next(pair for pair in rates if step.get(pair[0]) is not None)
-                found.append(f"{step['wave']}, {words}{quantity(step[key])}")
+                shape = step.get("wave") or step["path"]
+                found.append(f"{shape}, {words}{quantity(step[key])}")
             case "ramp":
                 found.append(quantity(step.get("speed") or step["duration"]))
             case "rest" if step.get("duration") is not None:
@@ -142,7 +148,7 @@ def _table_of_test(test: Case) -> Table:
     for place, step in enumerate(test["steps"][:MOST_STEPS], 1):
         row = {"step": str(place), "what": str(step["step"]), "size": _size(step)}
         row["course"] = _course([step])
-        if step["step"] == "cycles":
+        if step["step"] in LOADINGS:
             closing = step.get("closing_strain")
             row["cycles"] = str(step["count"])
             row["closing_cycle"] = percent(float(closing)) if closing is not None else "none"
@@ -185,7 +191,7 @@ def _answer(result: Result) -> list[str]:
 
 def _peaks(result: Result) -> list[tuple[float, float, float]]:
     """Return ambient temperature [degC], largest |force| [kN] and largest |strain| of each run."""
-    force, strain = (np.nanmax(np.abs(result[n].values), axis=1) for n in ("force", "strain"))
+    force, strain = (np.nanmax(result.magnitude(n), axis=1) for n in ("force", "strain"))
     columns = (result["ambient"].values, force, strain)
     return list(zip(*(column.tolist() for column in columns), strict=True))
 
@@ -296,7 +302,7 @@ def _figures(result: Result) -> dict[str, ReportFigure]:
     peaks = "; ".join(
         f"at {degrees([float(ambient)])} up to {np.nanmax(np.abs(stress)):.2f} MPa and {strain:.0%}"
         for (ambient, _, strain), stress in zip(
-            _peaks(result), result["stress"].values, strict=True
+            _peaks(result), result.magnitude("stress"), strict=True
         )
     )
     spoken = {"loops": f"Hysteresis loops: {peaks}.".replace("%", " %")}

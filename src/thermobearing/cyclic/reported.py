@@ -98,12 +98,17 @@ def bearing_words(table: Inputs) -> str:
     return f"{table['name']} ({table['kind']}, {words})"
 
 
-def model_assumptions(analysis: Inputs, bearings: Sequence[Inputs]) -> list[str]:
-    """Return what holds for every run with some options and bearings, in sentences."""
+def model_assumptions(
+    analysis: Inputs, bearings: Sequence[Inputs], *, plane: bool = False
+) -> list[str]:
+    """Return what holds for every run with some options and bearings, in sentences.
+
+    `plane`: whether the bearings move in a plane.
+    """
     said = _sentences()
     layered = [table for table in bearings if table.get("kind") != "bilinear"]
     names = [str(table["name"]) for table in bearings if table.get("kind") == "bilinear"]
-    found = [said["shear"]]
+    found = [said["plane" if plane else "shear"]]
     if names:
         found.append(said["bilinear"].format(names=", ".join(names)))
     if not layered:

@@ -18,6 +18,7 @@ from thermobearing.results.directory import COMPARISON, DATASET, HISTORY, RESOLV
 from thermobearing.results.metrics import (
     LEAST_WARMING,
     find_cycles,
+    loop_energy,
     measure_cycle,
     relative_residual,
 )
@@ -25,6 +26,8 @@ from thermobearing.results.selection import chosen_runs, selected
 from thermobearing.results.writing import DIGITS, from_attribute, without_formulas, write_dataset
 
 CYCLES = "closed_cycle"  # dimension of the measures in a file, and the beginning of their names
+COMPONENT = "component"  # dimension of displacements and forces in a plane
+AT_PEAK = 1.0 - 1e-6  # of the largest displacement in a plane: a circle has many of them
 BALANCE = ("work_in", "heat_released", "recoverable", "heat_lost_ends", "heat_lost_sides")
 CSV_BLOCK = 50_000  # rows formatted at a time
 # Heads of a history and names in its dataset; those of layers are after them.
@@ -164,6 +167,16 @@ class Result(DatasetResult):
         """Return the largest tested value of a quantity that a run exceeds; else infinity."""
         return self.largest_tested(run_name(float(self.dataset["ambient"].values[run])), limit)
 
+    @property
+    def in_plane(self) -> bool:
+        """Whether the bearing moves in a plane: displacements and forces have components."""
+        return COMPONENT in self.dataset.dims
+
+    def magnitude(self, name: str) -> Floats:
+        """Return the size of a displacement, force, strain or stress, [ambient, time]."""
+        values: Floats = self.dataset[name].values
+        return np.linalg.norm(values, axis=-1) if self.in_plane else np.abs(values)
+
     def time(self, run: int) -> Floats:
         """Return the times of the kept steps of a run [s]."""
         if "clock" in self.dataset:
@@ -174,6 +187,8 @@ class Result(DatasetResult):
         """Yield (segment, cycle, rows from the closing point of the cycle before) of a run."""
         names = ("segment", "cycle", "displacement")
         segment, cycle, x = (self.dataset[name].values[run] for name in names)
+        x = x[:, 0] if self.in_plane else x
+        whole = self.dataset["outcome"].values[run] == "completed"
         # Numbers of segments and cycles only grow, up to the padding of -1.
         parts = np.searchsorted(segment[segment >= 0], np.arange(len(self.segments) + 1))
         for number, (first, end) in enumerate(pairwise(parts.tolist())):
@@ -182,18 +197,22 @@ class Result(DatasetResult):
                 first = max(first - 1, 0)
                 for k, (a, b) in enumerate(find_cycles(x[first:end]), 1):
                     yield number, k, slice(first + a, first + b + 1)
-            elif first < end and kind == "cycles":
+            elif first < end and kind in ("cycles", "path"):
                 numbers = np.arange(1, int(cycle[end - 1]) + 2)
                 ends = first + np.searchsorted(cycle[first:end], numbers)
                 for k, (a, b) in enumerate(pairwise(ends.tolist()), 1):
-                    if a < b and x[b - 1] == 0.0 and x[a:b].min() < 0.0:  # else cut off on its way
+                    back = a < b and x[b - 1] == 0.0 and x[a:b].min() < 0.0
+                    ended = a < b and (whole or b < parts[-1])
+                    if back if kind == "cycles" else ended:  # else cut off on its way
                         yield number, k, slice(a - 1, b)
 
     @cached_property
     def cycles(self) -> pd.DataFrame:
         """One row per closed cycle: amplitude, G_eq, K_eq, h_eq, energy, strength, temperatures.
 
-        Temperatures are those at the end of the cycle; `rubber1_degC` is the outer layer.
+        Temperatures are those at the end of the cycle; `rubber1_degC` is the outer layer. Of turns
+        in a plane the measures are those of the resultant, and energy, stiffness and largest force
+        of each component follow.
         """
         data, attrs = self.dataset, self.dataset.attrs
         if CYCLES in data.dims:  # measured before the history was thinned
@@ -207,23 +226,30 @@ class Result(DatasetResult):
             for number, k, where in self._cycle_rows(run):
                 last = where.stop - 1
                 done = float(work[run, last] - work[run, where.start])  # in all steps
-                size = {"area": area, "total_rubber_thickness": rubber}
-                m = measure_cycle(x[run, where], f[run, where], **size, work=done)
                 about = self.segments[number]
-                imposed = about["amplitude_strain"] if about["kind"] == "cycles" else None
-                row = {
-                    "ambient_degC": float(ambient),
-                    "amplitude_strain": m.amplitude_mm / rubber if imposed is None else imposed,
-                    "cycle": k,
-                    "G_eq_MPa": m.G_eq_MPa,
-                    "K_eq_kN_mm": m.stiffness_kN_mm,
-                    "h_eq": m.h_eq,
-                    "stress_max_MPa": m.force_max_kN * stress,
-                    "stress_min_MPa": m.force_min_kN * stress,
-                    "energy_kN_mm": m.energy_kN_mm,
-                    "characteristic_strength_kN": m.characteristic_strength_kN,
-                    "post_yield_stiffness_kN_mm": m.post_yield_stiffness_kN_mm,
-                }
+                imposed = about["amplitude_strain"] if about["kind"] != "recorded" else None
+                row = {"ambient_degC": float(ambient), "amplitude_strain": imposed, "cycle": k}
+                if self.in_plane:
+                    row |= _plane_measures(x[run, where], f[run, where], done)
+                    largest = row.pop("amplitude_mm")
+                    row["G_eq_MPa"] = row["K_eq_kN_mm"] * rubber * stress
+                    row["stress_max_MPa"] = row["peak_force_kN"] * stress
+                else:
+                    size = {"area": area, "total_rubber_thickness": rubber}
+                    m = measure_cycle(x[run, where], f[run, where], **size, work=done)
+                    largest = m.amplitude_mm
+                    row |= {
+                        "G_eq_MPa": m.G_eq_MPa,
+                        "K_eq_kN_mm": m.stiffness_kN_mm,
+                        "h_eq": m.h_eq,
+                        "stress_max_MPa": m.force_max_kN * stress,
+                        "stress_min_MPa": m.force_min_kN * stress,
+                        "energy_kN_mm": m.energy_kN_mm,
+                        "characteristic_strength_kN": m.characteristic_strength_kN,
+                        "post_yield_stiffness_kN_mm": m.post_yield_stiffness_kN_mm,
+                    }
+                if imposed is None:
+                    row["amplitude_strain"] = largest / rubber
                 if "rubber_temperature" in data:
                     layers = data["rubber_temperature"].values[run, last]
                     row |= {f"rubber{j}_degC": value for j, value in enumerate(layers, 1)}
@@ -347,6 +373,34 @@ class Result(DatasetResult):
             without_formulas(table).to_csv(folder / COMPARISON, index=False)
 
 
+def _plane_measures(x: Floats, f: Floats, work: float) -> dict[str, float]:
+    """Return the measures of a turn in a plane, of displacements [mm] and forces [kN], [rows, 2].
+
+    The stiffness is that of the force along the largest displacement over this displacement (the
+    mean where the path has many largest ones). The damping ratio is the work [kN mm] over 4 pi
+    times the elastic energy at the largest displacement, as on a line.
+    """
+    away = np.linalg.norm(x, axis=1)
+    largest = float(away.max())
+    peak = away >= AT_PEAK * largest
+    stiffness = float(np.mean(np.sum(f[peak] * x[peak], axis=1))) / largest**2
+    found = {
+        "amplitude_mm": largest,
+        "G_eq_MPa": 0.0,
+        "K_eq_kN_mm": stiffness,
+        "h_eq": work / (2.0 * np.pi * stiffness * largest**2),
+        "stress_max_MPa": 0.0,
+        "energy_kN_mm": work,
+        "peak_force_kN": float(np.linalg.norm(f, axis=1).max()),
+    }
+    for name, way, force in zip(("x", "y"), x.T, f.T, strict=True):
+        found[f"energy_{name}_kN_mm"] = loop_energy(way, force)
+        found[f"peak_force_{name}_kN"] = float(np.abs(force).max())
+        span = float(np.ptp(way))
+        found[f"K_eq_{name}_kN_mm"] = float(np.ptp(force)) / span if span > 0.0 else np.nan
+    return found
+
+
 def _history_blocks(result: Result) -> Iterator[str]:
     """Yield the text of history.csv in blocks: one row per kept step and ambient temperature."""
     last = "" if result.has_lead else ","  # lead_degC stays empty where the bearing has no lead
@@ -366,7 +420,12 @@ def history_columns(result: Result, run: int) -> dict[str, Floats]:
     data = result.dataset
     count = int((data["segment"].values[run] >= 0).sum())
     columns = {"time_s": result.time(run)[:count]}
-    columns |= {head: data[name].values[run, :count] for head, name in HEADS.items()}
+    for head, name in HEADS.items():
+        values = data[name].values[run, :count]
+        heads = (
+            [head.replace(name, f"{name}_{c}") for c in ("x", "y")] if result.in_plane else [head]
+        )
+        columns |= dict(zip(heads, np.atleast_2d(values.T), strict=True))
     if "rubber_temperature" in data:
         layers = data["rubber_temperature"].values[run, :count].T
         columns |= {f"rubber{j}_degC": layer for j, layer in enumerate(layers, 1)}

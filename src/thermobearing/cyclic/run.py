@@ -42,7 +42,11 @@ from thermobearing.model.options import ModelKeywords, ModelOptions, build_model
 from thermobearing.model.outcomes import INTERRUPTED
 
 Progress = Callable[[int, int], None]
-History: TypeAlias = tuple[Sequence[float], Sequence[float]]  # times [s], displacements [mm]
+# Times [s] and displacements [mm]; those along x and across in a plane.
+History: TypeAlias = (
+    tuple[Sequence[float], Sequence[float]]
+    | tuple[Sequence[float], Sequence[float], Sequence[float]]
+)
 
 
 @renamed(
@@ -72,7 +76,8 @@ def run(
     bearing : a Bearing, a library name, or a TOML file.
     test : what to do; Table 3.4 if not given. Or a history, two arrays: times [s] that increase
         and displacements [mm], the first where the bearing is (0 mm for a virgin one); straight
-        lines between.
+        lines between. Three arrays, times and the displacements along x and across (y), move
+        the bearing in a plane, as `cyclic_test(path="circle", ...)` does.
     ambient : ambient temperature [degC], in [-100, 100]; several temperatures make several
         runs in one result; an `Ambient` is a series in time.
     model : `ModelOptions`, or the name of an earlier model to compare with (model/earlier.py);
@@ -126,17 +131,19 @@ def _as_test(test: CyclicTest | History | None) -> CyclicTest | None:
     if test is None or isinstance(test, CyclicTest):
         return test
     try:
-        times, displacements = test
+        times, displacements, *across = test
+        if len(across) > 1:
+            raise ValueError
     except (TypeError, ValueError):
         message = (
             f"test = {shortened(repr(test))}: give a CyclicTest, or two arrays, times [s] and "
         )
-        raise InputError(f"{message}displacements [mm]", "run()") from None
-    checked_history(times, displacements, None, "run(): test")
-    lists = {
-        "time_s": np.asarray(times, dtype=float).tolist(),
-        "displacement_mm": np.asarray(displacements, dtype=float).tolist(),
-    }
+        message += "displacements [mm], or three, with displacements across (y) [mm]"
+        raise InputError(message, "run()") from None
+    checked_history(times, displacements, None, "run(): test", across[0] if across else None)
+    names = ("time_s", "displacement_mm", "displacement_y_mm")
+    columns = (np.asarray(values, dtype=float).tolist() for values in test)
+    lists = dict(zip(names, columns, strict=False))
     return CyclicTest(name="history", steps=[{"step": "recorded", **lists}])
 
 
@@ -182,7 +189,8 @@ def run_case(
     for climate in climates:
         begin = None
         if case.initial_state is not None:
-            begin = begun_from(case.initial_state, model.constants, case.initial_lead)
+            components = 2 if case.test.in_plane else 1
+            begin = begun_from(case.initial_state, model.constants, case.initial_lead, components)
         history = run_segments(
             model.constants,
             moved,

@@ -10,13 +10,18 @@ from thermobearing.cyclic.comparison import comparison_table
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
-from thermobearing.report.content import beyond_mark
+from thermobearing.report.content import LINE, beyond_mark
 from thermobearing.results.metrics import CycleMeasures
 from thermobearing.results.ranges import MARKED
 from thermobearing.results.selection import layer_groups, layer_names
 
 MEASURES = ("G_eq_MPa", "K_eq_kN_mm", "h_eq", "energy_kN_mm")
 BACKBONE = ("characteristic_strength_kN", "post_yield_stiffness_kN_mm")
+PLANE = tuple(
+    f"{name}_{side}_{unit}"
+    for name, unit in (("peak_force", "kN"), ("energy", "kN_mm"), ("K_eq", "kN_mm"))
+    for side in ("x", "y")
+)
 LABELS = ("ambient_degC", "amplitude_strain", "cycle")
 LIMITED = {"ambient_degC": "ambient", "amplitude_strain": "strain"}
 LIMITED |= {"cycle": "cycles", "lead_degC": "lead_temperature"}
@@ -29,6 +34,11 @@ MEANINGS = (
     "Q_d, K_d: characteristic strength and post-yield stiffness of the bearing; "
     "temperatures at the end of the cycle."
 )
+IN_PLANE = (
+    "G_e, K_eq: from the force along the largest displacement; h_eq: energy over 4π times the "
+    "elastic energy at that displacement; x, y: of single components; temperatures at the end of "
+    "the cycle."
+)
 
 
 def result_tables(result: Result) -> dict[str, Table]:
@@ -37,6 +47,8 @@ def result_tables(result: Result) -> dict[str, Table]:
     found["energy"] = energy_table(result.energy)
     if result.compared:
         errors = comparison_table(result.compared)
+        if result.in_plane:
+            return found | {"line": make_table(errors, caption=LINE, keys=2)}
         names = ["ambient_degC", "model", *MODELS]
         caption = "Earlier models: largest temperature error, error of the peak force and of the "
         found["models"] = make_table(errors, names, f"{caption}last cycle", keys=2)
@@ -55,7 +67,8 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
         cycles = cycles[(group != group.shift()) | (group != group.shift(-1))].head(MOST_ROWS)
         cycles_shown = "the first and the last cycle of each amplitude"
     area = float(result.dataset.attrs["area_mm2"])
-    peak = np.maximum(cycles["stress_max_MPa"], -cycles["stress_min_MPa"]) * (area / 1e3)
+    least = cycles.get("stress_min_MPa", 0.0)  # in a plane there is none
+    peak = np.maximum(cycles["stress_max_MPa"], -least) * (area / 1e3)
     layers = cycles.filter(regex="^rubber")
     groups = layer_groups(layers.to_numpy(), False, SAME) if len(layers.columns) else []
     heat = [
@@ -68,7 +81,7 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
         *LABELS,
         *MEASURES,
         "peak_force_kN",
-        *BACKBONE,
+        *(PLANE if result.in_plane else BACKBONE),
         *heat,
         "lead_degC",
     ]
@@ -77,7 +90,8 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
         if name in cycles:
             pairs = zip(cycles["ambient_degC"], cycles[name], strict=True)
             marked[name] = [beyond_mark(rows, run_name(t), limit, float(v)) for t, v in pairs]
-    note = f"{MEANINGS} {MARKED}." if any(map(any, marked.values())) else MEANINGS
+    note = IN_PLANE if result.in_plane else MEANINGS
+    note = f"{note} {MARKED}." if any(map(any, marked.values())) else note
     frame = cycles.assign(peak_force_kN=peak)
     return make_table(
         frame, columns, f"Measures of {cycles_shown}", keys=3, marked=marked, note=note
@@ -108,6 +122,7 @@ def ratio_table(result: Result) -> Table | None:
     warmest = float(last["ambient_degC"].max())
     warm = last[last["ambient_degC"] == warmest].reset_index(drop=True).reindex(place)
     names = ["G_eq_MPa", "h_eq", "energy_kN_mm", "characteristic_strength_kN"]
+    names = [name for name in names if name in last]
     ratios = last.assign(**{n: last[n].to_numpy() / warm[n].to_numpy() for n in names})
     same = last["cycle"].to_numpy() == warm["cycle"].to_numpy()
     ratios = ratios[same & (last["ambient_degC"] != warmest).to_numpy()]

@@ -410,6 +410,7 @@ def _table_column(title: str, values: "pd.Series[Any]") -> Quantity:
     return Quantity(head, unit, f".{digits}g")
 
 
+LINE = "Warming compared with the test on a line of equal amplitude and period"
 CAPTIONS = {
     "comparison": "Earlier models compared with the multi-layer one.",
     "comparison_loops": "Loops of the multi-layer model and of a single temperature.",
@@ -435,10 +436,15 @@ def comparison_pieces(directory: Path) -> tuple[Table, dict[str, ReportFigure]]:
     verdict = json.loads((directory / SUMMARY).read_text(encoding="utf-8")).get("verdict")
     note = "".join(f"{key.capitalize()}: {value}. " for key, value in alike.items()) + NOTE
     note = f"{note} {tidy(verdict[:1].upper() + verdict[1:])}." if verdict else note
-    table = Table("Earlier models compared with the multi-layer one", columns, rows, note=note)
+    caption = "Earlier models compared with the multi-layer one"
+    captions = CAPTIONS
+    if "line_rise_K" in frame:  # of a test in a plane
+        caption, note = LINE, ""
+        captions = CAPTIONS | {"comparison": f"{LINE}."}
+    table = Table(caption, columns, rows, note=note)
     found = {
         name: ReportFigure(caption, image=file.read_bytes(), alt=caption)
-        for name, caption in CAPTIONS.items()
+        for name, caption in captions.items()
         if (file := directory / FIGURES / f"{name}.png").is_file()
     }
     return table, found

@@ -184,6 +184,9 @@ class SequenceCase(Strict):
                     'as { step = "ramp", to = "0 mm", speed = "1 mm/s" }, or omit between'
                 )
                 known = True
+            if test.in_plane:
+                found.append(f"parts[{number}]: a path in the plane cannot be part of a sequence")
+                continue
             faults, steps = survey(test, rubber, at)
             found += [f"parts[{number}].{text}" for text in faults]
             known, total = known or bool(moving), total + steps

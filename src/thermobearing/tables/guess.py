@@ -26,6 +26,7 @@ from thermobearing.tables.columns import (
 from thermobearing.tables.text import LARGEST_FILE, Form, Sheet, is_stamp
 
 UNITS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}
+ACROSS = "displacement_y"  # of a motion in a plane: never guessed
 SAMPLE = 20_000  # rows that are examined
 TITLE_BYTES = 10_000  # that hold the titles of a table
 MOST_PAIRED = 20  # columns without a recognised title that are compared in pairs
@@ -85,7 +86,7 @@ def guessed_columns(
     """
     layout, places = layout or Layout(), places or {}
     columns = [_examined(table, number, layout) for number in range(len(table.titles))]
-    known = {title: name for name, title in layout.titles.items() if name in UNITS}
+    known = {title: name for name, title in layout.titles.items() if name in (*UNITS, ACROSS)}
     taken: Taken = {c.number: (known[c.title], "sidecar") for c in columns if c.title in known}
     for quantity in ("time", "ambient", "displacement", "force"):
         best = None if quantity in known.values() else _best(columns, quantity, taken)
@@ -281,7 +282,7 @@ def _described(
     unit = layout.units.get(quantity or column.title, unit)
     place = assumed = ""
     if quantity:
-        assumed = "" if unit or column.stamped else UNITS[quantity]
+        assumed = "" if unit or column.stamped else UNITS.get(quantity, "mm")
     elif column.title in places:
         quantity, why, place = "temperature", "sidecar", places[column.title]
         assumed = "" if unit else "degC"

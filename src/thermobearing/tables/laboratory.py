@@ -26,7 +26,7 @@ from thermobearing.tables.columns import (
     make_table,
     usable_table,
 )
-from thermobearing.tables.guess import DOUBTFUL, ColumnGuess, guessed_columns
+from thermobearing.tables.guess import ACROSS, DOUBTFUL, ColumnGuess, guessed_columns
 from thermobearing.tables.text import SEPARATORS, Form, Sheet, read_sheets
 
 ASSUMED_SPEED = 30.0  # mean loading rate of Table 3.4 [mm/s], where a file has no clock
@@ -153,14 +153,18 @@ class Readings:
 
 
 def read_laboratory(
-    path: str | Path, *, optional: Collection[str] = ("time", "ambient")
+    path: str | Path,
+    *,
+    optional: Collection[str] = ("time", "ambient"),
+    across: str | None = None,
 ) -> Readings:
     r"""Return the histories in a table of samples, or in the files that a sidecar names.
 
     Every command reads tests in this way. `test.csv` or `test.xlsx` has its sidecar `test.toml`
     in the same folder, if there is one. What the sidecar does not state is detected: encoding,
     separator, decimal mark, sheets, columns, units, thermocouples, the sign of the force. All
-    assumptions are listed in `assumptions`. `optional` names the quantities that may be missing.
+    assumptions are listed in `assumptions`. `optional` names the quantities that may be missing;
+    `across` is the title of the column of a displacement across, for motions in a plane.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -181,7 +185,7 @@ def read_laboratory(
         if not (isinstance(geometry, dict) and "plan" in geometry):
             given, path, name = split_sources(found)[0], sidecar_file, path.name
     sidecar = validated(Sidecar, given, str(path))
-    readings = replace(_Reader(sidecar, path, optional).read(name), given=given)
+    readings = replace(_Reader(sidecar, path, optional, across).read(name), given=given)
     way, force = readings.values["displacement"], readings.values.get("force")
     if "force" in optional or force is None or "flip_force" in given:
         return readings
@@ -198,8 +202,11 @@ def read_laboratory(
 class _Reader:
     """Reader of the blocks of one test; collects assumptions and unused columns."""
 
-    def __init__(self, sidecar: Sidecar, path: Path, optional: Collection[str]) -> None:
+    def __init__(
+        self, sidecar: Sidecar, path: Path, optional: Collection[str], across: str | None
+    ) -> None:
         self.sidecar, self.path, self.optional = sidecar, path, optional
+        self.across = {} if across is None else {ACROSS: across}
         self.assumptions: list[str] = []
         self.unused: list[str] = []
 
@@ -244,7 +251,7 @@ class _Reader:
         marks = {name: mark for mark, name in SEPARATORS.items()}
         separator = None if s.separator is None else marks.get(s.separator, s.separator)
         form = Form(separator, s.decimal, s.encoding, block.sheet or s.sheet)
-        titles = {**s.columns, **{title: title for title in s.thermocouples}}
+        titles = {**s.columns, **self.across, **{title: title for title in s.thermocouples}}
         layout = Layout(s.lines_before, s.lines_after, titles, s.units, form)
         sheets = read_sheets(file, form)
         recognised, tables = self._recognised(file, sheets, layout)
@@ -306,6 +313,7 @@ class _Reader:
         wanted = {**COLUMNS, **{title: "degC" for title in titles if title not in COLUMNS}}
         if "force" in self.optional:
             wanted = {name: wanted[name] for name in ("time", "displacement")}
+            wanted |= dict.fromkeys(self.across, COLUMNS["displacement"])
             columns = [column for column in columns if column.holds in wanted]
         for column in columns:
             name = column.title if column.place else column.holds
