@@ -69,14 +69,6 @@ TARGETS = (
         "dylib",
     ),
     Target(
-        "macos-x86_64",
-        "x86_64-apple-macosx11.0.0",
-        "x86-64",
-        "",
-        _c_compiler("x86_64-macos"),
-        "dylib",
-    ),
-    Target(
         "windows-x86_64",
         "x86_64-pc-windows-gnu",
         "x86-64",
@@ -192,6 +184,8 @@ def build(
         for wide in {target.suffix != "wasm" for target in targets}
     }
     folder.mkdir(exist_ok=True)
+    for old in folder.iterdir():  # of another build, perhaps of other sources
+        old.unlink()
     libraries = {}
     symbols = [face.symbol for face in single] + [f"{PREFIX}sources"]
     for target in targets:
