@@ -61,7 +61,8 @@ dist-check:
 	$(PYTHON) tests/distribution.py dist $(PYTHONS)
 
 release:
-	test -n "$(VERSION)" && git diff --quiet HEAD
+	@test -n "$(VERSION)" -a -z "$$(git tag -l v$(VERSION))" && git diff --quiet HEAD || \
+	  { echo "give VERSION=, one without a tag, in a clean checkout"; exit 1; }
 	sed -i 's/^version = .*/version = "$(VERSION)"/' pyproject.toml
 	sed -i 's/^__version__ = .*/__version__ = "$(VERSION)"/' src/thermobearing/__init__.py
 	sed -i 's/^version: .*/version: $(VERSION)/' CITATION.cff
