@@ -136,7 +136,10 @@ class Kernels {
     else if (kind.array) {
       slots.push(BigInt(this.place(kind, value)), ...value.shape.map(BigInt));
     } else if (kind.record) {
-      for (const [name, one] of this.fields(kind)) this.add(one, value[name], slots);
+      for (const [name, one] of this.fields(kind)) {
+        if (!(name in value)) throw new Error(`The kernels take "${name}" of ${kind.record}, which the engine does not give.`);
+        this.add(one, value[name], slots);
+      }
     } else {
       /** @type {(number | bigint)[]} */
       const inner = [];
