@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.shared_data import shared_data
 from thermobearing.border.errors import InputError
+from thermobearing.cli import app
 from thermobearing.cyclic.case import load_case, make_case
 from thermobearing.cyclic.comparison import comparison_table, test_on_line
 from thermobearing.cyclic.history import Segment, build_segments
@@ -190,6 +192,34 @@ def test_measures_of_turns(circle: Result) -> None:
     stiffness = float(np.mean(np.sum(f * x, axis=1))) / RUBBER**2
     assert_allclose(row["K_eq_kN_mm"], stiffness, rtol=1e-9)
     assert_allclose(row["h_eq"], work / (2.0 * np.pi * stiffness * RUBBER**2), rtol=1e-9)
+
+
+def test_cycles_in_a_plane_have_the_measures_of_the_line() -> None:
+    cycles = {"step": "cycles", "strain": 1.0, "period": 4.0, "count": 1}
+    line, plane = (
+        tb.run(HDR, tb.CyclicTest(dt=0.02, steps=[cycles, *more]), 23.0).cycles.iloc[0]
+        for more in ([], [turns("circle", count=1)])
+    )
+    for name in ("G_eq_MPa", "K_eq_kN_mm", "h_eq", "energy_kN_mm", "stress_max_MPa"):
+        assert_allclose(plane[name], line[name], rtol=1e-9, err_msg=name)
+    assert plane["energy_y_kN_mm"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        ("--path circle", "--strain"),
+        ("--path circle --strain 1 --wave sine", "--wave"),
+        ("--path circle --strain 1 --ratio 0.5", "--ratio"),
+        ("--path circle --strain 1 --small-loops closed", "--small-loops"),
+        ("--ratio 0.5 --strain 1", "path"),
+    ],
+)
+def test_faults_of_a_path_on_the_command_line(words: str, named: str, tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["cyclic", *words.split(), "-o", str(tmp_path / "out")])
+    assert done.exit_code == 2
+    assert named in done.output
+    assert not (tmp_path / "out").exists()
 
 
 def test_turns_cut_off_are_not_measured(circle: Result) -> None:

@@ -379,7 +379,7 @@ def motion_data(motion: GroundMotion) -> dict[str, Any]:
 
 
 def engine_steps(test: CyclicTest) -> list[dict[str, Any]]:
-    """Return the steps of a test as the engine takes them; InputError for ramps and recordings."""
+    """Return the steps of a test for the engine; InputError for others than cycles and rests."""
     found: list[dict[str, Any]] = []
     for step in test.steps:
         if isinstance(step, Cycles):
