@@ -130,13 +130,13 @@ def _build_dataset(
     attributes: dict[str, Any],
 ) -> xr.Dataset:
     bearing, each, steps = case.bearing, ("ambient",), ("ambient", "time")
-    clock = _stacked([run.rows.books["clock"] for run in runs])
+    clock = stacked([run.rows.books["clock"] for run in runs])
     same = all(np.array_equal(clock[0], other) for other in clock)
     data: dict[str, Any] = {}
     meanings = {name: {"units": unit, "long_name": text} for name, unit, text in stack.books}
     for name in meanings:
         if name != "clock" or not same:
-            values = _stacked([run.rows.books[name] for run in runs])
+            values = stacked([run.rows.books[name] for run in runs])
             dims = (*steps, COMPONENT)[: values.ndim]
             data[name] = xr.Variable(dims, values, meanings[name])
     moved, force = data["displacement"], data["force"]
@@ -144,10 +144,10 @@ def _build_dataset(
     data["stress"] = (force.dims, force.values * (1e3 / bearing.area))
     for group, (name, dimension) in GROUPS.items():
         if group in case.analysis.keep:
-            values = _stacked([run.rows._asdict()[group] for run in runs])
+            values = stacked([run.rows._asdict()[group] for run in runs])
             data[name] = ((*steps, dimension, COMPONENT)[: values.ndim], values)
     for name in ("segment", "cycle"):
-        data[name] = (steps, _stacked([getattr(run, name) for run in runs], PADDING[name]))
+        data[name] = (steps, stacked([getattr(run, name) for run in runs], PADDING[name]))
     lead = [run.state.books[0].lead_temperature if bearing.lead else np.nan for run in runs]
     data |= {
         "initial_temperature": (("ambient", "cell"), np.array([run.initial for run in runs])),
@@ -199,7 +199,7 @@ def _memories(runs: list[History]) -> dict[str, Any]:
     return found
 
 
-def _stacked(arrays: list[NDArray[Any]], padding: float = np.nan) -> NDArray[Any]:
+def stacked(arrays: list[NDArray[Any]], padding: float = np.nan) -> NDArray[Any]:
     """Return runs on a leading axis, shorter ones padded; no copy of a single run."""
     if len(arrays) == 1:
         return arrays[0][np.newaxis]
@@ -307,8 +307,8 @@ def written_part(result: Result) -> Result:
         for name, values in data.data_vars.items():
             if values.dims[:2] == ("ambient", "time"):
                 kept = [values.values[run, mine] for run, mine in enumerate(rows)]
-                stacked = _stacked(kept, PADDING.get(str(name), np.nan))
-                found[str(name)] = (values.dims, stacked, values.attrs)
+                whole = stacked(kept, PADDING.get(str(name), np.nan))
+                found[str(name)] = (values.dims, whole, values.attrs)
         data = data.drop_vars(list(found)).assign(found)
     measures = {}
     for name in map(str, result.cycles):

@@ -15,13 +15,7 @@ from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import COMPARISON, DATASET, HISTORY, RESOLVED
-from thermobearing.results.metrics import (
-    LEAST_WARMING,
-    find_cycles,
-    loop_energy,
-    measure_cycle,
-    relative_residual,
-)
+from thermobearing.results.metrics import energy_balance, find_cycles, loop_energy, measure_cycle
 from thermobearing.results.selection import chosen_runs, selected
 from thermobearing.results.writing import DIGITS, from_attribute, without_formulas, write_dataset
 
@@ -283,23 +277,10 @@ class Result(DatasetResult):
             if self.has_lead:
                 lead = data["lead_temperature"].values[run]
                 stored += lead_capacity * (float(lead[last]) - float(lead[0]))
-            energies = [work, stored, ends + sides]
-            least_heat = LEAST_WARMING * (float(capacity.sum()) + lead_capacity)
-            rows.append(
-                {
-                    "ambient_degC": float(ambient),
-                    "work_in_kN_mm": work,
-                    "heat_released_kN_mm": heat,
-                    "recoverable_kN_mm": elastic,
-                    "heat_stored_kN_mm": stored,
-                    "heat_lost_ends_kN_mm": ends,
-                    "heat_lost_sides_kN_mm": sides,
-                    "mechanical_residual": relative_residual(work - heat - elastic, energies),
-                    "thermal_residual": relative_residual(
-                        heat - stored - (ends + sides), energies, least_heat
-                    ),
-                }
-            )
+            total = float(capacity.sum()) + lead_capacity
+            energies = work, heat, elastic, stored, ends, sides
+            balance = energy_balance(*energies, capacity=total)
+            rows.append({"ambient_degC": float(ambient), **balance})
         return pd.DataFrame(rows)
 
     def tables(self) -> dict[str, Table]:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self, Unpack
+from typing import Any, NoReturn, Self, Unpack
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, ThermobearingError
@@ -157,10 +157,12 @@ class Line:
         Raises
         ------
         InputError : no element has been connected.
-        ServingError : the server was killed.
+        ServingError : the server was killed, or no element could be served.
         """
         if not self._closed:
             self._last, self._said = self._ask("histories"), self._ask("problems")
+        if not self._last:
+            self.check()
         problems, notes = self._said
         warned = [text for layout, _ in self._layouts.values() for text in layout.warnings]
         return ServedResult.of(self.case, self._last, problems, [*dict.fromkeys(warned), *notes])
@@ -205,7 +207,7 @@ class Line:
         """Pass answers of the server on; None at its end."""
         answers = self._process.stdout
         assert answers is not None
-        with suppress(EOFError, OSError, ValueError, pickle.UnpicklingError):
+        with answers, suppress(EOFError, OSError, ValueError, pickle.UnpicklingError):
             while True:
                 self._answers.put((pickle.load(answers),))
         self._answers.put(None)
@@ -214,21 +216,23 @@ class Line:
         try:
             found = self._answers.get(timeout=limit)
         except queue.Empty:
-            self._end()
-            raise ServingError(
-                f"the server of the bearings does not answer within {limit:g} s; it was ended"
-            ) from None
+            self._lose(f"does not answer within {limit:g} s; it was ended")
         if found is None:
-            self._end()
-            status = self._process.returncode
-            raise ServingError(
-                f"the server of the bearings has ended (exit status {status}); its histories are "
-                "lost. Elements that it served receive NaN: start a new line and a new model"
-            )
+            self._lose("has ended (exit status {0})")
         (answer,) = found
         if isinstance(answer, Exception):
             raise answer
         return answer
+
+    def _lose(self, why: str) -> NoReturn:
+        """End the server, and remember why the histories are lost."""
+        self._end()
+        text = (
+            f"the server of the bearings {why.format(self._process.returncode)}; its histories are "
+            "lost. Elements that it served receive NaN: start a new line and a new model"
+        )
+        self._said = [text], []
+        raise ServingError(text) from None
 
     def _ask(self, *command: Any) -> Any:
         if self._closed:

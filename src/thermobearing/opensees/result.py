@@ -14,7 +14,7 @@ from thermobearing.bearing.exposure import describe_all, exposure_attribute, exp
 from thermobearing.bearing.model import calibration_ranges
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
-from thermobearing.cyclic.dataset import depth_attributes, stack_labels
+from thermobearing.cyclic.dataset import depth_attributes, stack_labels, stacked
 from thermobearing.cyclic.tables import energy_table
 from thermobearing.model.constants import outside_law
 from thermobearing.model.earlier import BLIND
@@ -26,7 +26,7 @@ from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import DATASET, RESOLVED, TABLE
-from thermobearing.results.metrics import LEAST_WARMING, relative_residual
+from thermobearing.results.metrics import energy_balance
 from thermobearing.results.ranges import compare_with_tests, outside_tests, reached_by
 from thermobearing.results.writing import as_attribute, write_csv, write_dataset
 
@@ -159,25 +159,12 @@ class ServedResult(DatasetResult):
     def energy(self) -> pd.DataFrame:
         """Energy balance at the end of each history [kN mm], as of a cyclic test."""
         data, rows = self.dataset, []
-        least = LEAST_WARMING * float(data.attrs["heat_capacity_kN_mm_per_K"])
+        capacity = float(data.attrs["heat_capacity_kN_mm_per_K"])
         for run, name in enumerate(data["element"].values):
             last = len(self.time(run)) - 1
-            work, heat, elastic, stored, ends, sides = (
-                float(data[key].values[run, last]) for key in BALANCE
-            )
-            elastic -= float(data["recoverable"].values[run, 0])  # of an earlier analysis
-            energies = [work, stored, ends + sides]
-            values = dict(zip(BALANCE, (work, heat, elastic, stored, ends, sides), strict=True))
-            rows.append(
-                {"element": str(name)}
-                | {f"{key}_kN_mm": value for key, value in values.items()}
-                | {
-                    "mechanical_residual": relative_residual(work - heat - elastic, energies),
-                    "thermal_residual": relative_residual(
-                        heat - stored - (ends + sides), energies, least
-                    ),
-                }
-            )
+            energies = [float(data[key].values[run, last]) for key in BALANCE]
+            energies[2] -= float(data["recoverable"].values[run, 0])  # of an earlier analysis
+            rows.append({"element": str(name), **energy_balance(*energies, capacity=capacity)})
         return pd.DataFrame(rows)
 
     def tables(self) -> dict[str, Table]:
@@ -220,22 +207,14 @@ def _labels(histories: Sequence[Served]) -> list[str]:
 def _dataset(case: ServedCase, histories: Sequence[Served], said: Sequence[str]) -> xr.Dataset:
     """Return the labelled dataset of histories."""
     model = build_model(case.bearing, case.analysis)
-    stack, steps = stack_labels(model), max(len(h.time) for h in histories)
+    stack = stack_labels(model)
     both, each = ("element", "step"), ("element",)
-
-    def _padded(values: Sequence[Any]) -> Any:
-        shape = (len(values), steps, *values[0].shape[1:])
-        found = np.full(shape, np.nan)
-        for row, one in zip(found, values, strict=True):
-            row[: len(one)] = one
-        return found
-
-    data: dict[str, Any] = {"model_time": (both, _padded([h.time for h in histories]))}
+    data: dict[str, Any] = {"model_time": (both, stacked([h.time for h in histories]))}
     for name, unit, text in stack.books:
-        values = _padded([h.books[name] for h in histories])
+        values = stacked([h.books[name] for h in histories])
         data[name] = xr.Variable(both, values, {"units": unit, "long_name": text})
     data["strain"] = (both, data["displacement"].values / case.bearing.total_rubber_thickness)
-    data["rubber_temperature"] = ((*both, "layer"), _padded([h.rubber for h in histories]))
+    data["rubber_temperature"] = ((*both, "layer"), stacked([h.rubber for h in histories]))
     data["initial_temperature"] = (("element", "cell"), np.array([h.initial for h in histories]))
     data["final_temperature"] = (("element", "cell"), np.array([h.final for h in histories]))
     data["outcome"] = (each, np.array([h.outcome for h in histories], dtype=object))

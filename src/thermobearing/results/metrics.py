@@ -62,6 +62,34 @@ def relative_residual(
     return missing / max(least, *(abs(energy) for energy in energies))
 
 
+def energy_balance(
+    work: float,
+    heat: float,
+    elastic: float,
+    stored: float,
+    ends: float,
+    sides: float,
+    *,
+    capacity: float,
+) -> dict[str, float]:
+    """Return energies [kN mm] by their columns, and the residuals of their balance.
+
+    Energies are work in, heat released, recoverable, stored, and lost at ends and sides; the heat
+    capacity of the bearing [kN mm/K] gives the least heat of the thermal residual.
+    """
+    energies, least = [work, stored, ends + sides], LEAST_WARMING * capacity
+    return {
+        "work_in_kN_mm": work,
+        "heat_released_kN_mm": heat,
+        "recoverable_kN_mm": elastic,
+        "heat_stored_kN_mm": stored,
+        "heat_lost_ends_kN_mm": ends,
+        "heat_lost_sides_kN_mm": sides,
+        "mechanical_residual": relative_residual(work - heat - elastic, energies),
+        "thermal_residual": relative_residual(heat - stored - (ends + sides), energies, least),
+    }
+
+
 def measure_cycle(
     displacement: Floats,
     force: Floats,
