@@ -19,7 +19,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 import thermobearing as tb
-from tests.opensees import ops
+from tests.opensees import analyse, ops
 from thermobearing.core.types import Floats
 from thermobearing.results import drawing
 from thermobearing.structure.model import load_structure
@@ -136,13 +136,7 @@ def shake(tops: dict[str, int], motion: tb.GroundMotion) -> dict[str, Floats]:
     """Move the ground along the bridge; return the displacements of the tops of the piers [mm]."""
     ops.timeSeries("Path", 1, "-dt", motion.dt, "-values", *(motion.acceleration / 1e3))
     ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-    ops.constraints("Transformation")
-    ops.numberer("RCM")
-    ops.system("UmfPack")
-    ops.test("NormDispIncr", 1e-8, 20)
-    ops.algorithm("Newton")
-    ops.integrator("Newmark", 0.5, 0.25)
-    ops.analysis("Transient")
+    analyse(tolerance=1e-8, most=20, numberer="RCM", system="UmfPack")
     found: dict[str, list[float]] = {line: [0.0] for line in tops}
     for _ in range(round(motion.duration / DT)):
         assert ops.analyze(1, DT) == 0

@@ -51,3 +51,21 @@ def _load() -> Any:
 
 ops = _load()
 needs_opensees = pytest.mark.skipif(isinstance(ops, Absent), reason=MISSING)
+
+
+def analyse(
+    *integrator: object,
+    tolerance: float = 1e-10,
+    most: int = 50,
+    constraints: str = "Transformation",
+    numberer: str = "Plain",
+    system: str = "BandGeneral",
+) -> None:
+    """Prepare a Newton analysis, by default a transient one with constant mean acceleration."""
+    ops.constraints(constraints)
+    ops.numberer(numberer)
+    ops.system(system)
+    ops.test("NormDispIncr", tolerance, most)
+    ops.algorithm("Newton")
+    ops.integrator(*(integrator or ("Newmark", 0.5, 0.25)))
+    ops.analysis("Static" if integrator else "Transient")

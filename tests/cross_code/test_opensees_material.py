@@ -11,7 +11,8 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from kernels.build import build_material
-from tests.opensees import needs_opensees, ops
+from tests.opensees import analyse, needs_opensees, ops
+from tests.verification.structures import follow
 from thermobearing.core.compiled import native
 from thermobearing.opensees import material
 from thermobearing.opensees.element import SHORTEST
@@ -23,6 +24,7 @@ pytestmark = [
 ]
 MASS = 150e3  # [kg] on a bearing of a bridge
 DT = 0.02  # [s]
+NEWTON: dict[str, Any] = {"tolerance": 1e-12, "most": 30, "constraints": "Plain"}
 CLOSE = 1e-9  # of forces, relative to the largest: rounding
 BEARING = "shen-lhdr-bridge"
 
@@ -49,11 +51,6 @@ def new_model() -> Iterator[Callable[..., Material]]:
         found = add_material(ops, 7, tb.element(bearing, ambient=-20), units="N-m", **options)
         for k in range(elements):
             ops.element("zeroLength", 1 + k, 1, 2, "-mat", 7, "-dir", 1)
-        ops.constraints("Plain")
-        ops.numberer("Plain")
-        ops.system("BandGeneral")
-        ops.test("NormDispIncr", 1e-12, 30)
-        ops.algorithm("Newton")
         return found
 
     yield build
@@ -64,8 +61,7 @@ def shake() -> None:
     t = DT * np.arange(400)
     ops.timeSeries("Path", 1, "-dt", DT, "-values", *(3.0 * np.sin(4.0 * t)))
     ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-    ops.integrator("Newmark", 0.5, 0.25)
-    ops.analysis("Transient")
+    analyse(**NEWTON)
 
 
 def steps(count: int, dt: float = DT) -> np.ndarray:
@@ -79,11 +75,7 @@ def steps(count: int, dt: float = DT) -> np.ndarray:
 
 def followed(path: Any, dt: Any = DT, bearing: str = BEARING) -> tuple[np.ndarray, Any]:
     """Forces of `tb.element` along displacements [kN], and the element."""
-    twin, force = tb.element(bearing, ambient=-20), []
-    for x, step in np.broadcast(path, dt):
-        force.append(twin.set_trial(float(x), dt=float(step)).force)
-        twin.commit()
-    return np.array(force), twin
+    return follow(tb.element(bearing, ambient=-20), path, dt)
 
 
 @pytest.mark.parametrize("bearing", ["shen-lhdr-bridge", "shen-hdr-bridge"])
@@ -131,14 +123,11 @@ def test_time_set_back_after_gravity_is_no_step(new_model: Any) -> None:
     ops.timeSeries("Linear", 9)
     ops.pattern("Plain", 9, 9)
     ops.load(2, 0.0, -1.0, 0.0)
-    ops.integrator("LoadControl", 0.1)
-    ops.analysis("Static")
+    analyse("LoadControl", 0.1, **NEWTON)
     assert ops.analyze(10) == 0
     ops.loadConst("-time", 0.0)
     ops.wipeAnalysis()
     assert found.states()[0].books["clock"][0] == pytest.approx(1.0)
-    ops.system("BandGeneral")
-    ops.test("NormDispIncr", 1e-12, 30)
     shake()
     x, force = steps(50).T
     expected, _ = followed(np.append(np.zeros(10), x), np.repeat([0.1, DT], [10, 50]))
@@ -163,7 +152,7 @@ def static(goals: list[tuple[float, float]]) -> np.ndarray:
     ops.timeSeries("Linear", 9)
     ops.pattern("Plain", 9, 9)
     ops.load(2, 1.0, 0.0, 0.0)
-    ops.analysis("Static")
+    analyse("LoadControl", 0.0, **NEWTON)
     rows = []
     for goal, step in goals:
         ops.integrator("DisplacementControl", 2, 1, step)

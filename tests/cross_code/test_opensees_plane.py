@@ -7,7 +7,7 @@ import pytest
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from tests.opensees import needs_opensees, ops
+from tests.opensees import analyse, needs_opensees, ops
 from tests.verification.test_plane import circle, moved, wandering
 from thermobearing.core.types import Floats
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
@@ -50,13 +50,7 @@ def opensees_forces(x: Floats) -> Floats:
         ops.timeSeries("Path", k + 1, "-dt", 1.0, "-values", *values)
         ops.pattern("Plain", k + 1, k + 1)
         ops.sp(2, k + 1, 1.0)
-    ops.constraints("Transformation")
-    ops.numberer("Plain")
-    ops.system("FullGeneral")
-    ops.test("NormDispIncr", 1e-10, 20)
-    ops.algorithm("Newton")
-    ops.integrator("LoadControl", 1.0)
-    ops.analysis("Static")
+    analyse("LoadControl", 1.0, most=20, system="FullGeneral")
     forces = []
     for _ in x:
         assert ops.analyze(1) == 0

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from collections.abc import Iterator
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +11,9 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from tests.opensees import needs_opensees, ops
+from tests.opensees import analyse, needs_opensees, ops
 from tests.reference.opensees_pier import compare_bearings
-from tests.verification.structures import ground_of, real_bearing
+from tests.verification.structures import follow, ground_of, real_bearing
 from thermobearing.core.types import Floats
 from thermobearing.opensees.case import linear_stiffness
 from thermobearing.opensees.line import Line, serve
@@ -25,6 +24,7 @@ pytestmark = needs_opensees
 BEARING, AMBIENT = "shen-hdr-bridge", -20.0
 MASS, DT = 785 / 9810, 0.01  # kN s2/mm, s
 GROUND = ground_of("jra-ii-i-1", DT, 12.0)
+PLAIN = {"constraints": "Plain", "system": "FullGeneral"}
 
 
 @pytest.fixture(scope="module")
@@ -45,17 +45,7 @@ def one_mass(arguments: tuple[object, ...], scale: float = 1.0) -> None:
     ops.element(*arguments)
     ops.timeSeries("Path", 1, "-dt", DT, "-values", *(scale * GROUND))
     ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-    solver("Newmark", 0.5, 0.25)
-    ops.analysis("Transient")
-
-
-def solver(*integrator: object) -> None:
-    ops.constraints("Plain")
-    ops.numberer("Plain")
-    ops.system("FullGeneral")
-    ops.test("NormDispIncr", 1e-11, 50)
-    ops.algorithm("Newton")
-    ops.integrator(*integrator)
+    analyse(tolerance=1e-11, **PLAIN)
 
 
 def shake(steps: int) -> Floats:
@@ -134,9 +124,7 @@ def test_units_of_the_model_and_bearings_side_by_side(
         ops.element(*line.element(7, (1, 2)))
         ops.timeSeries("Path", 1, "-dt", DT, "-values", *(GROUND / 1e3))
         ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-        solver("Newmark", 0.5, 0.25)
-        ops.test("NormDispIncr", 1e-14, 50)
-        ops.analysis("Transient")
+        analyse(tolerance=1e-14, **PLAIN)
         found = 1e3 * shake(len(right))
         shear = 1e-3 * ops.eleForce(7)[3] / count
         ops.wipe()
@@ -195,13 +183,9 @@ def test_failed_steps_and_substeps_leave_no_trace(line: Line) -> None:
     ops.wipe()
     times = np.array(path)[:, 0]
     assert len(np.unique(np.diff(times).round(6))) > 1, "no step failed"
-    bearing = tb.element(BEARING, ambient=AMBIENT)
-    forces = []
-    for (before, _), (t, x) in pairwise(path):
-        forces.append(bearing.set_trial(x, dt=t - before).force)
-        bearing.commit()
+    forces, _ = follow(tb.element(BEARING, ambient=AMBIENT), np.array(path)[1:, 1], np.diff(times))
     served = data["force"].values[run, 1 : len(path)]
-    assert off(served, np.array(forces)) < tol.OPENSEES_SERVED
+    assert off(served, forces) < tol.OPENSEES_SERVED
 
 
 def test_gravity_then_displacement_control_then_earthquake_in_space() -> None:
@@ -218,9 +202,8 @@ def test_gravity_then_displacement_control_then_earthquake_in_space() -> None:
         ops.timeSeries("Linear", 1)
         ops.pattern("Plain", 1, 1)
         ops.load(2, 0.0, 0.0, -weight, 0.0, 0.0, 0.0)
-        solver("LoadControl", 0.1)
+        analyse("LoadControl", 0.1, **PLAIN)
         ops.test("NormUnbalance", 1e-8, 20)
-        ops.analysis("Static")
         assert ops.analyze(10) == 0
         sinking = ops.nodeDisp(2, 3)
         ops.loadConst("-time", 0.0)
@@ -238,11 +221,7 @@ def test_gravity_then_displacement_control_then_earthquake_in_space() -> None:
     known = linear_stiffness(line.case)
     assert sinking == pytest.approx(-weight / known.vertical, rel=1e-9)
     assert min(factors) < 0.0 < max(factors)
-    bearing = tb.element(BEARING, ambient=AMBIENT)
-    forces = []
-    for x in shears[1:]:
-        forces.append(bearing.set_trial(x, dt=2.0 / rate).force)
-        bearing.commit()
+    forces, _ = follow(tb.element(BEARING, ambient=AMBIENT), shears[1:], 2.0 / rate)
     assert factors[1:] == pytest.approx(forces, rel=1e-6)
     assert result["clock"].values[0, -1] == pytest.approx(120.0 / rate)
     assert result.energy["heat_released_kN_mm"][0] > 0.5 * result.energy["work_in_kN_mm"][0]

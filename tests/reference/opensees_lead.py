@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import thermobearing as tb
-from tests.opensees import ops
+from tests.opensees import analyse, ops
 
 Floats = NDArray[np.float64]
 STIFF = 165.0  # kN/mm: so stiff that yielding is sharp in both (Bouc-Wen there, bilinear here)
@@ -60,13 +60,7 @@ def lead_rubber_x(
     ops.pattern("MultipleSupport", 1)
     ops.groundMotion(1, "Plain", "-disp", 1, "-vel", 2, "-accel", 3)
     ops.imposedMotion(2, 1, 1)
-    ops.constraints("Transformation")
-    ops.numberer("Plain")
-    ops.system("BandGeneral")
-    ops.test("NormDispIncr", 1e-10, 50)
-    ops.algorithm("Newton")
-    ops.integrator("Newmark", 0.5, 0.25)
-    ops.analysis("Transient")
+    analyse()
     rows = []
     for _ in range(len(motion[0]) - 1):
         if ops.analyze(1, dt) != 0:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from tests.opensees import ops
+from tests.opensees import analyse, ops
 from tests.verification.structures import ground_of, linear_bearing, rayleigh_factors, shaken
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.core.types import Constants, Floats
@@ -103,13 +103,7 @@ def build(
     ops.rayleigh(rayleigh[0], 0.0, rayleigh[1], 0.0)
     ops.timeSeries("Path", 1, "-dt", dt, "-values", *(ground / 1e3), ground[-1] / 1e3)
     ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-    ops.constraints("Transformation")
-    ops.numberer("RCM")
-    ops.system("FullGeneral")
-    ops.test("NormDispIncr", 1e-10, 50)
-    ops.algorithm("Newton")
-    ops.integrator("Newmark", 0.5, 0.25)
-    ops.analysis("Transient")
+    analyse(numberer="RCM", system="FullGeneral")
     return nodes
 
 

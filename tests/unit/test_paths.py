@@ -283,24 +283,6 @@ def test_circle_warms_more_than_a_line(circle: Result) -> None:
         del circle.compared
 
 
-def test_force_along_x_rises_with_displacement_across() -> None:
-    """As measured by Yamamoto, Minewaki, Yoneda and Higashino (2012) on HDR bearings."""
-    time = [0.0, 2.0, 3.0]
-    forces = []
-    for across in (0.0, 30.0, 60.0):
-        result = tb.run(HDR, (time, [0.0, 0.0, 45.0], [0.0, across, across]), dt=0.02)
-        forces.append(float(result["force"].values[0, -1, 0]))
-    assert forces[0] < forces[1] < forces[2]
-
-
-def test_largest_force_across_is_near_zero_displacement_across() -> None:
-    """As Yamamoto et al. (2012) measured: here on ellipses of large strain, not on circles."""
-    data = run_turns("ellipse", strain=2.5, count=2).dataset.isel(ambient=0)
-    turn = data["cycle"].values == 2
-    y, force = data["displacement"].values[turn, 1], data["force"].values[turn, 1]
-    assert abs(y[np.argmax(np.abs(force))]) < 0.4 * np.abs(y).max()
-
-
 def test_a_plane_takes_temperatures_of_a_line_only(circle: Result) -> None:
     line = tb.run(HDR, tb.cyclic_test(strain=[0.5], cycles=1, rest=None), 23.0)
     test = tb.CyclicTest(dt=0.02, steps=[turns("circle", count=1)])

@@ -71,3 +71,12 @@ def rayleigh_factors(prepared: run.Prepared) -> tuple[float, float]:
     parts = np.column_stack([matrices.mass.ravel(), stiffness.ravel()])
     a, b = np.linalg.lstsq(parts, prepared.damping.ravel())[0]
     return float(a), float(b)
+
+
+def follow(bearing: tb.BearingElement, path: Any, dt: Any) -> tuple[Floats, tb.BearingElement]:
+    """Forces of an element that is moved along a path in steps of dt, and the element."""
+    forces = []
+    for x, step in np.broadcast(path, dt):
+        forces.append(bearing.set_trial(float(x), dt=float(step)).force)
+        bearing.commit()
+    return np.array(forces), bearing
