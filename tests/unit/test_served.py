@@ -29,6 +29,7 @@ from thermobearing.opensees.case import (
 )
 from thermobearing.opensees.element import ServedElement, StepError
 from thermobearing.opensees.line import ServingError, serve
+from thermobearing.opensees.result import ServedResult
 from thermobearing.opensees.server import LOOPBACK, Server
 from thermobearing.opensees.wire import (
     Action,
@@ -177,7 +178,7 @@ def test_a_reset_begins_again(running: Running) -> None:
     client.end()
     first, second, third = running.stop().histories()
     assert [h.run for h in (first, second, third)] == [1, 2, 3]
-    assert (first.books == second.books).all()
+    assert (first.books["force"] == second.books["force"]).all()
     assert len(third.time) == 1
 
 
@@ -281,9 +282,11 @@ def test_several_bearings_in_one_element() -> None:
         assert (np.array(forces)[:, 2 * pair] == -np.array(forces)[:, 2 * pair + 1]).all()
 
 
-@pytest.mark.parametrize("units", ["kN-mm", "N-m", "kip-in"])
-def test_an_element_in_space_has_the_slope_of_its_forces(units: Any) -> None:
-    layout = Layout.of(2, (2,), 3, "test")
+@pytest.mark.parametrize(
+    ("units", "directions"), [("kN-mm", (2,)), ("N-m", (2,)), ("kip-in", (2,)), ("kN-m", (2, 1))]
+)
+def test_an_element_in_space_has_the_slope_of_its_forces(units: Any, directions: Any) -> None:
+    layout = Layout.of(2, directions, 3, "test")
     element = ServedElement(case(units=units, count=2), layout, 1)
     n = layout.size
     rng = np.random.default_rng(1)
@@ -295,7 +298,7 @@ def test_an_element_in_space_has_the_slope_of_its_forces(units: Any) -> None:
 
     force(x)
     k = np.array(element.answer(Request(Action.TANGENT, (), (), (), 0.01)))
-    assert (k == k.T).all()
+    assert len(directions) == 2 or (k == k.T).all()
     h = 1e-7
     for column in range(n):
         step = np.eye(n)[column] * h
@@ -341,9 +344,21 @@ def test_layouts_that_cannot_be(words: dict[str, Any]) -> None:
         Layout.of(**given, where="test")
 
 
-def test_two_directions_bring_a_warning() -> None:
-    assert len(Layout.of(1, (1, 2), 3, "test").warnings) == 1
-    assert not Layout.of(1, (1,), 3, "test").warnings
+def test_two_directions_are_a_plane() -> None:
+    """The same path in another direction; the histories of both directions are kept."""
+    element, bearing = ServedElement(case(), Layout.of(1, (1, 2), None, "test"), 1), expected(PATH)
+    for (t, x), force in zip(PATH, bearing, strict=True):
+        u = (0.0, 0.0, 0.6 * x, 0.8 * x)
+        element.answer(Request(Action.SET_TRIAL, u, (1.0,) * 4, (0.0,) * 4, t))
+        found = element.answer(Request(Action.FORCE, u, (), (), t))
+        assert found == pytest.approx(force * np.array([-0.6, -0.8, 0.6, 0.8]), rel=1e-9)
+        element.answer(Request(Action.COMMIT, u, (), (), t))
+    along, across = element.histories()
+    assert (along.direction, across.direction) == (1, 2)
+    assert across.books["displacement"][1:].tolist() == pytest.approx([0.8 * x for _, x in PATH])
+    result = ServedResult.of(case(), [along, across])
+    assert result["element"].values.tolist() == ["1 x", "1 y"]
+    assert result.energy["mechanical_residual"].abs().max() < 1e-12
 
 
 def test_a_step_that_never_was_is_not_committed() -> None:

@@ -184,14 +184,15 @@ def _serve(
         case = make_served_case({}, "command line", bearing=bearing, **given)
     ways = tuple(direction or (1,))
     layout = Layout.of(1 if pairs is None else pairs, ways, vertical, "command line")
+    case.new_bearing(len(ways))  # raises for options that a plane does not have
     target = end.target(f"serve-{case.bearing.name}")
 
     def _say(text: str) -> None:
         typer.echo(f"thermobearing: {text}", err=True)
 
     server = serve_until(case, layout, address or LOOPBACK, port, once=once, say=_say)
-    notes = [*layout.warnings, *server.notes]
-    return end.save(ServedResult.of(case, server.histories(), server.problems, notes), target)
+    served = ServedResult.of(case, server.histories(), server.problems, server.notes)
+    return end.save(served, target)
 
 
 HELP = "List and examine structures."

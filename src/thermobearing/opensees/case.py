@@ -88,10 +88,12 @@ class ServedCase(Strict):
         """The case with every default filled in, as TOML; reads back to the same bits."""
         return to_toml(self)
 
-    def new_bearing(self) -> BearingElement:
-        """Return a bearing at the start."""
+    def new_bearing(self, components: int = 1) -> BearingElement:
+        """Return a bearing at the start, on a line or in a plane (two components)."""
         start = self.initial if self.initial_state is None else self.initial_state
-        return BearingElement(self.bearing, self.ambient, initial=start, model=self.analysis)
+        return BearingElement(
+            self.bearing, self.ambient, initial=start, components=components, model=self.analysis
+        )
 
 
 def make_served_case(
@@ -170,16 +172,6 @@ class Layout(NamedTuple):
     def size(self) -> int:
         """Degrees of freedom of the whole element."""
         return 2 * self.pairs * len(self.dofs)
-
-    @property
-    def warnings(self) -> list[str]:
-        """Sentences on what the element neglects."""
-        if len(self.directions) < 2:
-            return []
-        return [
-            "an element shears in two directions: the model has one direction, so that the two "
-            "act as independent bearings; heat and hysteresis of one do not affect the other"
-        ]
 
 
 @cache

@@ -7,6 +7,7 @@ with a new bearing.
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,7 +39,7 @@ class Served(NamedTuple):
     run: int  # 1, and one more for each reset or new element of the same tag
     outcome: str
     time: Floats  # of the model
-    books: Any  # rows of core.types.Books
+    books: dict[str, Floats]  # of core.types.Books; energies are those of both directions
     rubber: Floats  # temperatures of the layers [degC]
     initial: Floats  # temperatures of the cells [degC]
     final: Floats
@@ -76,16 +77,20 @@ class _Recorded:
     @property
     def moved(self) -> bool:
         """Whether the bearing was displaced: a gravity stage alone leaves no history."""
-        return bool(np.ptp(self._books["displacement"][: self._rows]))
+        return bool(np.ptp(self._books["displacement"][: self._rows], axis=0).any())
 
-    def served(self, tag: int, pair: int, direction: int, run: int) -> Served:
-        """Return the history so far."""
+    def served(self, tag: int, pair: int, directions: Sequence[int], run: int) -> list[Served]:
+        """Return the history so far, in each direction."""
         kept = slice(self._rows)
-        return Served(
-            *(tag, pair, direction, run, self.outcome),
-            *(self._time[kept].copy(), self._books[kept].copy(), self._rubber[kept].copy()),
-            *(self.initial, self.bearing.state.temperature.copy()),
-        )
+        books = {name: self._books[name][kept].copy() for name in self._books.dtype.names}
+        return [
+            Served(
+                *(tag, pair, direction, run, self.outcome, self._time[kept].copy()),
+                {key: one[:, place] if one.ndim > 1 else one for key, one in books.items()},
+                *(self._rubber[kept].copy(), self.initial, self.bearing.state.temperature.copy()),
+            )
+            for place, direction in enumerate(directions)
+        ]
 
 
 class ServedElement:
@@ -108,21 +113,23 @@ class ServedElement:
         self._linear = stiffness * np.where(rotations, 1.0 / units.length, units.length)
         self._any_linear = bool(self._linear.any())
         d = len(layout.dofs)
-        self._ends = [  # places of the first and second node, of each bearing in each direction
-            (2 * pair * d + place, (2 * pair + 1) * d + place)
+        places = [layout.dofs.index(direction) for direction in layout.directions]
+        self._ends = [  # of each bearing, in each direction: places of the first and second node
+            [(2 * pair * d + place, (2 * pair + 1) * d + place) for place in places]
             for pair in range(layout.pairs)
-            for place in map(layout.dofs.index, layout.directions)
         ]
         self.finished: list[Served] = []
         self._begin()
 
     def _begin(self) -> None:
         """Put new bearings at the start."""
-        self._bearings = [_Recorded(self.case.new_bearing()) for _ in self._ends]
-        self._at = [float(b.bearing.state.books["displacement"][0]) for b in self._bearings]
+        ways = len(self.layout.directions)
+        self._bearings = [_Recorded(self.case.new_bearing(ways)) for _ in self._ends]
+        books = [b.bearing.state.books for b in self._bearings]
+        self._at = [np.ravel(one["displacement"]).tolist() for one in books]
         self._zero = list(self._at)  # displacement of the bearings where the model has none
-        self._forces = [float(b.bearing.state.books["force"][0]) for b in self._bearings]
-        self._tangents = [b.bearing.set_trial(x, SHORTEST).tangent for b, x in self._pairs()]
+        self._forces = [np.ravel(one["force"]).tolist() for one in books]
+        self._tangents = [_moved(b, x, SHORTEST)[1] for b, x in self._pairs()]
         self._time = 0.0
         self._trial_time = 0.0
         self._pending = False
@@ -142,10 +149,10 @@ class ServedElement:
         self._begin()
 
     def _present(self) -> list[Served]:
-        ways = self.layout.directions
         return [
-            bearing.served(self.tag, k // len(ways) + 1, ways[k % len(ways)], self.run)
-            for k, bearing in enumerate(self._bearings)
+            history
+            for pair, bearing in enumerate(self._bearings, 1)
+            for history in bearing.served(self.tag, pair, self.layout.directions, self.run)
         ]
 
     def histories(self) -> list[Served]:
@@ -191,10 +198,10 @@ class ServedElement:
             self._last = (x, time, moving)
         self._x = list(x)
         goals = [
-            zero + self._length * (x[second] - x[first])
-            for (first, second), zero in zip(self._ends, self._zero, strict=True)
+            [at + self._length * (x[j] - x[i]) for (i, j), at in zip(ends, zero, strict=True)]
+            for ends, zero in zip(self._ends, self._zero, strict=True)
         ]
-        most = max(abs(goal - at) for goal, at in zip(goals, self._at, strict=True))
+        most = max(map(math.dist, goals, self._at))
         try:
             dt = self._duration(time, most, moving)
         except StepError as error:
@@ -206,13 +213,11 @@ class ServedElement:
             self._f, self._k = list(self._forces), list(self._tangents)
             return
         for k, (bearing, goal) in enumerate(zip(self._bearings, goals, strict=True)):
-            trial = bearing.bearing.set_trial(goal, dt)
-            self._f[k], self._k[k] = trial.force, trial.tangent
-            if trial.outcome != "completed":
-                self._problem = f"the step to {goal:.6g} mm in {dt:.3g} s ended: {trial.outcome}"
-                bearing.outcome = trial.outcome
+            self._f[k], self._k[k], bearing.outcome = _moved(bearing, goal, dt)
+            if bearing.outcome != "completed":
+                where = ", ".join(f"{x:.6g}" for x in goal)
+                self._problem = f"the step to {where} mm in {dt:.3g} s ended: {bearing.outcome}"
                 return
-            bearing.outcome = "completed"
 
     def _duration(self, time: float, most: float, moving: bool) -> float:
         """Return how long a step lasts [s]; zero where there is nothing to compute."""
@@ -237,7 +242,7 @@ class ServedElement:
         for k, bearing in enumerate(self._bearings):
             bearing.bearing.commit()
             bearing.keep(self._trial_time)
-            self._at[k] = float(bearing.bearing.state.books["displacement"][0])
+            self._at[k] = np.ravel(bearing.bearing.state.books["displacement"]).tolist()
         self._forces, self._tangents = list(self._f), list(self._k)
         self._pending = False
         self._last = ()
@@ -245,9 +250,10 @@ class ServedElement:
     def _vector(self) -> Floats | list[float]:
         """Return the resisting forces, in the units and the order of the client."""
         found = [0.0] * self.layout.size
-        for (first, second), force in zip(self._ends, self._f, strict=True):
-            found[second] = self._force * force
-            found[first] = -found[second]
+        for ends, forces in zip(self._ends, self._f, strict=True):
+            for (first, second), force in zip(ends, forces, strict=True):
+                found[second] = self._force * force
+                found[first] = -found[second]
         if not self._any_linear:
             return found
         x = np.reshape(self._x, (self.layout.pairs, 2, -1))
@@ -256,27 +262,29 @@ class ServedElement:
         return total
 
     def _matrix(self) -> Floats | list[float]:
-        """Return the tangent stiffness by columns; the matrix is symmetric."""
+        """Return the tangent stiffness."""
         n, d = self.layout.size, len(self.layout.dofs)
-        found = np.zeros((n, n))
         scale = self._force * self._length
         if n == 2:  # nothing but one shear spring
-            k = scale * self._k[0]
+            k = scale * self._k[0][0][0]
             return [k, -k, -k, k]
-        entries = [(*ends, scale * k) for ends, k in zip(self._ends, self._k, strict=True)]
-        if self._any_linear:
-            entries += [
-                (2 * pair * d + place, (2 * pair + 1) * d + place, float(k))
-                for pair in range(self.layout.pairs)
-                for place, k in enumerate(self._linear)
-                if k
-            ]
-        for i, j, k in entries:
-            found[i, i] += k
-            found[j, j] += k
-            found[i, j] -= k
-            found[j, i] -= k
+        found = np.zeros((n, n))
+        for pair, (ends, tangent) in enumerate(zip(self._ends, self._k, strict=True)):
+            spring = np.diag(self._linear)
+            places = [first - 2 * pair * d for first, _ in ends]
+            spring[np.ix_(places, places)] += scale * np.asarray(tangent)
+            block = slice(2 * pair * d, 2 * (pair + 1) * d)
+            found[block, block] = np.kron([[1.0, -1.0], [-1.0, 1.0]], spring)
         return found
+
+
+def _moved(bearing: _Recorded, goal: list[float], dt: float) -> tuple[Any, Any, str]:
+    """Return forces, tangent by rows and outcome of a trial."""
+    if len(goal) == 1:
+        trial = bearing.bearing.set_trial(goal[0], dt)
+        return [trial.force], [[trial.tangent]], trial.outcome
+    plane: Any = bearing.bearing.set_trial(goal, dt)
+    return plane.force.tolist(), plane.tangent, plane.outcome
 
 
 def finite(values: Floats | list[float]) -> bool:

@@ -6,7 +6,6 @@ import queue
 import subprocess
 import sys
 import threading
-import warnings
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -85,7 +84,8 @@ class Line:
             begins a new history.
         nodes : lower and upper node, at the same place; or several such pairs, whose bearings form
             one element, which is quicker than an element for each.
-        directions : degrees of freedom in which the bearing shears, one or two of 1, 2 and 3.
+        directions : degrees of freedom in which the bearing shears, one or two of 1, 2 and 3; with
+            two, hysteresis and heat are those of the plane.
         vertical : the vertical one of the degrees of freedom 1, 2 and 3 of nodes with six. The
             element then has vertical, rotational and torsional springs (`linear_stiffness`) and,
             with one of `directions`, a linear spring in the other horizontal direction. By default
@@ -118,8 +118,8 @@ class Line:
                 f"element(): tag = {tag}: had other nodes or directions in this line; use another "
                 "tag"
             )
-        for text in layout.warnings:
-            warnings.warn(text, stacklevel=2)
+        if len(layout.directions) > 1:
+            self.case.new_bearing(2)  # raises for options that a plane does not have
         if not port:
             port = self._ask("listen", layout, tag)
             self._layouts[tag] = layout, port
@@ -164,8 +164,7 @@ class Line:
         if not self._last:
             self.check()
         problems, notes = self._said
-        warned = [text for layout, _ in self._layouts.values() for text in layout.warnings]
-        return ServedResult.of(self.case, self._last, problems, [*dict.fromkeys(warned), *notes])
+        return ServedResult.of(self.case, self._last, problems, notes)
 
     def close(self) -> None:
         """End the server; the result remains."""

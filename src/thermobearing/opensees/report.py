@@ -28,7 +28,7 @@ ASSUMPTIONS = (
     "relative to its first; the duration of each step is that of the model.",
     "Vertical, rotational and torsional springs, where an element has them, are linear and do not "
     "depend on temperature; axial force and shear do not interact.",
-    "Directions in which an element shears act as independent bearings.",
+    "Two directions in which an element shears act together; energies are those of both.",
 )
 
 
