@@ -34,6 +34,14 @@ LABORATORY = "Laboratory"
 CaseFile = Annotated[
     Path | None, typer.Argument(help="Case file; without one, the default analysis is run.")
 ]
+VERTICAL = Annotated[
+    int | None,
+    option(
+        "--vertical",
+        help="Vertical degree of freedom (1, 2 or 3) of nodes with six.",
+        panel=INPUT,
+    ),
+]
 FIXED_BASE = Annotated[
     bool, option("--fixed-base", help="Leave out the springs of the foundation.", panel=INPUT)
 ]
@@ -155,14 +163,7 @@ def _serve(
             panel=INPUT,
         ),
     ],
-    vertical: Annotated[
-        int | None,
-        option(
-            "--vertical",
-            help="Vertical degree of freedom (1, 2 or 3) of nodes with six.",
-            panel=INPUT,
-        ),
-    ],
+    vertical: VERTICAL,
     pairs: Annotated[
         int | None,
         option("--pairs", help="Pairs of nodes in each element; 1 by default.", panel=INPUT),
