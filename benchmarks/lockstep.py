@@ -10,8 +10,8 @@ import numpy as np
 import thermobearing as tb
 from benchmarks.rows import Row, at_least, at_most
 from benchmarks.structure import AMBIENT, BEARING, DT, STRUCTURE, ground
+from tests.reference.lockstep import march_lanes
 from thermobearing.core.lanes.memory import WIDTH, aligned, side_by_side
-from thermobearing.core.lockstep import march_lanes
 from thermobearing.core.march import march
 from thermobearing.core.records import rows as records
 from thermobearing.core.types import Books, Constants, Kept, Path, new_state, new_workspace

@@ -223,7 +223,7 @@ WITHOUT_NUMBA = """
 import sys
 sys.modules["numba"] = sys.modules["llvmlite"] = None
 import thermobearing as tb
-import thermobearing.structure.lanes, thermobearing.motions.spectrum, thermobearing.core.lockstep
+import thermobearing.structure.lanes, thermobearing.motions.spectrum
 from thermobearing.core.compiled import native
 from thermobearing.core.types import new_state
 from thermobearing.core.march import copy_state

@@ -8,13 +8,13 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from tests import tolerances as tol
+from tests.reference.lockstep import march_lanes
 from tests.verification.models import assembled, changed
 from tests.verification.structures import ground_of, real_bearing
 from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing, Scragging, TemperatureLaw
 from thermobearing.core import types
 from thermobearing.core.lanes.memory import WIDTH, aligned, side_by_side
-from thermobearing.core.lockstep import march_lanes
 from thermobearing.core.march import march
 from thermobearing.core.records import rows
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants

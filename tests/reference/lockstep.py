@@ -1,4 +1,4 @@
-"""Many coupled steps of several runs in lockstep (core/lanes), with the kernels of one run."""
+"""Many coupled steps of several bearings in lockstep (core/lanes), with the kernels of one run."""
 
 from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.memory import WIDTH, as_lanes
