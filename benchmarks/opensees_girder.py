@@ -27,11 +27,7 @@ from thermobearing.structure.model import load_structure
 LINES = ("A1", "P1", "P2", "P3", "P4", "A2")
 WARMER = {"P2": 4.0, "P3": 4.0}  # bearings over the river, than the others [K]
 SPAN, HEIGHT, DECK = 40.0, 12.0, 400.0  # m, m, t of a span
-BENDING, COLUMN, CAP = (
-    65e6,
-    25.0,
-    100.0,
-)  # E I [kN m2] and mass [t/m] of a column, mass of a cap [t]
+BENDING, COLUMN, CAP = 65e6, 25.0, 100.0  # E I [kN m2], mass [t/m] of a column, of a cap [t]
 PARTS = 4  # elements of a column
 DAMPING = 2.0 * 0.05 / 25.71  # s, times the stiffness of the columns: 5 % in the mode of a pier
 ACROSS, VERTICAL = 2.5e3, 7e5  # kN/m: linear springs of a bearing beside its shear along the bridge
@@ -173,15 +169,14 @@ def ours(bearing: str, ambient: float, motion: tb.GroundMotion) -> Histories:
     warm = [{"line": n, "ambient": f"{ambient_of(n, ambient)} degC"} for n in WARMER]
     given = {"structure": "five-span-girder", "lines": warm, "dt": DT}
     data = tb.bridge(bearing, motion, ambient, keep=tb.Keep(every=1), **given).dataset.isel(run=0)
-    names = ("line_displacement", "line_force", "pier_part_displacement")
+
+    def histories(name: str, parts: str) -> dict[str, Floats]:
+        return dict(zip(map(str, data[parts].values), data[name].values.T, strict=True))
+
     return Histories(
-        *(
-            {
-                str(part): column
-                for part, column in zip(data[kind].values, data[name].values.T, strict=True)
-            }
-            for name, kind in zip(names, ("line", "line", "pier_part"), strict=True)
-        )
+        histories("line_displacement", "line"),
+        histories("line_force", "line"),
+        histories("pier_part_displacement", "pier_part"),
     )
 
 

@@ -30,8 +30,7 @@ from thermobearing.opensees.wire import MOST_DOFS
 from thermobearing.report.title import case_table
 
 UnitNames = Literal["kN-mm", "kN-m", "N-mm", "N-m", "MN-m", "kip-in", "lbf-in"]
-ROTATIONS = (4, 5, 6)  # degrees of freedom of a node in space
-IN_SPACE = 6
+IN_SPACE = 6  # degrees of freedom of a node
 HORIZONTAL = (1, 2, 3)
 
 

@@ -36,19 +36,11 @@ class WireError(RuntimeError):
 
 
 class Action(IntEnum):
-    """Codes at the start of a request; OpenSees sends those in `USED`."""
+    """Codes at the start of a request, of which there are others that OpenSees does not send."""
 
-    OPEN = 1
-    SETUP = 2
     SET_TRIAL = 3
-    EXECUTE = 4
     COMMIT = 5
-    DAQ_RESPONSE = 6
-    DISPLACEMENT = 7
-    VELOCITY = 8
-    ACCELERATION = 9
     FORCE = 10
-    TIME = 11
     INITIAL_STIFFNESS = 12
     TANGENT = 13
     DAMPING = 14
@@ -59,8 +51,7 @@ class Action(IntEnum):
 SILENT = frozenset((Action.SET_TRIAL, Action.COMMIT, Action.END))  # have no reply
 MATRICES = frozenset((Action.INITIAL_STIFFNESS, Action.TANGENT, Action.DAMPING, Action.MASS))
 ZERO = frozenset((Action.DAMPING, Action.MASS))  # a bearing has none beside its force
-USED = SILENT | MATRICES | {Action.FORCE}
-CODES = {float(action): action for action in USED}
+CODES = {float(action): action for action in Action}
 
 
 class Setup(NamedTuple):
