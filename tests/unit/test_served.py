@@ -112,6 +112,13 @@ def running() -> Iterator[Running]:
     made.stop()
 
 
+@pytest.fixture
+def client(running: Running) -> Iterator[Client]:
+    made = Client(running.port)
+    yield made
+    made.socket.close()
+
+
 def expected(path: list[tuple[float, float]]) -> list[float]:
     """Forces of `tb.element` at times and displacements."""
     times, x = np.transpose(path)
@@ -142,17 +149,14 @@ def test_a_trial_starts_from_the_committed_state(running: Running) -> None:
     assert history.books["force"][1:].tolist() == expected(PATH)
 
 
-def test_after_a_gravity_stage_the_clock_may_be_set_to_zero(running: Running) -> None:
-    client = Client(running.port)
+def test_after_a_gravity_stage_the_clock_may_be_set_to_zero(client: Client) -> None:
     for t in (0.5, 1.0):
         assert client.step(0.0, t, moving=0.0) == 0.0
     found = [client.step(x, t) for t, x in PATH]
     assert found == pytest.approx(expected(PATH), rel=1e-12)
-    client.end()
 
 
-def test_a_load_factor_is_no_clock_without_a_rate(running: Running) -> None:
-    client = Client(running.port)
+def test_a_load_factor_is_no_clock_without_a_rate(running: Running, client: Client) -> None:
     assert client.step(5.0, 100.0, moving=0.0) > 0.0
     assert np.isnan(client.force(4.0, 90.0, moving=0.0))
     assert np.isfinite(client.force(4.0, 101.0, moving=0.0))
@@ -170,8 +174,7 @@ def test_a_rate_makes_time_of_displacement() -> None:
     running.stop()
 
 
-def test_a_reset_begins_again(running: Running) -> None:
-    client = Client(running.port)
+def test_a_reset_begins_again(running: Running, client: Client) -> None:
     for _ in range(2):
         assert [client.step(x, t) for t, x in PATH] == expected(PATH)
         assert client.force(0.0, 0.0) == 0.0  # sent by the reset of a domain
@@ -182,61 +185,46 @@ def test_a_reset_begins_again(running: Running) -> None:
     assert len(third.time) == 1
 
 
-def test_not_a_number_is_answered_by_not_a_number(running: Running) -> None:
-    client = Client(running.port)
+def test_not_a_number_is_answered_by_not_a_number(client: Client) -> None:
     assert np.isnan(client.force(np.nan, 0.1))
     assert [client.step(x, t) for t, x in PATH] == expected(PATH)
-    client.end()
 
 
-def test_a_failed_step_that_is_committed_ends_the_service(running: Running) -> None:
-    client = Client(running.port)
+def test_a_failed_step_that_is_committed_ends_the_service(running: Running, client: Client) -> None:
     assert client.step(3.0, 0.1) > 0.0
     client.step(np.inf, 0.2)
     assert_only_nan(client)
-    client.socket.close()
     server = running.stop()
     assert len(server.problems) == 1
     assert len(server.histories()[0].time) == 2  # what was committed before
 
 
-def test_wrong_degrees_of_freedom(running: Running) -> None:
-    client = Client(running.port, dofs=6)
-    client.send(Action.SET_TRIAL, [0.0] * 6, 0.1)
-    assert np.isnan(client.ask(Action.FORCE, [0.0] * 6, 0.1)).all()
-    assert "6 degrees of freedom" in running.wait_for_problem()
-    client.socket.close()
+TWO = Setup.smallest(2).encode()
 
 
-def test_another_program(running: Running) -> None:
+@pytest.mark.parametrize(
+    ("data", "word"),
+    [
+        (Setup.smallest(6).encode(), "6 degrees of freedom"),
+        (b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nAccept: */*\r\n\r\n", "setup"),
+        (TWO + struct.pack("=17d", 3, *[0.5] * 16), "action code"),  # messages are of 8 doubles
+        (TWO + bytes(12), "12 bytes"),
+    ],
+)
+def test_bytes_that_are_no_message_are_answered_by_nan(
+    data: bytes, word: str, running: Running, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server_module, "HALF", 0.1)
     with socket.create_connection((LOOPBACK, running.port), timeout=LIMIT) as other:
-        other.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nAccept: */*\r\n\r\n")
-        assert "setup" in running.wait_for_problem()
+        other.sendall(data)
+        assert word in running.wait_for_problem()
+        assert np.isnan(np.frombuffer(receive_exactly(other, 800, LIMIT))).all()
     client = Client(running.port)  # others are served
     assert [client.step(x, t) for t, x in PATH] == expected(PATH)
     client.end()
 
 
-def test_messages_of_a_wrong_size(running: Running) -> None:
-    client = Client(running.port)
-    client.socket.sendall(struct.pack("=9d", 3, *[0.5] * 8))
-    client.send(Action.FORCE, [0.0, 0.0], 0.1)
-    assert "action code" in running.wait_for_problem()
-    assert_only_nan(client)
-    client.socket.close()
-
-
-def test_half_a_message(running: Running, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(server_module, "HALF", 0.1)
-    client = Client(running.port)
-    client.socket.sendall(bytes(12))
-    assert "12 bytes" in running.wait_for_problem()
-    assert_only_nan(client)
-    client.socket.close()
-
-
-def test_a_client_that_is_killed_leaves_its_history(running: Running) -> None:
-    client = Client(running.port)
+def test_a_client_that_is_killed_leaves_its_history(running: Running, client: Client) -> None:
     forces = [client.step(x, t) for t, x in PATH]
     client.socket.sendall(bytes(20))
     client.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
@@ -486,14 +474,13 @@ def test_a_command_that_cannot_serve(words: list[str], running: Running, tmp_pat
 
 
 @pytest.mark.skipif(not hasattr(socket, "TCP_QUICKACK"), reason="no TCP_QUICKACK here")
-def test_two_writes_in_a_row_do_not_wait_for_an_acknowledgement(running: Running) -> None:
+def test_two_writes_in_a_row_do_not_wait_for_an_acknowledgement(client: Client) -> None:
     """As OpenSees writes, with Nagle's algorithm: a delayed acknowledgement costs 40 ms."""
-    client, took = Client(running.port), []
+    took = []
     for k in range(1, 41):
         begun = time.perf_counter()
         client.step(0.1 * k, 0.01 * k)
         took.append(time.perf_counter() - begun)
-    client.end()
     assert np.median(took) < 0.02
 
 

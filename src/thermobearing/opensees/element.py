@@ -226,12 +226,11 @@ class ServedElement:
             return max(most / self.case.rate, SHORTEST) if most else 0.0
         if dt > 0.0:
             return dt
-        if dt < 0.0 and time > 0.0:
+        if dt < 0.0:
             if most and not moving:
                 raise StepError(NOT_ADVANCING.format(self._time, time))
-            return time  # the clock was set to zero, as after a gravity stage
-        if dt < 0.0 and most and not moving:
-            raise StepError(NOT_ADVANCING.format(self._time, time))
+            if time > 0.0:
+                return time  # the clock was set to zero, as after a gravity stage
         return SHORTEST if most else 0.0
 
     def _commit(self) -> None:

@@ -33,19 +33,14 @@ def flood(connection: socket.socket) -> bool:
     """Discard what has arrived, and send NaN as far as there is room; False once it is closed."""
     connection.setblocking(False)
     try:
-        while received := connection.recv(len(NOTHING)):
-            if len(received) < len(NOTHING):
-                break
-        if not received:
-            return False
-    except BlockingIOError:
-        pass
-    except OSError:
-        return False
-    try:
-        connection.send(NOTHING)
-    except BlockingIOError:
-        pass
+        with contextlib.suppress(BlockingIOError):
+            while received := connection.recv(len(NOTHING)):
+                if len(received) < len(NOTHING):
+                    break
+            if not received:
+                return False
+        with contextlib.suppress(BlockingIOError):
+            connection.send(NOTHING)
     except OSError:
         return False
     return True
