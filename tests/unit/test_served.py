@@ -210,6 +210,7 @@ TWO = Setup.smallest(2).encode()
         (TWO + struct.pack("=17d", 3, *[0.5] * 16), "action code"),  # messages are of 8 doubles
         (TWO + bytes(12), "12 bytes"),
     ],
+    ids=["degrees of freedom", "another program", "wrong size", "half a message"],
 )
 def test_bytes_that_are_no_message_are_answered_by_nan(
     data: bytes, word: str, running: Running, monkeypatch: pytest.MonkeyPatch
