@@ -253,7 +253,7 @@ def list_structures() -> list[str]:
     Examples
     --------
     >>> list_structures()
-    ['hybrid-pier', 'hybrid-pier-two-bearings', 'pier-p1']
+    ['five-span-girder', 'hybrid-pier', 'hybrid-pier-two-bearings', 'pier-p1']
     """
     return STRUCTURES.names()
 
