@@ -92,6 +92,16 @@ def test_the_slider_moves_the_curve(opened: Any) -> None:
     assert max(line(opened, 3, "x")) < max(after)
 
 
+@pytest.mark.parametrize("opened", [{"viewport": {"width": 1280, "height": 50}}], indirect=True)
+def test_a_slider_moved_far_from_the_window_draws_its_plot(opened: Any) -> None:
+    assert opened.locator("#plot-3 .drawing").count() == 0
+    opened.get_by_label("Time").evaluate(
+        "slider => { slider.value = 5; slider.dispatchEvent(new Event('input')); }"
+    )
+    assert opened.locator("#plot-3 .drawing").count() == 1
+    assert max(line(opened, 3, "x")) > 20.0 + 0.99 * 5
+
+
 def test_the_menu_changes_the_lines(opened: Any) -> None:
     assert max(line(opened, 1, "x")) < 1.01
     assert opened.locator("#plot-1 .band").count() == 0

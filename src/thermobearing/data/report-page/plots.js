@@ -67,7 +67,7 @@
       this.arrays = this.data.arrays.map(() => null);
       this.hidden = new Set();
       this.menu?.addEventListener("change", () => this.start());
-      this.slider?.addEventListener("input", () => this.draw());
+      this.slider?.addEventListener("input", () => (this.svg ? this.draw() : this.start()));
       this.tell();
     }
 
