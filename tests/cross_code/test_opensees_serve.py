@@ -1,7 +1,9 @@
 """Bearings as elements of OpenSees models, against our own integrators."""
 
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -225,6 +227,33 @@ def test_gravity_then_displacement_control_then_earthquake_in_space() -> None:
     assert factors[1:] == pytest.approx(forces, rel=1e-6)
     assert result["clock"].values[0, -1] == pytest.approx(120.0 / rate)
     assert result.energy["heat_released_kN_mm"][0] > 0.5 * result.energy["work_in_kN_mm"][0]
+
+
+INTERRUPTED = """
+import signal, sys
+from tests.cross_code.test_opensees_serve import *
+signal.signal(signal.SIGINT, lambda *_: None)
+with serve(BEARING, ambient=AMBIENT) as line:
+    one_mass(line.element(1, (1, 2)))
+    print("start", flush=True)
+    print("analysed", ops.analyze(400, DT / 4), flush=True)
+    ops.wipe()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+"""
+
+
+def test_signals_lose_no_bytes_of_an_answer() -> None:
+    """A receiving call that a signal interrupts would leave OpenSees waiting for ever."""
+    words = [sys.executable, "-c", INTERRUPTED]
+    done = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    assert done.stdout is not None
+    assert done.stdout.readline() == "start\n"
+    end = time.monotonic() + 20.0
+    while done.poll() is None and time.monotonic() < end:
+        done.send_signal(signal.SIGINT)
+        time.sleep(0.005)
+    done.kill()
+    assert done.communicate()[0] == "analysed 0\n"
 
 
 KILLED = """

@@ -11,6 +11,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -394,6 +395,16 @@ def test_a_killed_server_lets_nobody_wait() -> None:
     for _ in range(2):
         with pytest.raises(ServingError, match="-9"):
             line.results()
+
+
+def test_without_histories_there_is_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    line = serve("shen-hdr-bridge", ambient=-20)
+    Client(port_of(line.element(5, (1, 2)))).socket.close()
+    monkeypatch.setattr(line, "_take", Mock(side_effect=KeyboardInterrupt))
+    with pytest.raises(KeyboardInterrupt):
+        line.close()
+    with pytest.raises(ServingError):
+        line.results()
 
 
 def test_a_killed_script_takes_its_server_along(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 import os
 import pickle
 import queue
+import signal
 import subprocess
 import sys
 import threading
@@ -50,7 +51,7 @@ class Line:
     def __init__(self, case: ServedCase) -> None:
         self.case = case
         self._layouts: dict[int, tuple[Layout, int]] = {}
-        self._last: list[Any] = []
+        self._last: list[Any] | None = None  # histories, once the server has sent them
         self._said: tuple[list[str], list[str]] = ([], [])
         self._lock = threading.Lock()
         self._process = _start()
@@ -62,6 +63,8 @@ class Line:
         except BaseException:
             self._end()
             raise
+        _RUNNING.add(self)
+        _restart_calls(True)
 
     def __repr__(self) -> str:
         name, state = self.case.bearing.name, "ended" if self._closed else "running"
@@ -163,6 +166,8 @@ class Line:
             self._last, self._said = self._ask("histories"), self._ask("problems")
         if not self._last:
             self.check()
+        if self._last is None:
+            raise ServingError("the server of the bearings ended before it sent its histories")
         problems, notes = self._said
         return ServedResult.of(self.case, self._last, problems, notes)
 
@@ -242,6 +247,9 @@ class Line:
 
     def _end(self) -> None:
         """End the server, if need be by force."""
+        _RUNNING.discard(self)
+        if not _RUNNING:
+            _restart_calls(False)
         if not self._closed:
             assert self._process.stdin is not None
             with suppress(OSError):
@@ -266,6 +274,15 @@ def _pairs(nodes: Any) -> list[Pair]:
     if len(set(ends)) < len(ends):
         raise InputError(f"element(): nodes = {nodes!r}: a node occurs twice")
     return pairs
+
+
+_RUNNING: set[Line] = set()
+
+
+def _restart_calls(restart: bool) -> None:
+    """Choose whether system calls go on after Ctrl-C; OpenSees loses bytes of those that do not."""
+    if hasattr(signal, "siginterrupt"):  # not on Windows
+        signal.siginterrupt(signal.SIGINT, not restart)
 
 
 def _start() -> "subprocess.Popen[bytes]":
