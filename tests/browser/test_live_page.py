@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from typer.testing import CliRunner
 
 import thermobearing as tb
 from docs.builder.chromium import grave_faults, told_by
 from tests.browser.chromium import needs_chromium
 from thermobearing.border.errors import InputError
+from thermobearing.cli import app
 from thermobearing.live.data import live_module
 
 LARGEST = 1_000_000  # bytes of a page that a mail takes
@@ -256,6 +258,34 @@ def test_every_export_describes_the_same_test(
     words = opened.locator("#command-text").inner_text().split("\n")[0]
     assert f"--wave {test.steps[0].wave}" in words
     assert len(re.findall("--strain", words)) == (1 if protocol == "cycles" else 5)
+
+
+def test_exports_name_the_file_of_a_bearing_of_the_user(chromium: Any, tmp_path: Path) -> None:
+    mine = tb.changed_bearing(SPECIMEN, name="mine", hysteresis={"layer_stiffness": 40.0})
+    own = tb.save_bearing(mine, tmp_path / "my-own.toml")
+    html = tmp_path / "live.html"
+    assert CliRunner().invoke(app, ["live", str(own), "-o", str(html)]).exit_code == 0
+    page = chromium.new_page()
+    page.goto(html.as_uri())
+    page.locator("#cycles td").first.wait_for()
+    page.locator("#tab-export").click()
+    settle(page)
+    case = tmp_path / "case.toml"
+    case.write_text(page.locator("#toml-text").inner_text(), encoding="utf-8")
+    assert tb.load_case(case).bearing == mine
+    assert page.locator("#command-text").inner_text().count("--bearing my-own.toml ") == 2
+    assert 'load_bearing("my-own.toml")' in page.locator("#python-text").inner_text()
+    page.locator("#tab-bearing").click()
+    side = page.locator("#size-geometry-plan-side")
+    side.fill("480")
+    side.press("Enter")
+    settle(page)
+    page.locator("#tab-export").click()
+    settle(page)
+    changed = tmp_path / "mine-changed.toml"
+    changed.write_text(page.locator("#toml-text").inner_text().split("# case.toml")[0], "utf-8")
+    assert tb.load_bearing(changed).geometry.plan.side == 480.0
+    page.close()
 
 
 def test_a_dropped_motion_is_shaken_or_refused(opened: Any, tmp_path: Path) -> None:

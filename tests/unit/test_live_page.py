@@ -25,7 +25,7 @@ DATA = {"bearings": {"b": {}}, "motions": {}}
 
 @pytest.fixture
 def html() -> str:
-    return page.assemble(DATA, b"module", ENGINE, "b")
+    return page.assemble(DATA, b"module", ENGINE, "b", "b.toml")
 
 
 def within(html: str, name: str) -> str:

@@ -183,7 +183,7 @@ def _live(
     from thermobearing.live.page import START, live_page
 
     shown = as_bearing(bearing or START)
-    file = live_page(output or Path(f"{shown.name}.html"), shown, overwrite=overwrite)
+    file = live_page(output or Path(f"{shown.name}.html"), bearing or START, overwrite=overwrite)
     size = file.stat().st_size
     if not quiet:
         echo_written(file, f" ({megabytes(size)})")

@@ -81,15 +81,24 @@ def live_page(
 
 def page_html(bearing: Bearing | str | Path | None = None) -> str:
     """Return the live page as HTML."""
-    start = as_bearing(START if bearing is None else bearing)
+    given = START if bearing is None else bearing
+    start = as_bearing(given)
     module = live_module()
-    library: list[Bearing | str] = [name for name in list_bearings() if name != start.name]
+    names = list_bearings()
+    library: list[Bearing | str] = [name for name in names if name != start.name]
     data = live_data([start, *library], MOTIONS)
-    return assemble(data, module, engine_source(), start.name)
+    if isinstance(given, Bearing):
+        file = start.name if start.name in names else f"{start.name}.toml"
+    else:
+        file = Path(given).name  # without its folder, since pages are sent to others
+    return assemble(data, module, engine_source(), start.name, file)
 
 
-def assemble(data: dict[str, Any], module: bytes, engine: str, start: str) -> str:
-    """Return the page with some data, module and source of the engine."""
+def assemble(data: dict[str, Any], module: bytes, engine: str, start: str, start_file: str) -> str:
+    """Return the page with some data, module and source of the engine.
+
+    `start` names the bearing that the page opens with; `start_file` is what a command calls it.
+    """
     words = tomllib.loads(data_path("live", "words.toml").read_text(encoding="utf-8"))
     script = _bundle([engine, *(_text("live", name) for name in SCRIPTS)])
     css = "\n".join(_text(*parts) for parts in STYLES)
@@ -98,6 +107,7 @@ def assemble(data: dict[str, Any], module: bytes, engine: str, start: str) -> st
         "outcomes": words.pop("outcomes"),
         "words": words,
         "start": start,
+        "start_file": start_file,
         "version": version("thermobearing"),
         "slack": SLACK,
         "law_slack": LAW_SLACK,

@@ -499,7 +499,7 @@ function differences() {
   return [...(plan ? whole : []), ...found.filter(([path]) => !path.startsWith("geometry.plan."))];
 }
 function bearingToml() {
-  const lines = [`name = "${state.base}-changed"`, `based_on = "${state.base}"`];
+  const lines = [`name = "${state.base}-changed"`, `based_on = "${nameToLoad()}"`];
   const groups = new Map();
   for (const [path, value] of differences()) {
     const [table, key] = path.split(/\.(?=[^.]*$)/);
@@ -515,7 +515,9 @@ function bearingToml() {
   return lines.join("\n");
 }
 const waveName = () => (state.wave === "triangle" ? "triangular" : "sine");
-const fileOfBearing = () => (isChanged() ? `${state.base}-changed.toml` : state.base);
+// What commands and files call the chosen bearing: its name in the library, or its own file.
+const nameToLoad = () => (state.base === page.start ? page.start_file : state.base);
+const fileOfBearing = () => (isChanged() ? `${state.base}-changed.toml` : nameToLoad());
 function caseToml() {
   const cycles = ({ strain, wave, count, ...more }) => `[[test.steps]]\nstep = "cycles"\nstrain = ${strain}\nwave = "${wave}"\ncount = ${count}\n` +
     Object.entries(more).map(([key, value]) => `${key} = ${value}\n`).join("");
