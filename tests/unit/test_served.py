@@ -460,6 +460,17 @@ def test_ctrl_c_ends_the_command_which_writes_what_it_served(tmp_path: Path) -> 
 
 
 @pytest.mark.thorough
+def test_a_command_that_served_nothing_writes_nothing(tmp_path: Path) -> None:
+    running = command("shen-hdr-bridge", "--port", "0", "-o", str(tmp_path / "out"))
+    assert port_printed_by(running)
+    running.send_signal(signal.SIGTERM)
+    _, text = running.communicate(timeout=LIMIT)
+    assert running.returncode == 2
+    assert "line.element" not in text
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.thorough
 def test_a_case_is_served_again_until_the_last_element_has_left(tmp_path: Path) -> None:
     file = tmp_path / "case.toml"
     file.write_text(case().to_toml(), encoding="utf-8")

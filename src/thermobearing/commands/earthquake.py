@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
-from thermobearing.border.errors import is_file
+from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.toml import read_toml
 from thermobearing.commands.common import (
     ANALYSES,
@@ -192,7 +192,9 @@ def _serve(
         typer.echo(f"thermobearing: {text}", err=True)
 
     server = serve_until(case, layout, address or LOOPBACK, port, once=once, say=_say)
-    served = ServedResult.of(case, server.histories(), server.problems, server.notes)
+    if not (histories := server.histories()):
+        raise InputError("no element was connected; nothing is written", "serve")
+    served = ServedResult.of(case, histories, server.problems, server.notes)
     return end.save(served, target)
 
 

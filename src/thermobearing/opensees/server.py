@@ -365,11 +365,6 @@ def serve_until(
     server = Server(case, say, Keeper.start())
     port = server.listen(layout, None, address, port)
     load_kernels(case)
-    dofs = " ".join(["-dof", *map(str, layout.dofs)])
-    say(
-        f"serving {case.bearing.name} at {address}, port {port}, in {case.units}-s; "
-        f"{2 * layout.pairs} nodes with {dofs}; Ctrl-C ends"
-    )
 
     def _stop(*_: Any) -> None:
         server.stopped = True
@@ -379,7 +374,12 @@ def serve_until(
         return once and all_of_them > 0 and not still
 
     earlier = {one: signal.signal(one, _stop) for one in (signal.SIGINT, signal.SIGTERM)}
+    dofs = " ".join(["-dof", *map(str, layout.dofs)])
     try:
+        say(
+            f"serving {case.bearing.name} at {address}, port {port}, in {case.units}-s; "
+            f"{2 * layout.pairs} nodes with {dofs}; Ctrl-C ends"
+        )
         server.run(_all_left)
     finally:
         server.close()
