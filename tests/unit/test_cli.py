@@ -217,6 +217,13 @@ def test_bad_option_value(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("command", ["cyclic", "bridge"])
+def test_a_bearing_in_place_of_a_case_file_suggests_the_option(command: str) -> None:
+    done = inputs.command(command, "lrb-example", "--json")
+    assert done.exit_code == 2
+    assert "--bearing lrb-example" in inputs.last_line(done)["message"]
+
+
 def test_no_memory_is_told(case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def exhausted(*_: Any) -> None:
         raise MemoryError

@@ -8,7 +8,8 @@ from typing import Annotated, Any
 import tomli_w
 from pydantic import BeforeValidator, Field
 
-from thermobearing.border.errors import InputError, nearest, printable, read_bytes
+from thermobearing.border.errors import InputError, is_file, nearest, printable, read_bytes
+from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml, split_sources
 
@@ -94,19 +95,27 @@ def title_given(words: Sequence[str]) -> TitleBlock:
 
 def case_table(path: Path) -> dict[str, Any]:
     """Return the table of a case file without its title block, which no run knows of."""
-    table, _ = split_sources(read_toml(path))
+    table = _read_case(path)
     if KEY in table:
         _title_in(table, path)
         del table[KEY]
-    return dict(table)
+    return table
 
 
 def read_title(path: Path | None) -> TitleBlock:
     """Return the title block of a case file, or of report.toml; an empty one without."""
     if path is None:
         return TitleBlock()
-    table, _ = split_sources(read_toml(path))
+    table = _read_case(path)
     return _title_in(table, path) if KEY in table else TitleBlock()
+
+
+def _read_case(path: Path) -> dict[str, Any]:
+    """Return the table of a file without sources; a name of the library is not a case file."""
+    if str(path) in Library("bearing", "bearings").names() and not is_file(path):
+        hint = f"a bearing of this name is in the library; choose it with --bearing {path}"
+        raise InputError(f"no such file; {hint}", str(path))
+    return dict(split_sources(read_toml(path))[0])
 
 
 def _title_in(table: dict[str, Any], path: Path) -> TitleBlock:
