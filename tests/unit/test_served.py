@@ -145,7 +145,9 @@ def test_a_trial_starts_from_the_committed_state(running: Running) -> None:
         found.append(client.step(x, t))
     assert found == expected(PATH)
     client.end()
-    (history,) = running.stop().histories()
+    server = running.stop()
+    assert not server.notes
+    (history,) = server.histories()
     assert history.time.tolist() == [0.0, *(t for t, _ in PATH)]
     assert history.books["force"][1:].tolist() == expected(PATH)
 
@@ -160,10 +162,15 @@ def test_after_a_gravity_stage_the_clock_may_be_set_to_zero(client: Client) -> N
 def test_a_load_factor_is_no_clock_without_a_rate(running: Running, client: Client) -> None:
     assert client.step(5.0, 100.0, moving=0.0) > 0.0
     assert np.isnan(client.force(4.0, 90.0, moving=0.0))
+    refused = running.server.histories()[0]
     assert np.isfinite(client.force(4.0, 101.0, moving=0.0))
     client.end()
-    (note,) = running.stop().notes
-    assert "rate" in note
+    server = running.stop()
+    assert len(server.notes) == 2  # at the first step, and at the one that is refused
+    assert all("rate" in note for note in server.notes)
+    result = ServedResult.of(server.case, [refused], server.problems, server.notes)
+    assert result.outcome == "connection_failed"
+    assert set(server.notes) < set(result.warnings)
 
 
 def test_a_rate_makes_time_of_displacement() -> None:

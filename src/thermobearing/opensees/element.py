@@ -18,12 +18,20 @@ from thermobearing.opensees.case import Layout, ServedCase, Units, spring_consta
 from thermobearing.opensees.wire import Action, Request
 
 SHORTEST = 1e-6  # duration of a step in which the time does not advance [s]
+RESTING = 0.1  # displacement of a bearing that a gravity stage may cause [mm]
 FIRST_ROWS = 4096  # of a history, doubled when it is full
 NOT_ADVANCING = (
     "the time of the model goes back from {0:g} to {1:g} while the bearing moves without velocity, "
     "as in displacement control, where the time is the load factor: give the speed of the static "
     "analysis, rate, in mm/s"
 )
+
+NO_VELOCITY = (
+    "a step displaces the bearing without velocity, as in displacement control, and lasts as long "
+    "as the time of the model advances, {0:g} s: if that is a load factor, give the speed of the "
+    "static analysis, rate, in mm/s"
+)
+REFUSED = "connection_failed"
 
 
 class StepError(RuntimeError):
@@ -119,6 +127,7 @@ class ServedElement:
             for pair in range(layout.pairs)
         ]
         self.finished: list[Served] = []
+        self.note = ""  # what the user should know about the steps so far
         self._begin()
 
     def _begin(self) -> None:
@@ -132,7 +141,7 @@ class ServedElement:
         self._tangents = [_moved(b, x, SHORTEST)[1] for b, x in self._pairs()]
         self._time = 0.0
         self._trial_time = 0.0
-        self._pending = False
+        self._pending = self._pushed = False
         self._last: tuple[Any, ...] = ()
         self._problem = ""
         self._x: list[float] = [0.0] * self.layout.size
@@ -202,10 +211,13 @@ class ServedElement:
             for ends, zero in zip(self._ends, self._zero, strict=True)
         ]
         most = max(map(math.dist, goals, self._at))
+        self._pushed = not moving and max(map(math.dist, goals, self._zero)) > RESTING
         try:
             dt = self._duration(time, most, moving)
         except StepError as error:
             self._problem = str(error)
+            for bearing in self._bearings:
+                bearing.outcome = REFUSED
             return
         self._pending = dt > 0.0
         self._trial_time = time
@@ -235,9 +247,12 @@ class ServedElement:
 
     def _commit(self) -> None:
         self._check()
-        self._time = self._trial_time
+        duration, self._time = self._trial_time - self._time, self._trial_time
         if not self._pending:
             return
+        clocked = self.case.rate is not None or self.case.step is not None
+        if self._pushed and not (clocked or self.note):
+            self.note = NO_VELOCITY.format(duration)
         for k, bearing in enumerate(self._bearings):
             bearing.bearing.commit()
             bearing.keep(self._trial_time)

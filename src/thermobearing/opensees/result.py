@@ -21,6 +21,7 @@ from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import build_model
 from thermobearing.model.outcomes import SENTENCES
 from thermobearing.opensees.case import ServedCase
+from thermobearing.opensees.element import REFUSED as FAILED
 from thermobearing.opensees.element import Served
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table, make_table
@@ -34,7 +35,6 @@ BALANCE = (
     *("work_in", "heat_released", "recoverable", "heat_stored"),
     *("heat_lost_ends", "heat_lost_sides"),
 )
-FAILED = "connection_failed"
 FAILED_SENTENCE = "An element could not be served to the end: see the warnings."
 COLUMNS = (
     *("element", "direction", "ambient_degC", "strain_max"),

@@ -258,6 +258,8 @@ class Server:
                 raise StepError(f"OpenSees committed a step that had failed: {error}") from None
             _send(connection.client, setup.nothing(request.action))
             return
+        if element.note:
+            self.note(connection, element.note)
         if request.action in SILENT:
             return
         assert values is not None
