@@ -170,6 +170,11 @@ def _record_facts(record: TestRecord) -> dict[str, str]:
     }
 
 
+def _error(value: float) -> str:
+    """Return an error with one digit and its sign, unless that digit would be zero."""
+    return f"{value:+.1f}" if round(abs(value), 1) > 0.0 else "below 0.1"
+
+
 def cells_facts(path: Path) -> dict[str, str]:
     """Return the error of the heat cells in the layers of a bearing, from a short test."""
     try:
@@ -178,9 +183,10 @@ def cells_facts(path: Path) -> dict[str, str]:
         return {"error of cells": "unknown: twice as many cells exceed the limit"}
     if found is None:
         return {"error of cells": f"unknown: {REFERENCE} end early"}
+    rise = f" of a rise of {found.rise:.1f} K" if round(found.rise, 1) > 0.0 else ""
     facts = {
-        "error of cells": f"G {100.0 * found.stiffness:+.1f} %, energy "
-        f"{100.0 * found.energy:+.1f} %, hottest layer {found.warming:+.1f} of {found.rise:.1f} K",
+        "error of cells": f"G {_error(100.0 * found.stiffness)} %, energy "
+        f"{_error(100.0 * found.energy)} %, hottest layer {_error(found.warming)} K{rise}",
         "estimated in": f"the last of {REFERENCE}, compared with twice as many cells",
     }
     if found.worst > TOLERABLE:
