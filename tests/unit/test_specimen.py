@@ -2,6 +2,7 @@
 
 import _thread
 import math
+import re
 import socket
 import threading
 import time
@@ -276,6 +277,11 @@ def test_a_limit_stops_the_test(
     saved = tb.load_result(tmp_path / "out")
     values = saved.dataset[f"bearing_{column}"].values
     assert 0.5 * limit < np.nanmax(np.abs(values)) <= limit
+    assert saved.dataset.attrs["specimen"] == server.address
+    notes = [re.findall(r"-?[\d.]+", text) for text in saved.warnings if "force_limit" in text]
+    assert [abs(float(force)) > float(most) == limit for force, most in notes] == [True] * (
+        key == "force_limit"
+    )
     if key == "displacement_limit":
         assert max(map(abs, server.commands)) <= limit
     (*_, held, ended) = server.log

@@ -140,7 +140,7 @@ def _collect_warnings(
     found += one_per_cause(causes)
     installed = [one.device.bearing for task in tasks for one in task.lines]
     factors = exposures(installed, case.analysis.exposure)
-    found = describe_all(factors) + found
+    found = describe_all(factors) + found + [one.note for one in histories if one.note]
     row_tables = {"rig": rig, "tested_range": compared, **exposure_attribute(factors)}
     attributes = {name: as_attribute(rows) for name, rows in row_tables.items() if rows}
     return {"warnings": as_attribute(found)} | attributes
@@ -365,6 +365,7 @@ def _attributes(
         "damping": case.analysis.damping or case.structure.damping.kind,
         "scheme": case.analysis.scheme,
         "mode": ", ".join(case.modes),
+        **({"specimen": case.specimen} if case.specimen else {}),
         "version": thermobearing.__version__,
         "case": case.to_toml(),
         "interrupted": int(_interrupted(case, histories)),

@@ -197,7 +197,7 @@ def run_task(task: Task) -> StructureHistory:
     if case.initial_state is not None and case.initial_state.zero:
         history.rows.bearings["displacement"][:] -= case.initial_state.zero
     if history.outcome != COMPLETED:
-        return history
+        return history if outside is None else replace(history, note=outside.note)
     moved = [largest(history.bearing(b)["displacement"]) for b in range(len(task.lines))]
     turned = [largest(history.hinge(h)["rotation"]) for h in range(len(case.structure.hinges))]
     tops = [row["pier_part_displacement_max"] for row in pier_peaks(task, history)]

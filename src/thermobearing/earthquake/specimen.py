@@ -64,6 +64,7 @@ class TcpSpecimen:
     def __init__(self, laboratory: "Laboratory", line: int) -> None:
         assert laboratory.specimen is not None
         self.line, self._lab, self._setup = line, laboratory, Setup.smallest(2)
+        self.note = ""  # which limit was exceeded, and how far
         self._last: tuple[float, float] | None = None  # displacement and time of the last command
         try:
             address = read_address(laboratory.specimen)
@@ -90,7 +91,8 @@ class TcpSpecimen:
             self._send(speed, Action.SET_TRIAL, Action.FORCE)
             reply = receive_exactly(self._socket, self._setup.length, self._lab.time_out)
             force = float(decode_reply(reply, Action.FORCE, self._setup)[1])
-            if abs(force) > (self._lab.force_limit or math.inf):
+            if abs(force) > (limit := self._lab.force_limit or math.inf):
+                self.note = f"measured force {force:.4g} kN: beyond force_limit, {limit:g} kN"
                 raise SpecimenError(FORCE_LIMIT)
             if not math.isfinite(force):
                 raise SpecimenError(SPECIMEN_LOST)

@@ -163,8 +163,10 @@ def _peaks_table(
         words = ", ".join(sorted(TESTED[limit][1] for limit in others))
         note += " Marked values are outside the calibration range"
         note += f" (a marked motion: {words})." if others else "."
+    specimen = result.dataset.attrs.get("specimen", "")
+    caption = f"Peaks of every run{specimen and f', specimen at {specimen}'}"
     return make_table(
-        frame, [*keys, *names, *where, *ended], "Peaks of every run", keys=len(keys),
+        frame, [*keys, *names, *where, *ended], caption, keys=len(keys),
         heads={"outcome": "Ended"} | dict(heads or {}), marked=marked, note=note,
         governing="bearing_strain_max",
     )  # fmt: skip

@@ -164,6 +164,7 @@ class StructureHistory:
     steps: int = 0
     iterations: int = 0
     substeps: int = 0
+    note: str = ""  # a warning of the specimen
 
     def bearing(self, line: int = 0) -> Rows[Books]:
         """Return the energies and forces of the modelled bearing of a line."""
