@@ -6,7 +6,6 @@ from typing import Annotated, Any
 import typer
 
 from thermobearing.border.errors import InputError, is_file
-from thermobearing.border.toml import read_toml
 from thermobearing.commands.common import (
     ANALYSES,
     FILES,
@@ -174,6 +173,7 @@ def _serve(
     end: Ending,
 ) -> Answer:
     """Serve a bearing to OpenSees (Tcl, or on another machine) as genericClient elements."""
+    from thermobearing.border.toml import read_toml
     from thermobearing.opensees.case import Layout, load_served_case, make_served_case
     from thermobearing.opensees.result import ServedResult
     from thermobearing.opensees.server import LOOPBACK, serve_until

@@ -6,15 +6,14 @@ displacement brought to zero at the end; its spectrum is what is compared in eve
 """
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 from scipy.linalg import solve_triangular
 from scipy.sparse import csr_array
-from threadpoolctl import ThreadpoolController
+from threadpoolctl import threadpool_limits
 
 from thermobearing.core.types import Floats, Ints
 from thermobearing.motions.process import end_shapes, high_pass_gain, with_quiet_end
@@ -177,14 +176,6 @@ class _Amplitudes:
         return np.asarray(np.real(spectrum.conj() * (counted * self.multiplied())) @ self.bands)
 
 
-def _one_blas_thread() -> AbstractContextManager[Any]:
-    """Limit BLAS to one thread; where it has one already, a limit would start another that idles."""
-    blas = ThreadpoolController().select(user_api="blas")
-    if all(library.num_threads == 1 for library in blas.lib_controllers):
-        return nullcontext()
-    return blas.limit(limits=1)
-
-
 def matched(
     acceleration: Floats,
     dt: float,
@@ -206,7 +197,7 @@ def matched(
     """
     fits: list[Matched] = []
     effort = effort or Effort()
-    with _one_blas_thread():  # the matrices are small: more threads would only wait
+    with threadpool_limits(1, "blas"):  # of small matrices: others would only wait
         for fineness in (COARSE, FINE) if finer else (COARSE,):
             if fits and effort.spent:
                 break
