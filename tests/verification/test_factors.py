@@ -205,7 +205,7 @@ def test_published_tables_say_what_is_unverified() -> None:
     assert any(item.unverified for item in tables)
     for item in tables:
         assert len(item.temperatures) == len(item.factors)
-        assert ("from memory" in item.source) == item.unverified
+        assert ("not checked" in item.source) == item.unverified
         assert item.label.endswith("*") == item.unverified
 
 

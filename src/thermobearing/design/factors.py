@@ -331,7 +331,7 @@ def scale_study(
 
 
 # Factors of other sources.
-FOOTNOTE = "*: from memory or chosen, no source read"
+FOOTNOTE = "*: chosen, or not checked against the published text"
 
 
 def marked(item: Any) -> str:
