@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -402,6 +403,17 @@ def test_a_killed_server_lets_nobody_wait() -> None:
     for _ in range(2):
         with pytest.raises(ServingError, match="-9"):
             line.results()
+
+
+def test_ctrl_c_in_the_script_marks_its_result() -> None:
+    with suppress(KeyboardInterrupt), serve("shen-hdr-bridge", ambient=-20) as line:
+        client = Client(port_of(line.element(5, (1, 2))))
+        client.step(*PATH[0][::-1])
+        client.end()
+        assert line.results().outcome == "completed"
+        raise KeyboardInterrupt
+    assert line.results().outcome == "interrupted"
+    assert line.results().sentence
 
 
 def test_without_histories_there_is_no_result(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -53,6 +53,7 @@ class Line:
         self._layouts: dict[int, tuple[Layout, int]] = {}
         self._last: list[Any] | None = None  # histories, once the server has sent them
         self._said: tuple[list[str], list[str]] = ([], [])
+        self._interrupted = False
         self._lock = threading.Lock()
         self._process = _start()
         self._answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -169,7 +170,9 @@ class Line:
         if self._last is None:
             raise ServingError("the server of the bearings ended before it sent its histories")
         problems, notes = self._said
-        return ServedResult.of(self.case, self._last, problems, notes)
+        found = ServedResult.of(self.case, self._last, problems, notes)
+        found.dataset.attrs["interrupted"] = int(self._interrupted)
+        return found
 
     def close(self) -> None:
         """End the server; the result remains."""
@@ -189,6 +192,7 @@ class Line:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        self._interrupted = kind is KeyboardInterrupt
         try:
             self.close()
             self.check()

@@ -87,7 +87,7 @@ class ServedResult(DatasetResult):
 
     @property
     def outcome(self) -> str:
-        """The outcome: "completed", "connection_failed", or why a step of a bearing failed."""
+        """The outcome: "completed", "connection_failed", "interrupted", or why a step failed."""
         failed = self.dataset.attrs["connection_failed"]
         return FAILED if failed else str(super().outcome)
 
