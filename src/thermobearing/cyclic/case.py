@@ -388,7 +388,8 @@ class Case(Strict):
                 f"but the stack has {cells} cells"
             )
         # The constants of a bilinear model come from a test.
-        if not found and self.analysis.model != "bilinear":
+        concerned = self.initial_state is not None or self.test.in_plane
+        if concerned and not found and self.analysis.model != "bilinear":
             constants = build_model(self.bearing, self.analysis).constants
             fault = misfit(self.initial_state, constants) if self.initial_state else ""
             found += [f"initial_state: {fault}"] if fault else []

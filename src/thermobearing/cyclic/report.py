@@ -24,7 +24,13 @@ from thermobearing.cyclic.reported import (
     residual_rows,
 )
 from thermobearing.cyclic.result import Result
-from thermobearing.cyclic.tables import cycles_table, energy_table, ratio_table, warming
+from thermobearing.cyclic.tables import (
+    cycles_table,
+    energy_table,
+    largest_cycles,
+    ratio_table,
+    warming,
+)
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
 from thermobearing.report.content import (
@@ -179,7 +185,7 @@ def _answer(result: Result) -> list[str]:
     early = early_end("The analysis", f" at {degrees(ended)}" if ended else "", result)
     if len(cycles):
         largest = float(cycles["amplitude_strain"].max())
-        rows = cycles[cycles["amplitude_strain"] >= 0.999 * largest]
+        rows = largest_cycles(cycles)
         return [*early, _governing(result, rows, largest), _changes(result, rows)]
     peaks = joined(
         f"{number(force)} kN at {percent(strain)} ({degrees([ambient])})"

@@ -26,6 +26,7 @@ LABELS = ("ambient_degC", "amplitude_strain", "cycle")
 LIMITED = {"ambient_degC": "ambient", "amplitude_strain": "strain"}
 LIMITED |= {"cycle": "cycles", "lead_degC": "lead_temperature"}
 MOST_ROWS = 60
+SAME_AMPLITUDE = 0.999  # of the largest amplitude: rounding only
 SAME = 0.05  # of the temperatures of layers that share a column [K]
 MODELS = [f"{name} largest K" for name in ("inner layer", "lead")]
 MODELS += [f"{name} %" for name in ("peak force", "last G_e", "last h_eq", "last energy")]
@@ -52,6 +53,13 @@ def result_tables(result: Result) -> dict[str, Table]:
         names = ["ambient_degC", "model", *MODELS]
         caption = "Earlier models: largest temperature error, error of the peak force and of the "
         found["models"] = make_table(errors, names, f"{caption}last cycle", keys=2)
+    return found
+
+
+def largest_cycles(cycles: pd.DataFrame) -> pd.DataFrame:
+    """Return the cycles of the largest amplitude, which rounding may divide, of `Result.cycles`."""
+    strain = cycles["amplitude_strain"]
+    found: pd.DataFrame = cycles[strain >= SAME_AMPLITUDE * strain.max()]
     return found
 
 

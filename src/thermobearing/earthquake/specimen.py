@@ -69,8 +69,12 @@ class TcpSpecimen:
         try:
             address = read_address(laboratory.specimen)
             self._socket = socket.create_connection(address, laboratory.time_out)
-            prepare(self._socket)
-            self._socket.sendall(self._setup.encode())
+            try:
+                prepare(self._socket)
+                self._socket.sendall(self._setup.encode())
+            except OSError:
+                self._socket.close()
+                raise
         except OSError as error:
             raise InputError(
                 f'laboratory.specimen = "{laboratory.specimen}": no connection '

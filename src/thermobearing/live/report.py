@@ -13,6 +13,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.cyclic.case import Case, make_case
 from thermobearing.cyclic.dataset import GIVEN_IN_PYTHON
 from thermobearing.cyclic.result import Result
+from thermobearing.cyclic.tables import largest_cycles
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import build_shaking
@@ -38,7 +39,6 @@ OF_BRIDGES = ("weather", "laboratory", "initial_state", "lines")
 MOST_STEPS = 100_000  # of a test, which takes some 0.3 s
 MOST_SAMPLES = 25_000  # of all motions, which take some 120 kB
 MOST_RUNS = 100  # entries of the menu
-SAME_CYCLES = 0.999  # of the largest amplitude, as cyclic/report.py has them
 CYCLE = {  # columns of `Result.cycles` and names of the engine
     "G_eq_MPa": "G_eq_MPa",
     "K_eq_kN_mm": "stiffness_kN_mm",
@@ -136,9 +136,8 @@ def _of_test(result: Result) -> Live | None:
 def _run_of_test(result: Result, case: Case, number: int) -> dict[str, Any]:
     ambient = case.ambient[number]
     found = {"force": np.nanmax(np.abs(result["force"].values[number]))}
-    cycles = result.cycles[result.cycles["ambient_degC"] == ambient]
-    cycles = cycles[cycles["amplitude_strain"] >= SAME_CYCLES * cycles["amplitude_strain"].max()]
-    layers = [name for name in cycles if name.startswith("rubber")]
+    cycles = largest_cycles(result.cycles[result.cycles["ambient_degC"] == ambient])
+    layers = [name for name in map(str, cycles) if name.startswith("rubber")]
     for which, place in (("last", -1), ("first", 0))[: len(cycles)]:
         row = cycles.iloc[place]
         found |= {f"{which}.{key}": row[name] for name, key in CYCLE.items() if name in row}

@@ -375,8 +375,8 @@ class BearingElements:
 
     Parameters
     ----------
-    elements : of any bearings, each with an ambient temperature and a start of its own; `elements`
-        remains the list of them.
+    elements : elements of any bearings, in their order; each keeps its ambient temperature and its
+        initial state.
 
     Raises
     ------

@@ -58,13 +58,13 @@ class _Recorded:
 
     def __init__(self, bearing: BearingElement) -> None:
         self.bearing = bearing
-        self._cells = bearing._constants.layer_cells
-        self._upper, self._lower = self._cells["upper_middle"], self._cells["lower_middle"]
+        cells = bearing.constants.layer_cells
+        self._upper, self._lower = cells["upper_middle"], cells["lower_middle"]
         self.initial = bearing.state.temperature.copy()
         self._rows = 0
         self._time = np.empty(FIRST_ROWS)
         self._books: Any = np.empty(FIRST_ROWS, dtype=np.asarray(bearing.state.books).dtype)
-        self._rubber = np.empty((FIRST_ROWS, len(self._cells)))
+        self._rubber = np.empty((FIRST_ROWS, len(cells)))
         self.outcome = "completed"
         self.keep(0.0)
 

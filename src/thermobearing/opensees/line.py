@@ -164,7 +164,7 @@ class Line:
         ServingError : the server was killed, or no element could be served.
         """
         if not self._closed:
-            self._last, self._said = self._ask("histories"), self._ask("problems")
+            self._fetch()
         if not self._last:
             self.check()
         if self._last is None:
@@ -179,7 +179,7 @@ class Line:
         if self._closed:
             return
         try:
-            self._last, self._said = self._ask("histories"), self._ask("problems")
+            self._fetch()
         finally:
             self._end()
 
@@ -241,6 +241,10 @@ class Line:
         )
         self._said = [text], []
         raise ServingError(text) from None
+
+    def _fetch(self) -> None:
+        """Take histories, problems and notes from the server."""
+        self._last, self._said = self._ask("histories"), self._ask("problems")
 
     def _ask(self, *command: Any) -> Any:
         if self._closed:

@@ -40,16 +40,15 @@ def build_pieces(result: ServedResult) -> Pieces:
     known = case["bearing"].get("tested_range") is not None
     source = f"{content.TESTED_RANGE} of {case['bearing']['name']}"
     given = ("ambient", "initial", "count", "units", "rate")
+    range_rows = result.tested_range.to_dict("records")
     inputs: dict[str, Any] = {key: case[key] for key in given if key in case}
     return content.build_pieces(
         "serve",
         f"{case['bearing']['name']} in an OpenSees model",
         _question(result, case),
         _answer(result),
-        checks=content.limit_checks(
-            result.tested_range.to_dict("records"), content.IN_EARTHQUAKES, source
-        ),
-        rate_rows=result.tested_range.to_dict("records"),
+        checks=content.limit_checks(range_rows, content.IN_EARTHQUAKES, source),
+        rate_rows=range_rows,
         residuals=residual_rows(result.energy, case["analysis"]),
         inputs={
             **bearing_tables(case["bearing"], own),

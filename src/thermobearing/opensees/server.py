@@ -328,6 +328,7 @@ class Server:
         self.stopped = True
         for listener in self._listeners:
             listener.close()
+        self._selector.close()
         if self._keeper is not None:
             self._keeper.release(stay=bool(self._open))
 
