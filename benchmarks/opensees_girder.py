@@ -44,7 +44,7 @@ class Histories(NamedTuple):
     top: dict[str, Floats]  # of the piers
 
 
-def ambient_of(line: str, ambient: float) -> float:
+def line_ambient(line: str, ambient: float) -> float:
     """Return the temperature of a line in a run [degC]."""
     return ambient + WARMER.get(line, 0.0)
 
@@ -148,16 +148,16 @@ def in_opensees(
     with ExitStack() as stack:
         servers = {
             t: stack.enter_context(tb.opensees.serve(bearing, t, units="kN-m"))
-            for t in sorted({ambient_of(line, ambient) for line in LINES})
+            for t in sorted({line_ambient(line, ambient) for line in LINES})
         }
-        served = {line: servers[ambient_of(line, ambient)] for line in LINES}
+        served = {line: servers[line_ambient(line, ambient)] for line in LINES}
         tops = build(served, rigid=rigid)
         moved = shake(tops, motion)
         results = {t: server.results() for t, server in servers.items()}
         ops.wipe()
     x, force = {}, {}
     for place, line in enumerate(LINES):
-        data = results[ambient_of(line, ambient)].dataset
+        data = results[line_ambient(line, ambient)].dataset
         mine = data.sel(element=data["tag"] == 100 * (place + 1) + 40)
         assert np.ptp(mine["displacement"].values, axis=0).max() < 1e-6  # five alike
         x[line], force[line] = (mine[name].values[2] for name in ("displacement", "force"))
@@ -166,7 +166,7 @@ def in_opensees(
 
 def ours(bearing: str, ambient: float, motion: tb.GroundMotion) -> Histories:
     """Return the histories of the structure of this package."""
-    warm = [{"line": n, "ambient": f"{ambient_of(n, ambient)} degC"} for n in WARMER]
+    warm = [{"line": n, "ambient": f"{line_ambient(n, ambient)} degC"} for n in WARMER]
     given = {"structure": "five-span-girder", "lines": warm, "dt": DT}
     data = tb.bridge(bearing, motion, ambient, keep=tb.Keep(every=1), **given).dataset.isel(run=0)
 

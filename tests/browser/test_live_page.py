@@ -131,15 +131,20 @@ def test_exported_histories_and_case_are_those_of_python(opened: Any, tmp_path: 
         assert np.abs(shown - force).max() <= FORCE * np.abs(force).max()
 
 
-def test_an_edited_bearing_scales_and_comes_back_as_a_file(opened: Any, tmp_path: Path) -> None:
-    opened.locator("#tab-bearing").click()
-    side = opened.locator("#size-geometry-plan-side")
+def export_wider(page: Any) -> str:
+    """Make the bearing 480 mm wide and return its exported file."""
+    page.locator("#tab-bearing").click()
+    side = page.locator("#size-geometry-plan-side")
     side.fill("480")
     side.press("Enter")
-    settle(opened)
-    opened.locator("#tab-export").click()
-    settle(opened)
-    text = opened.locator("#toml-text").inner_text().split("# case.toml")[0]
+    settle(page)
+    page.locator("#tab-export").click()
+    settle(page)
+    return str(page.locator("#toml-text").inner_text()).split("# case.toml")[0]
+
+
+def test_an_edited_bearing_scales_and_comes_back_as_a_file(opened: Any, tmp_path: Path) -> None:
+    text = export_wider(opened)
     file = tmp_path / f"{SPECIMEN}-changed.toml"
     file.write_text(text, encoding="utf-8")
     made = tb.load_bearing(file)
@@ -275,15 +280,9 @@ def test_exports_name_the_file_of_a_bearing_of_the_user(chromium: Any, tmp_path:
     assert tb.load_case(case).bearing == mine
     assert page.locator("#command-text").inner_text().count("--bearing my-own.toml ") == 2
     assert 'load_bearing("my-own.toml")' in page.locator("#python-text").inner_text()
-    page.locator("#tab-bearing").click()
-    side = page.locator("#size-geometry-plan-side")
-    side.fill("480")
-    side.press("Enter")
-    settle(page)
-    page.locator("#tab-export").click()
-    settle(page)
+    text = export_wider(page)
     changed = tmp_path / "mine-changed.toml"
-    changed.write_text(page.locator("#toml-text").inner_text().split("# case.toml")[0], "utf-8")
+    changed.write_text(text, "utf-8")
     assert tb.load_bearing(changed).geometry.plan.side == 480.0
     page.close()
 

@@ -368,7 +368,7 @@ def test_a_step_that_never_was_is_not_committed() -> None:
         element.answer(Request(Action.COMMIT, (), (), (), 1.0))
 
 
-def port_of(arguments: tuple[Any, ...]) -> int:
+def read_port(arguments: tuple[Any, ...]) -> int:
     return int(arguments[arguments.index("-server") + 1])
 
 
@@ -376,7 +376,7 @@ def test_a_line_serves_and_keeps_its_result() -> None:
     with serve("shen-hdr-bridge", ambient=-20) as line:
         with pytest.raises(tb.InputError):
             line.results()
-        client = Client(port_of(line.element(5, (1, 2))))
+        client = Client(read_port(line.element(5, (1, 2))))
         assert [client.step(x, t) for t, x in PATH] == expected(PATH)
         line.reset()
         assert [client.step(x, t) for t, x in PATH] == expected(PATH)
@@ -395,7 +395,7 @@ def test_a_line_serves_and_keeps_its_result() -> None:
 
 def test_a_killed_server_lets_nobody_wait() -> None:
     line = serve("shen-hdr-bridge", ambient=-20)
-    client = Client(port_of(line.element(5, (1, 2))))
+    client = Client(read_port(line.element(5, (1, 2))))
     assert client.step(3.0, 0.1) > 0.0
     line._process.kill()
     assert_only_nan(client)
@@ -407,7 +407,7 @@ def test_a_killed_server_lets_nobody_wait() -> None:
 
 def test_ctrl_c_in_the_script_marks_its_result() -> None:
     with suppress(KeyboardInterrupt), serve("shen-hdr-bridge", ambient=-20) as line:
-        client = Client(port_of(line.element(5, (1, 2))))
+        client = Client(read_port(line.element(5, (1, 2))))
         client.step(*PATH[0][::-1])
         client.end()
         assert line.results().outcome == "completed"
@@ -418,7 +418,7 @@ def test_ctrl_c_in_the_script_marks_its_result() -> None:
 
 def test_without_histories_there_is_no_result(monkeypatch: pytest.MonkeyPatch) -> None:
     line = serve("shen-hdr-bridge", ambient=-20)
-    Client(port_of(line.element(5, (1, 2)))).socket.close()
+    Client(read_port(line.element(5, (1, 2)))).socket.close()
     monkeypatch.setattr(line, "_take", Mock(side_effect=KeyboardInterrupt))
     with pytest.raises(KeyboardInterrupt):
         line.close()

@@ -257,7 +257,7 @@ def test_cores_are_in_parallel() -> None:
     assert_allclose(bearing.lead.core_strength, 11.22, rtol=1e-3)  # 5.3.2 prints 11.21 kN
 
 
-def sizes_of(name: str = SPECIMEN, sides: bool = False) -> tuple[way.LeadSizes, Stack]:
+def network_sizes(name: str = SPECIMEN, sides: bool = False) -> tuple[way.LeadSizes, Stack]:
     bearing = touching(name, sides)
     stack = build_stack(bearing, half=True)
     return lead_sizes(bearing, stack, EndFace(eta=3.0), None), stack
@@ -268,7 +268,7 @@ RATES = [way.frequency(i) for i in range(way.FREQUENCIES)]
 
 def test_disc_on_a_plate_when_all_is_steady() -> None:
     """tanh(l H)/(k l) of each mode with the far face held; more with a film, most without."""
-    sizes, _ = sizes_of()
+    sizes, _ = network_sizes()
     k, height = sizes.steel.conductivity, sizes.end_plate
     wave = jn_zeros(1, way.RADIAL) / sizes.plan
     mean = 4.0 * (j1(wave * sizes.radius) / (wave * sizes.plan * j0(wave * sizes.plan))) ** 2
@@ -290,7 +290,7 @@ def test_disc_on_a_plate_when_all_is_steady() -> None:
 
 def test_core_when_all_is_steady() -> None:
     """h/(3 k A) along half a core, 1/(8 pi k h) to its wall."""
-    lead = sizes_of()[0].lead
+    lead = network_sizes()[0].lead
     k, s = lead.conductivity, RATES[0]
     modes = [way.core_mode(lead, 48.0, 17.25, 0.0, n, s) for n in range(1, way.AXIAL + 1)]
     assert_allclose(sum(modes), 48.0 / (3.0 * k * math.pi * 17.25**2), rtol=tol.KERNEL_STEADY)
@@ -300,7 +300,7 @@ def test_core_when_all_is_steady() -> None:
 
 def test_edges_of_shims_on_a_wide_core_are_those_on_a_half_plane() -> None:
     """Shims as thick as the layers: 4 p/pi^3 times the sum of 1/n^3 over odd n, over 2 pi r h k."""
-    lead, radius, pitch = sizes_of()[0].lead, 1e6, 10.0
+    lead, radius, pitch = network_sizes()[0].lead, 1e6, 10.0
     found = way.to_edges(lead, 0.5 * pitch, 0.5 * pitch, radius, RATES[0])
     steady = found * 2.0 * math.pi * radius * pitch * lead.conductivity
     wanted = 4.0 * pitch / math.pi**3 * 7.0 / 8.0 * special.zeta(3.0)
@@ -309,7 +309,7 @@ def test_edges_of_shims_on_a_wide_core_are_those_on_a_half_plane() -> None:
 
 def test_thick_rubber_at_the_wall_is_a_half_space() -> None:
     """2 pi r h sqrt(k c s), which no far side of the layer limits."""
-    rubber, radius, layer = sizes_of("lrb-example")[0].rubber, 90.0, 1e6
+    rubber, radius, layer = network_sizes("lrb-example")[0].rubber, 90.0, 1e6
     for s in RATES[::8]:
         wanted = 2.0 * math.pi * radius * layer * math.sqrt(rubber.conductivity * rubber.heat * s)
         assert_allclose(way.rubber_at_wall(rubber, layer, radius, s), wanted, rtol=1e-3)  # of 400
@@ -317,7 +317,7 @@ def test_thick_rubber_at_the_wall_is_a_half_space() -> None:
 
 def test_fin_is_that_of_finite_volumes() -> None:
     """The ring of 400 volumes whose inner face is heated."""
-    sizes, _ = sizes_of("lrb-example")
+    sizes, _ = network_sizes("lrb-example")
     faces = 75.0 + 275.0 * np.linspace(0.0, 1.0, 401) ** 2
     area = math.pi * np.diff(faces**2)
     middle = 0.5 * (faces[1:] + faces[:-1])
@@ -352,7 +352,7 @@ def test_bessel_functions_are_those_of_scipy(measured: Recorder) -> None:
 @pytest.mark.parametrize("name", ["shen-lhdr-specimen", "shen-lhdr-bridge", "lrb-example"])
 def test_few_terms_are_enough(name: str, measured: Recorder) -> None:
     """The sum of the terms against the impedance they stand for; the terms against scipy's."""
-    sizes, stack = sizes_of(name, True)
+    sizes, stack = network_sizes(name, True)
     half, room = 0.5 * stack.beside_lead.sum(), np.zeros(way.ROOM)
     way.fill_radial(sizes.radius, sizes.plan, room)
     way.fill_side(sizes, half, stack.thickness[stack.codes == SHIM].sum(), room)

@@ -43,7 +43,7 @@ DT = 0.05  # [s]
 
 
 @cache
-def constants_of(bearing: str, **options: Any) -> Constants:
+def plane_constants(bearing: str, **options: Any) -> Constants:
     return build_model(tb.load_bearing(bearing), ModelOptions(**options)).constants
 
 
@@ -110,7 +110,7 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_a_line_in_the_plane_is_the_line(case: str, angle: float) -> None:
     bearing, temperature, size, options = CASES[case]
-    constants = constants_of(bearing, **options)
+    constants = plane_constants(bearing, **options)
     if case == "hdr":
         virgin = {"virgin": True, "scragging_amplitude": 0.5, "mullins_amplitude": 0.2}
         constants = constants._replace(rubber=constants.rubber._replace(**virgin))
@@ -137,7 +137,7 @@ def test_a_line_in_the_plane_is_the_line(case: str, angle: float) -> None:
 
 @pytest.mark.parametrize("bearing", [HDR, LHDR])
 def test_turning_the_motion_turns_the_forces(bearing: str) -> None:
-    constants, x = constants_of(bearing), wandering(60.0, 150)
+    constants, x = plane_constants(bearing), wandering(60.0, 150)
     plain, state = moved(constants, x, -20.0)
     other, last = moved(constants, turned(x, 1.1), -20.0)
     force = turned(plain.books["force"], 1.1)
@@ -218,7 +218,7 @@ def test_short_increments_have_the_tangent_of_the_equation(
 @pytest.mark.parametrize("source", [HEAT_FROM_WORK, HEAT_FROM_DISSIPATION])
 @pytest.mark.parametrize("softening", [0.0, 0.0069])
 def test_lead_returns_to_its_circle(source: int, softening: float) -> None:
-    lead = constants_of(LHDR).lead._replace(softening=softening)
+    lead = plane_constants(LHDR).lead._replace(softening=softening)
     before, dx, h = (6.0, -4.0), np.array([0.6, 0.9]), 1e-5
 
     def force(dx: Floats) -> Floats:
@@ -243,7 +243,7 @@ def test_lead_returns_to_its_circle(source: int, softening: float) -> None:
 )
 def test_tangent_and_energy_of_a_step(bearing: str, temperature: float, heat: str) -> None:
     """Central differences on an eight that softens layers; the balances of a random walk."""
-    constants, h = constants_of(bearing, heat_source=heat), 1e-5
+    constants, h = plane_constants(bearing, heat_source=heat), 1e-5
     angle = 2.0 * math.pi * np.arange(1, 61) / 40
     eight = 75.0 * np.stack([np.sin(angle), np.sin(2.0 * angle)], axis=1)
     state, spare = begun(constants, temperature)
@@ -277,7 +277,7 @@ def test_tangent_and_energy_of_a_step(bearing: str, temperature: float, heat: st
 
 def test_layers_soften_by_the_smallest_eigenvalue() -> None:
     """Equal layers move alike, so that the weight follows from d and Z after each step."""
-    constants = isothermal(constants_of(HDR))
+    constants = isothermal(plane_constants(HDR))
     rubber = constants.rubber
     rows, _ = moved(constants, wandering(75.0, 400), -40.0)
     cold = -40.0 - rubber.reference_temperature
@@ -307,7 +307,7 @@ def test_a_circle_has_a_force_of_constant_size() -> None:
 
     So |Z| = d_y, and Z is behind the direction of motion by the angle whose sine is d_y/r.
     """
-    constants = isothermal(constants_of(HDR))
+    constants = isothermal(plane_constants(HDR))
     rubber, radius, steps = constants.rubber, 40.0, 2000
     rows, _ = moved(constants, circle(radius, 3, steps), rubber.reference_temperature)
     r, d_y = radius / rubber.layer_count, rubber.yield_displacement
@@ -335,7 +335,7 @@ def test_a_rigid_plastic_core_works_pi_half_times_as_much_on_a_circle() -> None:
 @pytest.mark.parametrize("bearing", [HDR, LHDR])
 def test_the_order_of_the_temperatures_is_that_of_a_line(bearing: str) -> None:
     """Temperatures of all cells after two cycles, from steps of T/1600, T/3200 and T/6400."""
-    constants = constants_of(bearing)
+    constants = plane_constants(bearing)
 
     def order(shape: Any) -> float:
         found = [
@@ -351,7 +351,7 @@ def test_the_order_of_the_temperatures_is_that_of_a_line(bearing: str) -> None:
 
 def test_displacement_across_raises_the_force_in_the_main_direction() -> None:
     """As in full-scale tests of high-damping rubber (Yamamoto et al. 2012)."""
-    constants = isothermal(constants_of(HDR))
+    constants = isothermal(plane_constants(HDR))
     angle = 2.0 * math.pi * np.arange(1, 1201) / 400
     main, peaks = 60.0 * np.sin(angle), []
     for across in (0.0, 30.0, 60.0):
@@ -364,7 +364,7 @@ def test_displacement_across_raises_the_force_in_the_main_direction() -> None:
 
 def test_the_largest_force_across_is_near_zero_displacement_across() -> None:
     """On an ellipse, where hardening by the main displacement is largest (Yamamoto et al. 2012)."""
-    constants = isothermal(constants_of(HDR))
+    constants = isothermal(plane_constants(HDR))
     path = circle(75.0, 3, 400) * [1.0, 0.1]
     rows, _ = moved(constants, path, 23.0)
     last = rows.books[-400:]
@@ -375,7 +375,7 @@ def test_the_largest_force_across_is_near_zero_displacement_across() -> None:
 
 def test_a_test_along_a_line_in_the_plane() -> None:
     """With a rest that is cut into short steps for the heat flow out of lead."""
-    constants = constants_of("lrb-example", lead_ends="finite-plate")
+    constants = plane_constants("lrb-example", lead_ends="finite-plate")
     x = np.append(60.0 * np.sin(0.1 * np.arange(1, 101)), np.full(3, 60.0 * math.sin(10.0)))
     dt = np.append(np.full(100, DT), [10.0, 500.0, 500.0])
     e = np.array([0.6, -0.8])
