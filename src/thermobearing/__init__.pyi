@@ -53,6 +53,7 @@ from .model.options import ModelOptions as ModelOptions
 from .model.stack import EndFace as EndFace
 from .motions.library import list_motions as list_motions
 from .motions.library import load_motion as load_motion
+from .motions.pair import MotionPair as MotionPair
 from .motions.record import GroundMotion as GroundMotion
 from .motions.record import motion_from_arrays as motion_from_arrays
 from .motions.spectrum import response_spectrum as response_spectrum

@@ -53,7 +53,7 @@ def test_a_name_is_one_printable_line(name: str) -> None:
 
 @pytest.mark.parametrize("what", ["structure", "motion", "test", "rig"])
 def test_names_of_other_things_are_lines(what: str) -> None:
-    from thermobearing.earthquake.case import Motion
+    from thermobearing.earthquake.motions import Motion
 
     name = "x\nimport os"
     make: dict[str, Any] = {

@@ -346,7 +346,7 @@ def test_a_motion_file_is_read_once_until_it_changes(
 ) -> None:
     path, read = tmp_path / "mine.csv", []
     monkeypatch.setattr(
-        "thermobearing.earthquake.case.load_motion",
+        "thermobearing.earthquake.motions.load_motion",
         lambda *a, **_: read.append(a) or tb.load_motion(*a),
     )
     for size in (150.0, 200.5):

@@ -11,7 +11,7 @@ from thermobearing.design.case import make_design_case
 from thermobearing.design.peaks import _combined, coldest_sentences, envelope, few_motions, judged
 from thermobearing.design.run import _at_every_air, _one_turn, run_bounds
 from thermobearing.design.sizing import Check
-from thermobearing.earthquake.case import Motion
+from thermobearing.earthquake.motions import Motion
 
 THREE = ["jra-ii-i-1", "jra-ii-i-2", "jra-ii-i-3"]
 LIMITS = [

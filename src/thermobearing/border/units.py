@@ -91,6 +91,8 @@ def _converted(unit: str, target: str) -> tuple[float, float]:
         raise InputError(
             f'unit "{unit}" is an angular frequency; give cycles per second, in {target}'
         )
+    if target == "deg" and not angular:  # nor percent, which pint takes as parts of a radian
+        raise InputError(f'unit "{unit}" cannot be converted to {target}')
     if zero != 0.0 and target != "degC":
         raise InputError(f'"{unit}" is a temperature; a difference is given in {target}')
     scale = 1.0 if spelled == target else one - zero

@@ -1,5 +1,6 @@
 """Analyse structures on bearings in earthquakes."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -44,6 +45,24 @@ VERTICAL = Annotated[
 FIXED_BASE = Annotated[
     bool, option("--fixed-base", help="Leave out the springs of the foundation.", panel=INPUT)
 ]
+ACROSS = Annotated[
+    list[str] | None,
+    option(
+        "--across",
+        help="Second record of a pair, across that of --motion; one for each motion, in order.",
+        metavar="NAME/FILE",
+        panel=INPUT,
+    ),
+]
+ANGLE = Annotated[
+    list[str] | None,
+    option(
+        "--angle",
+        help='Angle from the axis of the bridge to the first record, with its unit: "30 deg". May '
+        "be repeated.",
+        panel=INPUT,
+    ),
+]
 INPUTS = fields(
     "earthquake.case:EarthquakeCase",
     "bearings motions ambient weather structure duration rig",
@@ -59,12 +78,32 @@ ANALYSIS = fields(
 )
 
 
+def _with_pairs(
+    motions: Sequence[str] | None, across: Sequence[str] | None, angles: Sequence[str] | None
+) -> list[Any] | None:
+    """Return the motions of the command line, as tables where they are pairs or have angles."""
+    if not across and not angles:
+        return list(motions) if motions else None
+    if not motions:
+        raise InputError("--across and --angle: give the first record of each pair with --motion")
+    if across and len(across) != len(motions):
+        raise InputError(
+            f"--across: {len(across)} records for {len(motions)} motions; give one for each"
+        )
+    tables: list[dict[str, Any]] = [{"name": name} for name in motions]
+    for table, second in zip(tables, across or (), strict=False):
+        table["across"] = second
+    return [table | {"angle": list(angles)} for table in tables] if angles else list(tables)
+
+
 def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
     """Add the command of an analysis, with options of its own in addition to those of both."""
 
     def _analyse(
         case: CaseFile,
         given: dict[str, Any],
+        across: ACROSS,
+        angle: ANGLE,
         fixed_base: FIXED_BASE,
         exposure: EXPOSURE,
         compare: COMPARE,
@@ -81,6 +120,7 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
 
         laboratory = {key: given.pop(key) for key in Laboratory.model_fields if key in given}
         given["laboratory"] = overridden({}, laboratory, Laboratory) or None
+        given["motions"] = _with_pairs(given.get("motions"), across, angle)
         given |= {"fixed_base": fixed_base or None, "exposure": exposure_given(exposure)}
         if case is None:
             loaded = make_earthquake_case({"command": name}, "command line", **given)

@@ -12,7 +12,8 @@ from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import Ambients
 from thermobearing.design.peaks import PeakRule
 from thermobearing.design.sizing import Kind, SizingRules, load_rubber
-from thermobearing.earthquake.case import Motion, make_earthquake_case
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.motions import Motion
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.report.title import case_table
 from thermobearing.structure.model import GROUND, MassModel, Name, Structure

@@ -16,7 +16,7 @@ from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
 from thermobearing.design.sizing import Check
-from thermobearing.earthquake.case import Motion
+from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 
 if TYPE_CHECKING:

@@ -20,20 +20,22 @@ from thermobearing.earthquake.case import (
     EarthquakeCase,
     Kept,
     Laboratory,
-    Motion,
     make_earthquake_case,
 )
+from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.model.earlier import REFERENCE, Model, models_that_fit
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelKeywords, ModelOptions, model_table
+from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import DampingKind, MassModel, Structure
 from thermobearing.structure.run import Method
 
 T = TypeVar("T")
 OneOrMore: TypeAlias = T | Sequence[T]
+AnyMotion: TypeAlias = GroundMotion | MotionPair | Motion | str | Path | dict[str, Any]
 
 
 class EarthquakeKeywords(ModelKeywords, total=False):
@@ -59,7 +61,7 @@ _RECORDS = {"keep": Keep, "initial": InitialState}
 @renamed(_RECORDS, **_EARLIER_NAMES)
 def bridge(
     bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
-    motion: OneOrMore[GroundMotion | Motion | str | Path | dict[str, Any]] | None = None,
+    motion: OneOrMore[AnyMotion] | None = None,
     ambient: OneOrMore[float] | str | Path | None = None,
     *,
     structure: Structure | str | Path | None = None,
@@ -78,8 +80,8 @@ def bridge(
     ----------
     bearing : one or several of: library name, TOML file, Bearing, BilinearBearing; the three
         bridge bearings of the library by default.
-    motion : one or several of: built-in name, file, GroundMotion, or table with name, unit, dt,
-        component, factor, label; four built-in ones by default.
+    motion : one or several of: built-in name, file, GroundMotion, MotionPair, or table with
+        name, unit, dt, component, across, angle, factor, label; four built-in ones by default.
     ambient : one or several temperatures [degC], in [-100, 100]; 23, 0 and -20 by default. Or a
         weather file, a table or EPW, that ends when the earthquake begins; faces and sides of the
         bearings then have a film of 12 W/(m2 K), sides 10 mm of cover rubber.
@@ -130,7 +132,7 @@ def bridge(
 @renamed(_RECORDS, **_EARLIER_NAMES)
 def hybrid(
     bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
-    motion: OneOrMore[GroundMotion | Motion | str | Path | dict[str, Any]] | None = None,
+    motion: OneOrMore[AnyMotion] | None = None,
     ambient: OneOrMore[float] | str | Path | None = None,
     *,
     structure: Structure | str | Path | None = None,

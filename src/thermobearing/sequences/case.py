@@ -29,10 +29,9 @@ from thermobearing.earthquake.case import (
     EarthquakeAnalysis,
     EarthquakeCase,
     Laboratory,
-    Motion,
     Stepping,
-    settle_motions,
 )
+from thermobearing.earthquake.motions import Motion, settle_motions
 from thermobearing.model.effort import too_much
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelOptions
@@ -271,6 +270,7 @@ def _settle_part(faults: list[str], key: str, part: Any, folder: Path) -> Any:
     part = {"motion": usual["motions"][0], "duration": usual["duration"]} | part
     faults += load_things(part, "structure", load_structure, folder, before=f"{key}.")
     part.setdefault("structure", load_structure(usual["structure"]))
-    (motion, *_), _, found = settle_motions([part["motion"]], folder, f"{key}.motion")
+    (motion, *more), _, found = settle_motions([part["motion"]], folder, f"{key}.motion")
+    found += [f"{key}.motion: has several angles; a test has one"] if more else []
     faults += found
     return part | {"motion": motion}

@@ -19,9 +19,9 @@ from thermobearing.border.units import with_unit
 from thermobearing.earthquake.case import (
     EarthquakeCase,
     make_earthquake_case,
-    settle_motions,
     settle_surroundings,
 )
+from thermobearing.earthquake.motions import settle_motions
 from thermobearing.identify.uncertainty.posterior import posterior_bearings
 from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
@@ -210,6 +210,9 @@ def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> l
         return []
     table["levels"], motions, found = settle_motions(levels, folder, "factors.motion.levels[{}]")
     faults += [text.replace("motions:", "factors.motion:", 1) for text in found]
+    pairs = [one for one in table["levels"] if isinstance(one, dict) and "across" in one]
+    if matched is not None and pairs:
+        faults.append("factors.motion.matched: single records can be matched, not pairs")
     if not found:  # a plan has names without paths
         for item, motion in zip(table["levels"], motions, strict=False):
             if isinstance(item, dict) and item.get("label") is None:

@@ -23,7 +23,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import Strict, find_unit, validated
 from thermobearing.core.records import Floats, Ints
-from thermobearing.earthquake.case import Motion
+from thermobearing.earthquake.motions import Motion
 from thermobearing.identify.fit.parameters import ALIASES
 from thermobearing.identify.uncertainty.posterior import posterior_bearings
 from thermobearing.motions.record import GroundMotion

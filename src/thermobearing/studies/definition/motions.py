@@ -29,7 +29,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.text_file import write_whole
 from thermobearing.core.compiled.sources import cache_directory
-from thermobearing.earthquake.case import Motion, motion_table
+from thermobearing.earthquake.motions import Motion, motion_table
 from thermobearing.motions import targets
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import LARGEST_MISFIT, misfit

@@ -23,7 +23,8 @@ from thermobearing.climate.hourly import Hourly
 from thermobearing.climate.readers import read_weather
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Temperature
-from thermobearing.earthquake.case import EarthquakeCase, Motion
+from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.earthquake.motions import Motion
 from thermobearing.motions.record import GroundMotion, acceleration_unit
 from thermobearing.motions.spectrum import DAMPING, response_spectrum
 from thermobearing.motions.synthesis import LARGEST_SEED

@@ -1,0 +1,159 @@
+"""Pairs of horizontal ground motions: two records of one place, and their direction in plan."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.units import is_number
+from thermobearing.core.types import Floats
+from thermobearing.motions.process import SAME_STEP, resampled
+from thermobearing.motions.record import GroundMotion
+
+LARGEST_ANGLE = 360.0  # [deg]
+
+
+@dataclass(frozen=True)
+class MotionPair:
+    """Two horizontal components of a ground motion and their direction in plan.
+
+    Attributes
+    ----------
+    first, second : records of equal time step and length. The second acts at a right angle to the
+        first, turned from it as y is from x.
+    angle : from the axis x (along the bridge) to the direction of the first record [deg], in
+        [-360, 360], positive from x to y.
+    name : for tables and file names; by default the names of both records, joined by "+".
+
+    Raises
+    ------
+    InputError : records of different steps or lengths, or an angle outside its range.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> north = GroundMotion("north", 0.01, np.array([0.0, 100.0]))
+    >>> east = GroundMotion("east", 0.01, np.array([0.0, 0.0]))
+    >>> MotionPair(north, east, angle=90.0).rotated().tolist()
+    [[0.0, 0.0], [0.0, 100.0]]
+    """
+
+    first: GroundMotion
+    second: GroundMotion
+    angle: float = 0.0
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        first, second = self.first, self.second
+        if not self.name:
+            names = dict.fromkeys([first.name, second.name])
+            object.__setattr__(self, "name", "+".join(names))
+        faults = [*_misfits(first, second), *_angle_faults(self.angle)]
+        if faults:
+            raise InputError(faults, f'MotionPair "{self.name}"')
+
+    @property
+    def dt(self) -> float:
+        """Time between samples [s]."""
+        return self.first.dt
+
+    @property
+    def time(self) -> Floats:
+        """Times of the samples [s]."""
+        return self.first.time
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample [s]."""
+        return self.first.duration
+
+    @property
+    def pga(self) -> float:
+        """Largest resultant of both components [mm/s2]."""
+        return float(np.hypot(self.first.acceleration, self.second.acceleration).max())
+
+    def __repr__(self) -> str:
+        return f"<MotionPair {self.name} at {self.angle:g} deg: {self.first!r}, {self.second!r}>"
+
+    def rotated(self, angle: float | None = None) -> Floats:
+        """Return the components along x and y, [samples, 2] [mm/s2], by default at `angle`.
+
+        Parameters
+        ----------
+        angle : another one than that of the pair [deg], in [-360, 360].
+        """
+        angle = self.angle if angle is None else angle
+        if faults := _angle_faults(angle):
+            raise InputError(faults, f'MotionPair "{self.name}"')
+        cosine, sine = _direction(angle)
+        first, second = self.first.acceleration, self.second.acceleration
+        return np.column_stack([cosine * first - sine * second, sine * first + cosine * second])
+
+    def along(self, axis: Literal["x", "y"]) -> GroundMotion:
+        """Return the component along an axis as a ground motion with the name of the pair."""
+        values = self.rotated()[:, "xy".index(axis)].copy()
+        return replace(self.first, name=self.name, acceleration=values, component="")
+
+
+def _direction(angle: float) -> tuple[float, float]:
+    """Return the cosine and the sine of an angle [deg], exact at right angles."""
+    turned = math.radians(angle)
+    cosine, sine = math.cos(turned), math.sin(turned)
+    return (float(round(cosine)), float(round(sine))) if angle % 90.0 == 0.0 else (cosine, sine)
+
+
+def _angle_faults(angle: object) -> list[str]:
+    """Return why a number is not an angle of a pair."""
+    if is_number(angle) and abs(angle) <= LARGEST_ANGLE:  # type: ignore[arg-type]
+        return []
+    limits = f"a number from {-LARGEST_ANGLE:g} to {LARGEST_ANGLE:g} deg"
+    return [f"angle = {angle!r}: must be {limits}"]
+
+
+def _misfits(first: GroundMotion, second: GroundMotion) -> list[str]:
+    """Return how the steps and lengths of two records differ."""
+    names = [_name(first, second), _name(second, first)]
+    pairs = list(zip(names, (first, second), strict=True))
+    found = []
+    if abs(first.dt - second.dt) > SAME_STEP * first.dt:
+        steps = " and ".join(f"{name} of {one.dt:g} s" for name, one in pairs)
+        found.append(f"time steps differ: {steps}")
+    if len(first.acceleration) != len(second.acceleration):
+        sizes = [
+            f"{name} has {len(one.acceleration)} samples ({one.duration:g} s)"
+            for name, one in pairs
+        ]
+        found.append(f"lengths differ: {' and '.join(sizes)}")
+    return found
+
+
+def _name(motion: GroundMotion, other: GroundMotion) -> str:
+    """Return the name of a record, with its component where the names are equal."""
+    return f"{motion.name} {motion.component}".strip() if motion.name == other.name else motion.name
+
+
+def make_pair(
+    first: GroundMotion,
+    second: GroundMotion | None = None,
+    angle: float = 0.0,
+    *,
+    resample: bool = False,
+    name: str = "",
+) -> MotionPair:
+    """Return a pair of two records, or of one record and no motion across it.
+
+    With `resample` the second record is brought to the time step of the first, and both are cut to
+    the length of the shorter one.
+    """
+    if second is None:
+        still = replace(first, acceleration=np.zeros(len(first.acceleration)))
+        return MotionPair(first, still, angle, name or first.name)
+    if resample:
+        second = replace(resampled(second, first.dt), dt=first.dt)
+        count = min(len(first.acceleration), len(second.acceleration))
+        first, second = (
+            replace(one, acceleration=one.acceleration[:count]) for one in (first, second)
+        )
+    return MotionPair(first, second, angle, name)
