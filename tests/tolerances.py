@@ -155,6 +155,8 @@ BASELINE = 1e-9  # sums over thousands of steps, kept energies
 OPENSEES_PLANE = (
     1e-12  # of the peak force: both return along the radius; 2e-15 measured, 5e-3 is asked
 )
+OPENSEES_LEAD_RUBBER = 5e-3  # of the peak force, as asked: 3.9e-3 measured, of another coupling
+OPENSEES_COUPLING = 0.1  # of the peak force where the motion turns sharply; 0.087 measured
 OPENSEES_PEAK = 1e-4  # 2e-5 measured; 5e-3 is asked
 OPENSEES_HISTORY = 1e-4  # of the peak, at every step: 2e-5 (stiff beams) and 1e-12 measured
 OPENSEES_SERVED = 1e-8  # of the peak: the same equations in two programs; 2e-12 measured

@@ -1,6 +1,14 @@
-"""Circular plasticity in a horizontal plane against ElastomericBearingPlasticity of OpenSees."""
+"""Bearings in a horizontal plane against two elements of OpenSees.
+
+ElastomericBearingPlasticity has a circular yield surface, as lead cores have here.
+LeadRubberX, without its effects of temperature, has the smooth law of rubber layers here (s = 1/9)
+in the coupling of Park, Wen and Ang (1986): both laws agree where the force follows the motion, and
+differ while a component unloads, in LeadRubberX by an amount that depends on the choice of axes.
+"""
 
 import math
+from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -8,13 +16,17 @@ import pytest
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.opensees import analyse, needs_opensees, ops
-from tests.verification.test_plane import circle, moved, wandering
-from thermobearing.core.types import Floats
+from tests.shared_data import shared_data
+from tests.verification.test_plane import circle, moved, turned, wandering
+from thermobearing.core.types import Constants, Floats
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 
 pytestmark = needs_opensees
 
 STRENGTH, POST_YIELD, INITIAL = 120.0, 1.2, 15.0  # kN, kN/mm, kN/mm
+YIELD = STRENGTH / (INITIAL - POST_YIELD)  # mm
+AXES = (0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+FINE = 10  # steps for one of PATHS: LeadRubberX has an error of first order in the step
 
 
 def eight(size: float, steps: int) -> Floats:
@@ -22,14 +34,38 @@ def eight(size: float, steps: int) -> Floats:
     return size * np.stack([np.sin(angle), 0.5 * np.sin(2.0 * angle)], axis=1)
 
 
-PATHS = {
-    "circle": circle(150.0, 2, 400),
-    "eight": eight(150.0, 400),
-    "random walk": wandering(150.0, 800),
+def recorded() -> Floats:
+    """Displacements [steps, 2] of 80 s of a test of a high-damping rubber bearing (Gallardo)."""
+    x = np.loadtxt(shared_data("bearing_tests/gallardo_biaxial/Fig10.txt"))[::10, :2]
+    return np.asarray(x[1:] - x[0])
+
+
+PATHS: dict[str, Callable[[], Floats]] = {
+    "circle": lambda: circle(150.0, 2, 400),
+    "eight": lambda: eight(150.0, 400),
+    "line": lambda: circle(150.0, 2, 400) * [1.0, 0.0],
+    "random walk": lambda: wandering(150.0, 800),
+    "recorded pair": recorded,
 }
 
 
-def opensees_forces(x: Floats) -> Floats:
+def plasticity() -> None:
+    others = [part for name in ("-P", "-T", "-My", "-Mz") for part in (name, 1)]
+    ratios = (POST_YIELD / INITIAL, 0.0, 1.0)  # linear and other hardening, its exponent
+    axes = ("-orient", *AXES)
+    ops.element("elastomericBearingPlasticity", 1, 1, 2, INITIAL, STRENGTH, *ratios, *others, *axes)
+
+
+def lead_rubber_x() -> None:
+    lead, outer, rubber, shim, layers = 160.0, 800.0, 10.0, 3.0, 20  # mm
+    shear = POST_YIELD * layers * rubber / (0.25 * math.pi * (outer**2 - lead**2))
+    vertical = (10.0, 0.5, 1.0, 0.5, 0.0, 0.0, 0.0)  # cavitation, shear distance, mass, damping
+    heat = (11200.0, 130.0, 50.0, 1.41e-5)  # of lead and steel, without effect
+    numbers = (STRENGTH, POST_YIELD / INITIAL, shear, 2.0, lead, outer, shim, rubber, layers)
+    ops.element("LeadRubberX", 1, 1, 2, *numbers, *AXES, *vertical, *heat, 0, 0, 0, 0, 0)
+
+
+def opensees_forces(x: Floats, element: Callable[[], None]) -> Floats:
     """Forces [steps, 2] of a bearing along displacements [steps, 2], in kN and mm."""
     ops.wipe()
     ops.model("basic", "-ndm", 3, "-ndf", 6)
@@ -37,10 +73,7 @@ def opensees_forces(x: Floats) -> Floats:
         ops.node(node, 0.0, 0.0, 0.0)
         ops.fix(node, free, free, free, 1, 1, 1)
     ops.uniaxialMaterial("Elastic", 1, 1000.0)
-    others = [part for name in ("-P", "-T", "-My", "-Mz") for part in (name, 1)]
-    ratios = (POST_YIELD / INITIAL, 0.0, 1.0)  # linear and other hardening, its exponent
-    axes = ("-orient", 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
-    ops.element("elastomericBearingPlasticity", 1, 1, 2, INITIAL, STRENGTH, *ratios, *others, *axes)
+    element()
     for k in (0, 1):
         values = (
             0.0,
@@ -59,16 +92,73 @@ def opensees_forces(x: Floats) -> Floats:
     return np.array(forces)
 
 
+def apart(ours: Floats, theirs: Floats) -> Floats:
+    """The larger component of the difference at each step, of the peak force."""
+    return np.asarray(np.abs(ours - theirs).max(axis=1) / np.linalg.norm(theirs, axis=1).max())
+
+
 @pytest.mark.parametrize("name", PATHS)
 def test_lead_in_a_plane_against_opensees(name: str, measured: Recorder) -> None:
-    x = PATHS[name]
+    x = PATHS[name]()
     constants = bilinear_constants(BilinearParameters(STRENGTH, POST_YIELD, INITIAL))
     rows, _ = moved(constants, x, 20.0)
-    ours, theirs = rows.books["force"], opensees_forces(x)
-    apart = np.abs(ours - theirs).max() / np.linalg.norm(theirs, axis=1).max()
-    assert apart < tol.OPENSEES_PLANE
+    found = apart(rows.books["force"], opensees_forces(x, plasticity)).max()
+    assert found < tol.OPENSEES_PLANE
     measured(
         f"bilinear bearing in a plane, {name}, complete history of forces against OpenSees",
-        f"{apart:.1e}",
+        f"{found:.1e}",
         f"{tol.OPENSEES_PLANE:g}",
+    )
+
+
+def smooth_constants() -> Constants:
+    """The law of LeadRubberX on a line: unloading 1 + 0.8 (Z/d_y)^2."""
+    constants = bilinear_constants(BilinearParameters(STRENGTH, POST_YIELD, INITIAL))
+    rubber = constants.rubber._replace(
+        hysteretic_stiffness=INITIAL - POST_YIELD,
+        yield_displacement=YIELD,
+        unloading_curvature=0.8 / YIELD**2,
+    )
+    return constants._replace(rubber=rubber, lead=constants.lead._replace(cores=0.0))
+
+
+@cache
+def fine_forces(name: str) -> tuple[Floats, Floats, Floats]:
+    """The path with more steps, our forces and those of LeadRubberX."""
+    coarse = np.vstack([np.zeros((1, 2)), PATHS[name]()])
+    at = np.arange(1, FINE * (len(coarse) - 1) + 1) / FINE
+    x = np.stack([np.interp(at, np.arange(len(coarse)), one) for one in coarse.T], axis=1)
+    rows, _ = moved(smooth_constants(), x, 20.0)
+    return x, rows.books["force"], opensees_forces(x, lead_rubber_x)
+
+
+@pytest.mark.parametrize("name", ["circle", "eight", "line", "recorded pair"])
+def test_smooth_yielding_in_a_plane_against_lead_rubber_x(name: str, measured: Recorder) -> None:
+    """On the circle from a quarter of a turn on: it begins with a corner of 90 degrees."""
+    x, *forces = fine_forces(name)
+    corner = len(x) * 2 // 9 if name == "circle" else 0  # a quarter way out, a quarter turn
+    found = apart(*forces)[corner:].max()
+    assert found < tol.OPENSEES_LEAD_RUBBER
+    measured(
+        f"smooth yielding in a plane, {name}, complete history of forces against LeadRubberX",
+        f"{found:.1e}",
+        f"{tol.OPENSEES_LEAD_RUBBER:g}",
+    )
+
+
+@pytest.mark.parametrize("name", ["circle", "random walk"])
+def test_the_coupling_of_lead_rubber_x_depends_on_the_axes(name: str, measured: Recorder) -> None:
+    """By about as much as both laws differ where the motion turns sharply; ours does not."""
+    x, ours, theirs = fine_forces(name)
+    turn = 0.25 * math.pi
+    changed = apart(turned(opensees_forces(turned(x, turn), lead_rubber_x), -turn), theirs).max()
+    rows, _ = moved(smooth_constants(), turned(x, turn), 20.0)
+    assert apart(turned(rows.books["force"], -turn), ours).max() < tol.PLANE_TURNED
+    found = apart(ours, theirs).max()
+    assert 0.5 * found < changed < tol.OPENSEES_COUPLING
+    assert found < tol.OPENSEES_COUPLING
+    measured(
+        f"{name} with sharp turns: difference from LeadRubberX; its own between axes 45 deg apart",
+        f"{found:.1e}, {changed:.1e}",
+        f"{tol.OPENSEES_COUPLING:g}",
     )

@@ -27,7 +27,7 @@ NEED_IT = (
     "tests/docs/test_site.py",
     "tests/verification/test_factors.py",
 )
-SKIPPED = 5 + 13 + 1 + 3 + 9 + 6 + 1 + 1
+SKIPPED = 5 + 13 + 1 + 11 + 9 + 6 + 1 + 1
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.conftest import Recorder
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.core.hysteresis import plane_increment
 from thermobearing.core.lanes.memory import WIDTH, side_by_side
@@ -108,7 +109,7 @@ CASES = {
 
 @pytest.mark.parametrize("angle", [0.0, 0.7, 0.5 * math.pi, 4.0])
 @pytest.mark.parametrize("case", CASES)
-def test_a_line_in_the_plane_is_the_line(case: str, angle: float) -> None:
+def test_a_line_in_the_plane_is_the_line(case: str, angle: float, measured: Recorder) -> None:
     bearing, temperature, size, options = CASES[case]
     constants = plane_constants(bearing, **options)
     if case == "hdr":
@@ -120,19 +121,22 @@ def test_a_line_in_the_plane_is_the_line(case: str, angle: float) -> None:
     e = np.array([math.cos(angle), math.sin(angle)])
     state, spare = begun(constants, temperature)
     work = new_workspace(constants, 2)
-    scale = max(abs(force) for force, *_ in line)
+    scale, apart = max(abs(force) for force, *_ in line), 0.0
     for at, (force, tangent, outcome) in zip(x, line, strict=True):
         *found, ended = step_plane(constants, work, state, *(at * e), DT, temperature, spare)
         state, spare = spare, state
         assert ended == outcome
-        assert_allclose(found[:2], force * e, rtol=0.0, atol=tol.PLANE_LINE * scale)
+        apart = max(apart, float(np.abs(found[:2] - force * e).max()) / scale)
         along = e @ np.reshape(found[2:], (2, 2)) @ e
         assert_allclose(along, tangent, rtol=0.0, atol=1e2 * tol.PLANE_LINE * scale)
+    assert apart < tol.PLANE_LINE
     assert_allclose(state.temperature, last.temperature, rtol=0.0, atol=tol.PLANE_LINE * 100.0)
     for name in ("lead_temperature", "clock", "idle"):
         assert_allclose(state.branches[name], last.branches[name], rtol=tol.PLANE_LINE)
     for name in ("farthest", "virgin", "stored"):
         assert_allclose(state.layers[name], last.layers[name], rtol=tol.PLANE_LINE)
+    name = "straight path at any angle in a plane: forces against a line, of the peak"
+    measured(name, apart, f"{tol.PLANE_LINE:g}")
 
 
 @pytest.mark.parametrize("bearing", [HDR, LHDR])
@@ -170,8 +174,8 @@ def exact(z: Floats, dx: Floats, s: float) -> tuple[Floats, Floats]:
     return np.array(after), np.array(slope)
 
 
-def test_hysteresis_in_closed_form_solves_its_equation() -> None:
-    beta_and_gamma = 1.0 / D_Y**2
+def test_hysteresis_in_closed_form_solves_its_equation(measured: Recorder) -> None:
+    beta_and_gamma, apart = 1.0 / D_Y**2, 0.0
     for s, z, dx in increments(300):
         beta = beta_and_gamma / (1.0 + s)
 
@@ -186,8 +190,11 @@ def test_hysteresis_in_closed_form_solves_its_equation() -> None:
         solved = solve_ivp(
             rate, (0.0, 1.0), z, method="DOP853", rtol=1e-12, atol=1e-13, max_step=0.1
         )
-        assert_allclose(found, solved.y[:, -1], rtol=0.0, atol=tol.PLANE_HYSTERESIS * D_Y)
+        apart = max(apart, float(np.abs(found - solved.y[:, -1]).max()) / D_Y)
         assert np.linalg.norm(found) <= D_Y * (1.0 + tol.SPLIT_INCREMENT)
+    assert apart < tol.PLANE_HYSTERESIS
+    name = "hysteresis in a plane against scipy solve_ivp, 300 increments, of d_y"
+    measured(name, apart, f"{tol.PLANE_HYSTERESIS:g}")
 
 
 def test_tangent_of_the_hysteresis() -> None:
@@ -241,7 +248,9 @@ def test_lead_returns_to_its_circle(source: int, softening: float) -> None:
     ("bearing", "temperature", "heat"),
     [(HDR, -40.0, "work"), (LHDR, -20.0, "work"), (LHDR, -35.0, "dissipation")],
 )
-def test_tangent_and_energy_of_a_step(bearing: str, temperature: float, heat: str) -> None:
+def test_tangent_and_energy_of_a_step(
+    bearing: str, temperature: float, heat: str, measured: Recorder
+) -> None:
     """Central differences on an eight that softens layers; the balances of a random walk."""
     constants, h = plane_constants(bearing, heat_source=heat), 1e-5
     angle = 2.0 * math.pi * np.arange(1, 61) / 40
@@ -266,10 +275,14 @@ def test_tangent_and_energy_of_a_step(bearing: str, temperature: float, heat: st
     assert softened > 0
     rows, state = moved(constants, wandering(70.0, 300), temperature)
     for books in (state.books[0], rows.books[100]):
-        scale = tol.ENERGY_BOOKS * books.work_in
-        assert abs(books.work_in - books.heat_released - books.recoverable) <= scale
         lost = books.heat_lost_ends + books.heat_lost_sides
-        assert abs(books.heat_released - books.heat_stored - lost) <= scale
+        residual = max(
+            abs(books.work_in - books.heat_released - books.recoverable),
+            abs(books.heat_released - books.heat_stored - lost),
+        )
+        assert residual <= tol.ENERGY_BOOKS * books.work_in
+        name = "energy balance of random walks in a plane, of the work"
+        measured(name, residual / books.work_in, f"{tol.ENERGY_BOOKS:g}")
     assert_allclose(
         rows.layer_displacement[-1].T @ constants.multiplicity, rows.books["displacement"][-1]
     )
@@ -302,7 +315,7 @@ def test_smallest_eigenvalue_of_the_symmetric_part() -> None:
         assert_allclose(found, np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0], atol=1e-14)
 
 
-def test_a_circle_has_a_force_of_constant_size() -> None:
+def test_a_circle_has_a_force_of_constant_size(measured: Recorder) -> None:
     """Of constant p and q: p' = 1 - p^2/d_y^2 + q/r = 0 and q' = -p q/d_y^2 - p/r = 0.
 
     So |Z| = d_y, and Z is behind the direction of motion by the angle whose sine is d_y/r.
@@ -321,19 +334,31 @@ def test_a_circle_has_a_force_of_constant_size() -> None:
     found = np.stack([(force * outward).sum(axis=1), (force * onward).sum(axis=1)], axis=1)
     assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=tol.PLANE_CIRCLE)
     assert_allclose(np.linalg.norm(force, axis=1).std(), 0.0, atol=1e-9)
+    lag = np.arctan2(*found.T[::-1])
+    wanted = math.atan2(expected[1], expected[0])
+    apart = float(np.abs(lag - wanted).max())
+    assert apart < tol.PLANE_CIRCLE
+    name = "isothermal circle: force behind the displacement, from p and q; largest difference"
+    measured(name, f"{math.degrees(wanted):.3f} deg; {apart:.1e} rad", f"{tol.PLANE_CIRCLE:g} rad")
 
 
-def test_a_rigid_plastic_core_works_pi_half_times_as_much_on_a_circle() -> None:
+def test_a_rigid_plastic_core_works_pi_half_times_as_much_on_a_circle(measured: Recorder) -> None:
     constants = bilinear_constants(BilinearParameters(5.0, 1e-3, 1e7))
     radius, steps = 40.0, 2000
     rows, _ = moved(constants, circle(radius, 3, steps), 20.0)
     work = rows.books["work_in"]
     line = 4.0 * 5.0 * radius
-    assert_allclose((work[-1] - work[-1 - steps]) / line, 0.5 * math.pi, rtol=1e-5)
+    ratio = float(work[-1] - work[-1 - steps]) / line
+    assert_allclose(ratio, 0.5 * math.pi, rtol=tol.PLANE_CIRCLE)
+    name = "rigid-plastic core on a circle: work per turn over that of a line (pi/2)"
+    measured(name, f"{ratio:.5f}", f"{tol.PLANE_CIRCLE:g}")
+
+
+AXES = np.array([[1.0, 0.0], [1.0, 1.0]])  # what makes a line and a circle of a circle
 
 
 @pytest.mark.parametrize("bearing", [HDR, LHDR])
-def test_the_order_of_the_temperatures_is_that_of_a_line(bearing: str) -> None:
+def test_the_order_of_the_temperatures_is_that_of_a_line(bearing: str, measured: Recorder) -> None:
     """Temperatures of all cells after two cycles, from steps of T/1600, T/3200 and T/6400."""
     constants = plane_constants(bearing)
 
@@ -345,32 +370,67 @@ def test_the_order_of_the_temperatures_is_that_of_a_line(bearing: str) -> None:
         first, second = np.abs(np.diff(found, axis=0)).max(axis=1)
         return math.log2(first / second)
 
-    assert_allclose(order(lambda steps: circle(50.0, 2, steps) * [1.0, 0.0]), 1.0, atol=tol.ORDER)
-    assert_allclose(order(lambda steps: circle(50.0, 2, steps)), 1.0, atol=tol.ORDER)
+    orders = [order(lambda steps, axes=axes: circle(50.0, 2, steps) * axes) for axes in AXES]
+    assert_allclose(orders, 1.0, atol=tol.ORDER)
+    name = f"observed order in time of temperatures, {bearing}: line, circle"
+    measured(name, ", ".join(f"{one:.2f}" for one in orders), f"1 within {tol.ORDER:g}")
 
 
-def test_displacement_across_raises_the_force_in_the_main_direction() -> None:
+def rubber_forces(x: Floats) -> tuple[Floats, Floats]:
+    """Displacements and forces of the last 400 steps, of the HDR specimen at 23 degC."""
+    rows, _ = moved(isothermal(plane_constants(HDR)), x, 23.0)
+    last = rows.books[-400:]
+    return last["displacement"], last["force"]
+
+
+def test_displacement_across_raises_the_force_in_the_main_direction(measured: Recorder) -> None:
     """As in full-scale tests of high-damping rubber (Yamamoto et al. 2012)."""
-    constants = isothermal(plane_constants(HDR))
     angle = 2.0 * math.pi * np.arange(1, 1201) / 400
     main, peaks = 60.0 * np.sin(angle), []
     for across in (0.0, 30.0, 60.0):
         out = np.linspace(0.0, across, 101)[1:, None] * [0.0, 1.0]
         path = np.vstack([out, np.stack([main, np.full(len(main), across)], axis=1)])
-        rows, _ = moved(constants, path, 23.0)
-        peaks.append(rows.books["force"][-400:, 0].max())
-    assert np.diff(peaks).min() > 0.02 * peaks[0]
+        peaks.append(float(rubber_forces(path)[1][:, 0].max()))
+    rises = np.array(peaks[1:]) / peaks[0] - 1.0
+    assert 0.02 < rises[0] < rises[1] - 0.02
+    measured(
+        "force in the main direction at 200 %, with 100 % and 200 % across, over none across",
+        ", ".join(f"{100.0 * one:+.1f}%" for one in rises),
+        "rises, as in full-scale tests",
+    )
 
 
-def test_the_largest_force_across_is_near_zero_displacement_across() -> None:
+def test_the_largest_force_across_is_near_zero_displacement_across(measured: Recorder) -> None:
     """On an ellipse, where hardening by the main displacement is largest (Yamamoto et al. 2012)."""
-    constants = isothermal(plane_constants(HDR))
-    path = circle(75.0, 3, 400) * [1.0, 0.1]
-    rows, _ = moved(constants, path, 23.0)
-    last = rows.books[-400:]
-    most = np.abs(last["force"][:, 1]).argmax()
-    assert abs(last["displacement"][most, 1]) < 0.25 * 7.5
-    assert abs(last["displacement"][most, 0]) > 0.95 * 75.0
+    x, force = rubber_forces(circle(75.0, 3, 400) * [1.0, 0.1])
+    most = np.abs(force[:, 1]).argmax()
+    share = float(abs(x[most, 1])) / 7.5
+    assert share < 0.25
+    assert abs(x[most, 0]) > 0.95 * 75.0
+    measured(
+        "ellipse of 250 % by 25 %: displacement across at the largest force across, of its peak",
+        f"{share:.2f}",
+        "0.25; near zero in full-scale tests",
+    )
+
+
+def test_a_circle_of_350_percent_has_less_stress_than_a_line_of_400(measured: Recorder) -> None:
+    """About as much in full-scale tests (Yamamoto et al. 2012): ours lacks the twist of the layers.
+
+    In a bearing whose ends do not turn, the forces of a bidirectional motion twist the layers,
+    which adds to the local strain, and so to hardening.
+    """
+    circular, straight = (
+        float(np.linalg.norm(rubber_forces(circle(strain * 30.0, 3, 400) * axes)[1], axis=1).max())
+        for strain, axes in ((3.5, [1.0, 1.0]), (4.0, [1.0, 0.0]))
+    )
+    ratio = circular / straight
+    assert 0.5 < ratio < 0.8
+    measured(
+        "stress on a circle of 350 % over that on a line of 400 % (about 1 in full-scale tests)",
+        f"{ratio:.2f}",
+        "reported: the model has no twist",
+    )
 
 
 def test_a_test_along_a_line_in_the_plane() -> None:
