@@ -13,7 +13,7 @@ from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import Books
 from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT, largest_loop
-from thermobearing.structure.model import Pier
+from thermobearing.structure.model import Pier, list_hinges
 from thermobearing.structure.run import StructureHistory
 
 if TYPE_CHECKING:
@@ -208,7 +208,7 @@ def pier_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
     structure = task.case.structure
     for pier, *where in task.prepared.piers:
         moved, rotation, moment, top, acceleration = pier_histories(task, history, pier, *where)
-        hinge = None if pier.hinge is None else structure.hinges[pier.hinge]
+        hinge = None if pier.hinge is None else list_hinges(structure)[pier.hinge]
         rows.append(
             {
                 "pier_part_displacement_max": largest(moved),

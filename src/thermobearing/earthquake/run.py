@@ -56,6 +56,7 @@ from thermobearing.model.outcomes import NOT_PHYSICAL, PIER_BEYOND_LIMIT
 from thermobearing.model.stack import Stack
 from thermobearing.motions.record import GroundMotion
 from thermobearing.results.base import COMPLETED
+from thermobearing.structure.model import list_hinges
 from thermobearing.structure.run import (
     Line,
     Prepared,
@@ -199,7 +200,9 @@ def run_task(task: Task) -> StructureHistory:
     if history.outcome != COMPLETED:
         return history if outside is None else replace(history, note=outside.note)
     moved = [largest(history.bearing(b)["displacement"]) for b in range(len(task.lines))]
-    turned = [largest(history.hinge(h)["rotation"]) for h in range(len(case.structure.hinges))]
+    turned = [
+        largest(history.hinge(h)["rotation"]) for h in range(len(task.prepared.matrices.hinge_rows))
+    ]
     tops = [row["pier_part_displacement_max"] for row in pier_peaks(task, history)]
     return replace(history, outcome=judged(task, moved, turned, tops))
 
@@ -237,7 +240,7 @@ def judged(
         largest_strain = BILINEAR_STRAIN if one.device.stack is None else LARGEST_STRAIN
         if far / one.device.bearing.total_rubber_thickness > largest_strain:
             return NOT_PHYSICAL
-    hinges = zip(structure.hinges, turned, strict=True)
+    hinges = zip(list_hinges(structure), turned, strict=True)
     ductile = any(far / hinge.yield_rotation > structure.limits.ductility for hinge, far in hinges)
     if ductile or drift(task, tops) > structure.limits.drift:
         return PIER_BEYOND_LIMIT

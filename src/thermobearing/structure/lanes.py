@@ -268,8 +268,8 @@ def _constants_shape(constants: Constants) -> Any:
 def _likeness(run: Run) -> Any:
     """Return what runs in one lockstep have in common."""
     _check_method(run)
-    structure, constants = run.prepared.structure, [line.constants for line in run.lines]
-    sizes = len(run.ground), len(run.prepared.matrices.load)
+    matrices, constants = run.prepared.matrices, [line.constants for line in run.lines]
+    sizes = len(run.ground), len(matrices.load)
     watched = None if run.places is None else len(run.places)
     moving = tuple(bool(line.speed != 0.0) for line in run.lines)
     kinds: list[Any] = []
@@ -277,7 +277,7 @@ def _likeness(run: Run) -> Any:
         one = constants[numbers[0]]
         heat = b"".join(array.tobytes() for array in one.cells)
         kinds.append((tuple(numbers), _constants_shape(one), heat))
-    return sizes, len(structure.hinges), watched, run.dt, run.method, moving, *kinds
+    return sizes, len(matrices.hinge_rows), watched, run.dt, run.method, moving, *kinds
 
 
 def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:

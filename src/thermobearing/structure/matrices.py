@@ -7,6 +7,7 @@ every other motion has the ratios of its parts weighted with strain energy. The 
 the deck too; and `element`, where bearings with a ratio have a dashpot across them.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,10 +15,22 @@ from scipy.linalg import LinAlgError, eigh
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
-from thermobearing.structure.model import GROUND, Body, Damping, MassModel, Spring, Structure
+from thermobearing.structure.model import (
+    DIRECTIONS,
+    GROUND,
+    BearingLine,
+    Body,
+    Damping,
+    Hinge,
+    MassModel,
+    Spring,
+    Structure,
+    list_hinges,
+)
 
 DAMPED_MODES = 2  # that Rayleigh damping fits
 NO_STIFFNESS = 1e-12  # of the largest squared frequency: rounding leaves 1e-16 of it
+MOVING = 0.01  # of the kinetic energy of a motion without stiffness: the coordinate is named
 NEGATIVE = -1e-9  # of the largest damping: what is below feeds energy in, beyond rounding
 Part = tuple[float, Floats]  # damping ratio, stiffness [n, n]
 
@@ -26,13 +39,17 @@ Part = tuple[float, Floats]  # damping ratio, stiffness [n, n]
 class Matrices:
     """A structure as numbers; coordinates are named "deck x", "pier rotation", ...
 
+    In plan, they are "deck x", "deck y", "pier rotation x", "pier rotation y", "deck twist", ...,
+    and what is given per direction has one more axis, the last: x and y.
+
     Attributes
     ----------
     coordinates : names, n of them.
     mass : [n, n] [kN s2/mm] and what follows from it for rotations.
-    load : [n] force per ground acceleration: minus mass times rigid motion.
+    load : [n] or [n, 2] force per ground acceleration: minus mass times rigid motion.
     springs : [n, n] stiffness of linear springs.
-    hinge_rows, line_rows : rotation of each hinge, stretch of each bearing line per coordinate.
+    hinge_rows : [h, n] rotation per coordinate of each of `list_hinges`.
+    line_rows : [b, n] or [b, n, 2] stretch of each bearing line per coordinate.
     """
 
     coordinates: list[str]
@@ -60,8 +77,17 @@ def _coordinates(structure: Structure) -> list[str]:
     """Return the names of the coordinates, body by body."""
     names = []
     for body in structure.bodies:
-        names += [f"{body.name} x"] * body.moves + [f"{body.name} rotation"] * body.rotates
+        names += _names(structure, body.name) * body.moves
+        names += _names(structure, body.name, " rotation") * body.rotates
+        names += [f"{body.name} twist"] * bool(body.twists)
     return names
+
+
+def _names(structure: Structure, name: str, motion: str = "") -> list[str]:
+    """Return the names of the sideways motion of a body, or its " rotation", in each direction."""
+    if structure.plan:
+        return [f"{name}{motion} {way}" for way in DIRECTIONS]
+    return [f"{name}{motion or ' x'}"]
 
 
 def unit(structure: Structure, name: str) -> Floats:
@@ -72,26 +98,58 @@ def unit(structure: Structure, name: str) -> Floats:
     return row
 
 
+def _own(structure: Structure, name: str, motion: str = "") -> Floats:
+    """Return the rows of a motion: [n], or [n, 2] in plan."""
+    rows = [unit(structure, one) for one in _names(structure, name, motion)]
+    return np.stack(rows, axis=-1) if structure.plan else rows[0]
+
+
+def _at_rest(structure: Structure) -> Floats:
+    """Return the rows of the ground."""
+    n = len(_coordinates(structure))
+    return np.zeros((n, len(DIRECTIONS)) if structure.plan else n)
+
+
 def _rotation_row(structure: Structure, name: str) -> Floats:
     """Return the absolute rotation of a body, or of its carrier, per coordinate."""
     if name == GROUND:
-        return np.zeros(len(_coordinates(structure)))
+        return _at_rest(structure)
     body = structure.body(name)
     if body.rotates:
-        return unit(structure, f"{name} rotation")
+        return _own(structure, name, " rotation")
     return _rotation_row(structure, body.on or GROUND)
 
 
-def displacement_row(structure: Structure, name: str, height: float) -> Floats:
-    """Return the sideways motion of a body at a height [mm], relative to the ground."""
+def _twist_row(structure: Structure, name: str) -> Floats:
+    """Return [n] the rotation of a body, or of its carrier, about the vertical."""
     if name == GROUND:
         return np.zeros(len(_coordinates(structure)))
     body = structure.body(name)
+    if body.twists:
+        return unit(structure, f"{name} twist")
+    return _twist_row(structure, body.on or GROUND)
+
+
+def displacement_row(
+    structure: Structure, name: str, height: float, x: float | None = None, y: float | None = None
+) -> Floats:
+    """Return the sideways motion of a body at a height [mm], relative to the ground.
+
+    In plan it is that of the point (x, y) [mm], by default the reference point of the body, and
+    has a last axis for the two directions.
+    """
+    if name == GROUND:
+        return _at_rest(structure)
+    body, place = structure.body(name), structure.place(name)
     if body.on is None:
-        base = unit(structure, f"{name} x")
+        base = _own(structure, name)
     else:
-        base = displacement_row(structure, body.on, body.base_height)
-    return base + (height - body.base_height) * _rotation_row(structure, name)
+        base = displacement_row(structure, body.on, body.base_height, *place)
+    row = base + (height - body.base_height) * _rotation_row(structure, name)
+    if not structure.plan:
+        return row
+    arm = np.array([place[1] if y is None else y, place[0] if x is None else x]) - place[::-1]
+    return np.asarray(row + np.outer(_twist_row(structure, name), arm * [-1.0, 1.0]))
 
 
 def mean_height(structure: Structure, name: str) -> float:
@@ -112,44 +170,99 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
     the moving ones.
     """
     names = _coordinates(structure)
+    _check_names(structure, names, mass_model)
     n = len(names)
-    mass, load, springs = np.zeros((n, n)), np.zeros(n), np.zeros((n, n))
+    mass, load, springs = np.zeros((n, n)), _at_rest(structure), np.zeros((n, n))
     for item in structure.masses:
         body = structure.body(item.body)
-        turning = _rotation_row(structure, item.body)
         if mass_model == "consistent":
-            moving = displacement_row(structure, item.body, item.height)
+            moving = displacement_row(structure, item.body, item.height, *structure.point(item))
             load -= item.mass * moving
         else:
             moving = _own_motion(structure, body, item.height)
             load -= item.mass * moving * body.moves
-        mass += item.mass * np.outer(moving, moving)
-        mass += item.rotary_inertia * np.outer(turning, turning)
+        mass += item.mass * _square(moving)
+        mass += item.rotary_inertia * _square(_rotation_row(structure, item.body))
+        if item.twist_inertia:
+            mass += item.twist_inertia * _square(_twist_row(structure, item.body))
     _check_mass(mass, names, structure.name)
     for spring in structure.springs:
-        springs += _spring_matrix(structure, spring)
+        for _, matrix in _spring_parts(structure, spring):
+            springs += matrix
     hinges = [
-        _rotation_row(structure, h.body) - _rotation_row(structure, h.base)
-        for h in structure.hinges
+        _difference(_rotation_row, structure, h)[:, DIRECTIONS.index(h.direction)]
+        if h.direction
+        else _difference(_rotation_row, structure, h)
+        for h in list_hinges(structure)
     ]
-    lines = [_difference(structure, b.body, b.base, b.height) for b in structure.bearings]
+    lines = [_stretch_row(structure, line) for line in structure.bearings]
     return Matrices(
         names, mass, load, springs, np.reshape(hinges, (len(hinges), n)), np.array(lines)
     )
 
 
-def _spring_matrix(structure: Structure, spring: Spring) -> Floats:
-    """Return the stiffness [n, n] of one spring."""
+def twist_load(structure: Structure) -> tuple[Floats, float]:
+    """Return the force [n] per angular acceleration of a ground that turns, and the inertia.
+
+    The ground of a structure in plan turns about the vertical through the centre of all mass; the
+    inertia [kN mm s2] is that of all masses about it.
+    """
+    mass = np.array([item.mass for item in structure.masses])
+    points = np.array([structure.point(item) for item in structure.masses])
+    arms = points - mass @ points / mass.sum()
+    load, inertia = np.zeros(len(_coordinates(structure))), 0.0
+    for item, (x, y) in zip(structure.masses, arms, strict=True):
+        moving = displacement_row(structure, item.body, item.height, *structure.point(item))
+        own = item.twist_inertia or 0.0
+        load -= item.mass * moving @ [-y, x] + own * _twist_row(structure, item.body)
+        inertia += item.mass * (x * x + y * y) + own
+    return load, float(inertia)
+
+
+def _square(row: Floats) -> Floats:
+    """Return the matrix of a stiffness or mass of one on a row, or on both of a plan."""
+    return np.outer(row, row) if row.ndim == 1 else row @ row.T
+
+
+def _spring_parts(structure: Structure, spring: Spring) -> list[Part]:
+    """Return the damping ratio and the stiffness [n, n] of one spring in each direction."""
     if spring.stiffness is not None:
-        row = _difference(structure, spring.body, spring.base, spring.height)
-        return np.asarray(spring.stiffness * np.outer(row, row))
-    row = _rotation_row(structure, spring.body) - _rotation_row(structure, spring.base)
-    return np.asarray((spring.rotational_stiffness or 0.0) * np.outer(row, row))
+        row = _sideways(structure, spring, spring.height)
+    elif spring.direction == "twist":
+        row = _difference(_twist_row, structure, spring)
+    else:
+        row = _difference(_rotation_row, structure, spring)
+    rows = [
+        one
+        for way, one in zip(DIRECTIONS, np.atleast_2d(row.T), strict=False)
+        if spring.direction in (None, way, "twist")
+    ]
+    size = spring.rotational_stiffness or 0.0 if spring.stiffness is None else spring.stiffness
+    return [(spring.damping_ratio, np.asarray(size * _square(one))) for one in rows]
 
 
-def _difference(structure: Structure, body: str, base: str, height: float) -> Floats:
-    """Return the sideways motion of `body` less that of `base`, at one height."""
-    return displacement_row(structure, body, height) - displacement_row(structure, base, height)
+def _difference(
+    motion: Callable[[Structure, str], Floats], structure: Structure, part: Spring | Hinge
+) -> Floats:
+    """Return the rotation of the body of a part less that of its base."""
+    return motion(structure, part.body) - motion(structure, part.base)
+
+
+def _sideways(structure: Structure, part: Spring | BearingLine, height: float) -> Floats:
+    """Return the motion of the body of a part less that of its base, at its point and a height."""
+    upper, lower = [
+        displacement_row(structure, name, height, *structure.point(part))
+        for name in (part.body, part.base)
+    ]
+    return upper - lower
+
+
+def _stretch_row(structure: Structure, line: BearingLine) -> Floats:
+    """Return the stretch of a bearing line per coordinate."""
+    row = _sideways(structure, line, line.height)
+    if line.height_across is not None:
+        row[:, 1] = _sideways(structure, line, line.height_across)[:, 1]
+    return row
 
 
 def _own_motion(structure: Structure, body: Body, height: float) -> Floats:
@@ -159,18 +272,31 @@ def _own_motion(structure: Structure, body: Body, height: float) -> Floats:
     return (height - body.base_height) * _rotation_row(structure, body.name)
 
 
+def _check_names(structure: Structure, names: list[str], mass_model: MassModel) -> None:
+    """Refuse two coordinates of one name, and a mass model that has no plan."""
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise InputError(f'two coordinates are called "{twice[0]}": rename a body', structure.name)
+    if structure.plan and mass_model != "consistent":
+        raise InputError(
+            f'mass = "{mass_model}": a structure in plan takes "consistent" only', structure.name
+        )
+
+
 def _check_mass(mass: Floats, names: list[str], where: str) -> None:
     """Refuse a coordinate without mass: time integration divides by it."""
     for name, value in zip(names, np.diag(mass), strict=True):
         if value <= 0.0:
             raise InputError(
-                f'coordinate "{name}" has no mass; add a mass or rotary_inertia', where
+                f'coordinate "{name}" has no mass; add a mass or '
+                + ("twist_inertia" if name.endswith(" twist") else "rotary_inertia"),
+                where,
             )
 
 
 def hinge_stiffness(structure: Structure, matrices: Matrices) -> Floats:
     """Return the initial stiffness [n, n] of the hinges."""
-    values = np.array([hinge.stiffness for hinge in structure.hinges])
+    values = np.array([hinge.stiffness for hinge in list_hinges(structure)])
     return np.asarray(matrices.hinge_rows.T @ (values[:, None] * matrices.hinge_rows))
 
 
@@ -182,11 +308,23 @@ def line_stiffness(structure: Structure, matrices: Matrices, each: Floats | None
     lines = structure.bearings
     one = np.array([line.equivalent_stiffness for line in lines]) if each is None else each
     values = one * np.array([line.count for line in lines])
-    return np.asarray(matrices.line_rows.T @ (values[:, None] * matrices.line_rows))
+    rows = _line_rows(matrices)
+    values = np.repeat(values, len(rows) // len(values))
+    return np.asarray(rows.T @ (values[:, None] * rows))
 
 
-def find_modes(mass: Floats, stiffness: Floats, where: str = "structure") -> Modes:
-    """Return all natural modes, longest period first; InputError for a mechanism."""
+def _line_rows(matrices: Matrices) -> Floats:
+    """Return the rows [b, n] of bearing lines; in plan [2 b, n], both directions of each."""
+    return np.moveaxis(matrices.line_rows, 1, -1).reshape(-1, len(matrices.coordinates))
+
+
+def find_modes(
+    mass: Floats, stiffness: Floats, where: str = "structure", names: Sequence[str] = ()
+) -> Modes:
+    """Return all natural modes, longest period first; InputError for a mechanism.
+
+    `names` of the coordinates are for its message.
+    """
     try:
         values, shapes = eigh(stiffness, mass)
     except LinAlgError:
@@ -195,25 +333,30 @@ def find_modes(mass: Floats, stiffness: Floats, where: str = "structure") -> Mod
             "at two heights (and look for masses that differ by more than 1e12)",
             where,
         ) from None
-    if values[0] <= 1e-12 * values[-1]:
-        raise InputError("is a mechanism: some motion meets no stiffness", where)
+    free = values <= NO_STIFFNESS * values[-1]
+    if free.any():
+        share = np.diag(mass) * np.square(shapes[:, free]).max(axis=1)
+        moving = [f'"{name}"' for name, part in zip(names, share, strict=False) if part > MOVING]
+        motion = f"the motion of {', '.join(moving)}" if moving else "some motion"
+        raise InputError(f"is a mechanism: {motion} meets no stiffness", where)
     return Modes(np.sqrt(values), shapes)
 
 
 def _own_parts(structure: Structure, matrices: Matrices) -> list[Part]:
     """Return damping ratio and stiffness of springs and hinges."""
-    parts = [(one.damping_ratio, _spring_matrix(structure, one)) for one in structure.springs]
-    for hinge, row in zip(structure.hinges, matrices.hinge_rows, strict=True):
+    parts = [part for one in structure.springs for part in _spring_parts(structure, one)]
+    for hinge, row in zip(list_hinges(structure), matrices.hinge_rows, strict=True):
         parts.append((hinge.damping_ratio, hinge.stiffness * np.outer(row, row)))
     return parts
 
 
 def _line_parts(structure: Structure, matrices: Matrices) -> list[Part]:
     """Return those of bearing lines with their equivalent stiffness."""
-    lines = zip(structure.bearings, matrices.line_rows, strict=True)
+    rows = np.split(_line_rows(matrices), len(structure.bearings))
     return [
         (line.damping_ratio, line.count * line.equivalent_stiffness * np.outer(row, row))
-        for line, row in lines
+        for line, own in zip(structure.bearings, rows, strict=True)
+        for row in own
     ]
 
 

@@ -4,9 +4,12 @@ A body that stands alone moves sideways with its own coordinate; one that stands
 or on the ground, is carried by it. Either may rotate (absolute rotation, positive when its top
 moves in the positive direction). Heights are measured from any common level. Springs, hinges and
 bearing lines connect two bodies, or a body and the ground.
+
+A structure in plan (`plan = true`) moves in two directions, x along and y across the bridge; its
+bodies and connections have places in plan, and bodies may twist about the vertical.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
@@ -22,9 +25,11 @@ GROUND = "ground"
 LIMITS = read_toml(data_path("plausible", "piers.toml"))
 MassModel = Literal["consistent", "published"]
 DampingKind = Literal["modal", "rayleigh", "element", "none", "source"]
+Direction = Literal["x", "y"]
 Name = Annotated[str, Field(min_length=1, max_length=60), OneLine]
 # Ranges of real structures with a factor of ten or more on either side.
 Height = Annotated[float, in_unit("mm"), Field(ge=-1e6, le=1e6)]
+Length = Annotated[float, in_unit("mm"), Field(ge=-1e8, le=1e8)]  # in plan: 100 km
 Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e9)]
 RotationalStiffness = Annotated[float, in_unit("kN mm/rad"), Field(ge=1e-3, le=1e15)]
 Ratio = Annotated[float, Field(ge=0, lt=1)]
@@ -32,26 +37,45 @@ ModeNumber = Annotated[int, Field(ge=1, le=200)]
 
 
 class Body(Strict):
-    """A rigid body; `base_height` is where it stands, `moves` and `rotates` its coordinates."""
+    """A rigid body; `base_height` is where it stands, `moves` and `rotates` its coordinates.
+
+    In plan, both give a coordinate for each direction. `twists` gives a rotation about the
+    vertical, positive from x to y; without it a body twists with what carries it. `x` and `y` are
+    the place of its reference point, by default that of its carrier, or zero.
+    """
 
     name: Name
     base_height: Height = 0.0
     on: Name | None = None
     moves: bool = False
     rotates: bool = False
+    x: Length | None = None
+    y: Length | None = None
+    twists: bool | None = None
 
 
 class Mass(Strict):
-    """A mass on a body, with its own rotary inertia if that is known."""
+    """A mass on a body, with its own rotary inertia if that is known.
+
+    In plan, `x` and `y` are by default those of the body, the rotary inertia counts for rocking
+    in both directions, and `twist_inertia` is that about the vertical through the mass.
+    """
 
     body: Name
     height: Height
     mass: Annotated[float, in_unit("kN s^2/mm"), Field(ge=1e-6, le=1e5)]  # 1 kg to 1e8 t
     rotary_inertia: Annotated[float, in_unit("kN mm s^2"), Field(ge=0, le=1e15)] = 0.0
+    x: Length | None = None
+    y: Length | None = None
+    twist_inertia: Annotated[float, in_unit("kN mm s^2"), Field(ge=0, le=1e18)] | None = None
 
 
 class Spring(Strict):
-    """A linear spring between `body` and `base`: sideways at a height, or against rotation."""
+    """A linear spring between `body` and `base`: sideways at a height, or against rotation.
+
+    In plan it acts in both directions, or in its `direction`; with `direction = "twist"` it acts
+    against rotation about the vertical. `x` and `y` are by default those of the body.
+    """
 
     name: Name
     body: Name
@@ -60,17 +84,26 @@ class Spring(Strict):
     stiffness: Stiffness | None = None
     rotational_stiffness: RotationalStiffness | None = None
     damping_ratio: Ratio = 0.0
+    x: Length | None = None
+    y: Length | None = None
+    direction: Literal["x", "y", "twist"] | None = None
 
     @classmethod
     def _conflicts(cls, given: dict[str, object]) -> list[str]:
-        """One of the two stiffnesses."""
+        """One of the two stiffnesses, and the one against rotation for twist."""
         if ("stiffness" in given) == ("rotational_stiffness" in given):
             return ["give either stiffness or rotational_stiffness"]
+        if given.get("direction") == "twist" and "stiffness" in given:
+            return ['direction: "twist" takes rotational_stiffness, not stiffness']
         return []
 
 
 class Hinge(Strict):
-    """A degrading rotational hinge (Takeda) between `body` and `base`."""
+    """A degrading rotational hinge (Takeda) between `body` and `base`.
+
+    In plan these are two hinges, one for each direction, that do not affect each other; or one,
+    with a `direction`.
+    """
 
     name: Name
     body: Name
@@ -80,6 +113,7 @@ class Hinge(Strict):
     hardening_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.0
     unloading_exponent: Annotated[float, Field(ge=0, le=1)] = 0.5
     damping_ratio: Ratio = 0.0
+    direction: Direction | None = None
 
     @property
     def stiffness(self) -> float:
@@ -93,6 +127,9 @@ class BearingLine(Strict):
     `equivalent_stiffness` is that of one bearing at its design displacement, for eigenvalues;
     `damping_ratio` counts in the damping of kinds "source" and "element" (c_1 of Eq. 6.4) only.
     `scale` is the length of the modelled specimen over that of the bearing in the structure.
+    In plan, `x` and `y` are by default those of the body that carries the line, or of `body` on
+    the ground. The force acts at `height` along the bridge and at `height_across` across it (by
+    default the same height): where the deck does not roll, that of the inertia of the deck.
     """
 
     name: Name
@@ -103,6 +140,9 @@ class BearingLine(Strict):
     equivalent_stiffness: Stiffness
     damping_ratio: Ratio = 0.0
     scale: Annotated[float, Field(ge=1e-3, le=1)] = 1.0
+    x: Length | None = None
+    y: Length | None = None
+    height_across: Height | None = None
 
 
 class Damping(Strict):
@@ -176,6 +216,19 @@ class PierLimits(Strict):
     )
 
 
+_Part = Body | Mass | Spring | Hinge | BearingLine
+# `x` is of use to drawings without a plan too.
+DIRECTIONS: tuple[Direction, ...] = ("x", "y")
+PLAN_KEYS = ("y", "twists", "twist_inertia", "direction", "height_across")
+
+
+def _point(
+    part: Body | Mass | Spring | BearingLine, usual: tuple[float, float]
+) -> tuple[float, float]:
+    """Return the coordinates of a part, or the usual ones."""
+    return usual[0] if part.x is None else part.x, usual[1] if part.y is None else part.y
+
+
 class Structure(Sourced):
     """A structure; see docs/files.md.
 
@@ -188,16 +241,18 @@ class Structure(Sourced):
     damping : viscous damping, in addition to the hysteresis of bearings and hinges.
     limits : of piers; a run that exceeds one ends as `pier_beyond_limit`.
     report : which body is the deck, which the pier, and where its ends are.
+    plan : true if it moves in two directions and may twist.
     """
 
     name: Name
+    plan: bool | None = None
     description: str = ""
     citation: str = ""
     bodies: Annotated[list[Body], Field(min_length=1, max_length=100)]
     masses: Annotated[list[Mass], Field(min_length=1)]
     springs: tuple[Spring, ...] = ()
     hinges: tuple[Hinge, ...] = ()
-    bearings: Annotated[list[BearingLine], Field(min_length=1, max_length=8)]
+    bearings: Annotated[list[BearingLine], Field(min_length=1, max_length=40)]
     damping: Damping = Damping()
     limits: PierLimits = PierLimits()
     report: Reported
@@ -239,9 +294,63 @@ class Structure(Sourced):
             raise ValueError("; ".join(faults))
         return self
 
+    @model_validator(mode="after")
+    def _plan_is_complete(self) -> "Structure":
+        """Refuse keys that say nothing without a plan, and a twist that nothing can hold."""
+        faults = []
+        for where, items in self._parts().items():
+            for number, item in enumerate(items):
+                given = [key for key in PLAN_KEYS if getattr(item, key, None) is not None]
+                faults += [
+                    f"{where}[{number}].{key}: only in a structure with plan = true"
+                    for key in given
+                    if not self.plan
+                ]
+        for body in self.bodies if self.plan else []:
+            faults += self._one_point(body) if body.twists else []
+        if faults:
+            raise ValueError("; ".join(faults))
+        return self
+
+    def _parts(self) -> dict[str, Sequence["_Part"]]:
+        """Return bodies, masses and connections by their keys."""
+        return {
+            "bodies": self.bodies,
+            "masses": self.masses,
+            "springs": self.springs,
+            "hinges": self.hinges,
+            "bearings": self.bearings,
+        }
+
+    def _one_point(self, body: Body) -> list[str]:
+        """Return the fault of a body that twists on bearings and springs at one point."""
+        lines = [line for line in self.bearings if body.name in (line.body, line.base)]
+        springs = [one for one in self.springs if body.name in (one.body, one.base)]
+        held = any(one.direction == "twist" for one in springs)
+        points = {self.point(line) for line in lines}
+        points |= {self.point(one) for one in springs if one.stiffness is not None}
+        if not lines or held or len(points) > 1:
+            return []
+        return [
+            f'bearings: coordinates missing: body "{body.name}" twists, and all that holds it is '
+            f"at one point of the plan, x = {points.pop()[0]:g} mm; give the bearing lines x and y"
+        ]
+
     def body(self, name: str) -> Body:
         """Return the body of that name."""
         return next(body for body in self.bodies if body.name == name)
+
+    def place(self, name: str) -> tuple[float, float]:
+        """Return the reference point of a body in plan, x and y [mm]; zero for the ground."""
+        if name == GROUND:
+            return 0.0, 0.0
+        body = self.body(name)
+        return _point(body, self.place(body.on or GROUND))
+
+    def point(self, part: Mass | Spring | BearingLine) -> tuple[float, float]:
+        """Return where a part is in plan, x and y [mm]."""
+        carrier = part.base if isinstance(part, BearingLine) else GROUND
+        return _point(part, self.place(part.body if carrier == GROUND else carrier))
 
 
 STRUCTURES = Library("structure", "structures")
@@ -285,8 +394,13 @@ class Pier(NamedTuple):
     name: str  # of its body
     base: str  # body that it stands on; its displacement is relative to that
     top: float  # height of its top [mm]
-    hinge: int | None  # number of its hinge in the structure; None without one
+    hinges: tuple[int | None, ...]  # number of its hinge in each direction; None without one
     height: float  # from the base of its body to its top [mm]
+
+    @property
+    def hinge(self) -> int | None:
+        """Number of its hinge along the bridge."""
+        return self.hinges[0]
 
 
 def reported_line(structure: Structure, own: Collection[str] = ()) -> int:
@@ -305,11 +419,30 @@ def reported_line(structure: Structure, own: Collection[str] = ()) -> int:
     return found
 
 
-def first_hinge(structure: Structure, pier: str) -> int | None:
-    """Return the number of the first hinge at a body: below it, or else on it."""
-    below = [k for k, hinge in enumerate(structure.hinges) if hinge.body == pier]
-    on = [k for k, hinge in enumerate(structure.hinges) if hinge.base == pier]
-    return next(iter([*below, *on]), None)
+def list_hinges(structure: Structure) -> list[Hinge]:
+    """Return the hinges, one for each direction in plan ("pier base x", "pier base y")."""
+    if not structure.plan:
+        return list(structure.hinges)
+    return [
+        hinge.model_copy(update={"name": f"{hinge.name} {way}", "direction": way})
+        for hinge in structure.hinges
+        for way in DIRECTIONS
+        if hinge.direction in (None, way)
+    ]
+
+
+def first_hinges(structure: Structure, pier: str) -> tuple[int | None, ...]:
+    """Return the number of the first hinge at a body in each direction: below it, or else on it.
+
+    Numbers are those of `list_hinges`.
+    """
+    hinges = list(enumerate(list_hinges(structure)))
+    found = []
+    for way in DIRECTIONS if structure.plan else (None,):
+        below = [k for k, hinge in hinges if hinge.body == pier and hinge.direction == way]
+        on = [k for k, hinge in hinges if hinge.base == pier and hinge.direction == way]
+        found.append(next(iter([*below, *on]), None))
+    return tuple(found)
 
 
 def list_piers(structure: Structure) -> list[Pier]:
@@ -320,9 +453,9 @@ def list_piers(structure: Structure) -> list[Pier]:
     """
     report = structure.report
     foot = structure.body(report.pier).base_height if report.pier != GROUND else report.pier_top
-    hinge = first_hinge(structure, report.pier)
     height = report.pier_top - foot
-    found = [Pier(report.pier, report.pier_base, report.pier_top, hinge, height)]
+    numbers = first_hinges(structure, report.pier)
+    found = [Pier(report.pier, report.pier_base, report.pier_top, numbers, height)]
     carriers = [line.base for line in structure.bearings]
     carriers += [hinge.body for hinge in structure.hinges]
     for name in dict.fromkeys(carriers):
@@ -330,14 +463,13 @@ def list_piers(structure: Structure) -> list[Pier]:
             continue
         if not structure.body(name).moves and not _rotates(structure, name):
             continue
-        hinge = first_hinge(structure, name)
-        below = hinge is not None and structure.hinges[hinge].body == name
-        on = structure.hinges[hinge].base if below and hinge is not None else None
-        base = on or structure.body(name).on or GROUND
+        below = [hinge.base for hinge in structure.hinges if hinge.body == name]
+        base = next(iter(below), None) or structure.body(name).on or GROUND
         tops = [line.height for line in structure.bearings if line.base == name]
         tops = tops or [mass.height for mass in structure.masses if mass.body == name]
         top = max(tops, default=0.0)
-        found.append(Pier(name, base, top, hinge, top - structure.body(name).base_height))
+        height = top - structure.body(name).base_height
+        found.append(Pier(name, base, top, first_hinges(structure, name), height))
     return found
 
 
@@ -366,7 +498,7 @@ def fixed_base(structure: Structure) -> Structure:
             structure.name,
         )
     bodies = [
-        body.model_copy(update={"moves": False, "rotates": False, "on": GROUND})
+        body.model_copy(update={"moves": False, "rotates": False, "twists": None, "on": GROUND})
         if body.name in held
         else body
         for body in structure.bodies
@@ -380,3 +512,37 @@ def fixed_base(structure: Structure) -> Structure:
     texts = {key: text for key, text in structure.sources.items() if not key.startswith("springs[")}
     changes = {"name": name, "bodies": bodies, "springs": left}
     return structure.model_copy(update=changes).with_sources(texts)
+
+
+def along(structure: Structure, direction: Direction) -> Structure:
+    """Return a structure in plan in one direction only, as a one-directional analysis takes it.
+
+    Bodies do not twist, and connections of the other direction are left out. Across the bridge
+    ("y"), the force of bearings acts at `height_across`. A structure without a plan is returned
+    as it is.
+    """
+    if not structure.plan:
+        return structure
+    changes: dict[str, object] = {
+        "plan": None,
+        "name": f"{structure.name} (along {direction})"[:60],
+    }
+    for where, items in structure._parts().items():
+        kept = [one for one in items if getattr(one, "direction", None) in (None, direction)]
+        changes[where] = type(getattr(structure, where))(_in_line(one, direction) for one in kept)
+    texts = {
+        key: text
+        for key, text in structure.sources.items()
+        if not key.startswith(("springs[", "hinges["))
+    }
+    return structure.model_copy(update=changes).with_sources(texts)
+
+
+def _in_line(part: _Part, direction: Direction) -> _Part:
+    """Return a part without what only a plan has."""
+    changes: dict[str, object] = dict.fromkeys(
+        key for key in ("x", *PLAN_KEYS) if hasattr(part, key)
+    )
+    if direction == "y" and isinstance(part, BearingLine) and part.height_across is not None:
+        changes["height"] = part.height_across
+    return part.model_copy(update=changes)

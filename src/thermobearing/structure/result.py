@@ -14,17 +14,20 @@ from thermobearing.bearing.plausible import sentence, usual_values
 from thermobearing.border.errors import InputError
 from thermobearing.border.toml import sourced_toml
 from thermobearing.border.units import parse_quantity
+from thermobearing.core.records import Floats
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import PERIODS, RESOLVED, STRUCTURE_PARTS
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.writing import write_csv
+from thermobearing.structure.matrices import twist_load
 from thermobearing.structure.model import (
     DampingKind,
     MassModel,
     Structure,
     fixed_base,
+    list_hinges,
     list_piers,
     load_structure,
     reported_line,
@@ -33,6 +36,8 @@ from thermobearing.structure.run import Prepared, prepare_structure
 
 TONNES = 1e3  # in kN s2/mm
 KN_MM_PER_KN_M = 1e3
+EFFECTIVE_MASSES = ("effective_mass_x", "effective_mass_y", "effective_mass_twist")
+MOST_COORDINATES = 12  # that a table of modes shows; the file has all
 GRAVITY = parse_quantity("1 standard_gravity", "mm/s^2")
 
 
@@ -63,7 +68,7 @@ def _derived(structure: Structure, prepared: Prepared) -> list[tuple[str, str, f
     for pier in list_piers(structure):
         if pier.hinge is None:
             continue
-        hinge = structure.hinges[pier.hinge]
+        hinge = list_hinges(structure)[pier.hinge]
         found.append(("yield_rotation", f"{hinge.name}: ", hinge.yield_rotation))
         height = pier.top - structure.body(hinge.body).base_height
         if height > 0.0:
@@ -102,10 +107,20 @@ class StructureResult(Result):
             "period_s": modes.periods,
             "frequency_Hz": 1.0 / modes.periods,
             "damping_ratio": self.prepared.ratios,
-            "effective_mass": (modes.shapes.T @ self.prepared.matrices.load) ** 2 / self.mass,
+            **self._effective_masses(),
         }
         names = self.prepared.matrices.coordinates
         return pd.DataFrame(columns | dict(zip(names, shapes, strict=True)))
+
+    def _effective_masses(self) -> dict[str, Floats]:
+        """Return the share of each mode in the mass; in plan along, across and in twist."""
+        matrices, shapes = self.prepared.matrices, self.prepared.modes.shapes
+        moved = (shapes.T @ matrices.load) ** 2 / self.mass
+        if not self.structure.plan:
+            return {"effective_mass": moved}
+        load, inertia = twist_load(self.structure)
+        twisted = (shapes.T @ load) ** 2 / (inertia or np.nan)
+        return dict(zip(EFFECTIVE_MASSES, (*moved.T, twisted), strict=True))
 
     @property
     def parts(self) -> pd.DataFrame:
@@ -132,7 +147,20 @@ class StructureResult(Result):
             size += f", modelled at scale {line.scale:.4g}" if line.scale != 1.0 else ""
             rows.append(("bearings", line.name, line.body, line.base, line.height, size))
         columns = ["part", "name", "body", "base", "height_mm", "size"]
-        return pd.DataFrame(rows, columns=columns)
+        found = pd.DataFrame(rows, columns=columns)
+        if structure.plan:
+            found[["x_mm", "y_mm"]] = self._places()
+        return found
+
+    def _places(self) -> list[tuple[float, float]]:
+        """Return where each of the parts is in plan [mm]."""
+        structure = self.structure
+        return [
+            *map(structure.point, structure.masses),
+            *map(structure.point, structure.springs),
+            *(structure.place(hinge.body) for hinge in structure.hinges),
+            *map(structure.point, structure.bearings),
+        ]
 
     @property
     def warnings(self) -> list[str]:
@@ -141,11 +169,14 @@ class StructureResult(Result):
 
     def tables(self) -> dict[str, Table]:
         """Return the parts and the modes."""
+        at = [Quantity(key[0], "mm", "g", key) for key in ("x_mm", "y_mm")]
         height = Quantity("Height", "mm", "g", "height_mm")
-        parts = make_table(self.parts, ["part", "name", "body", "base", height, "size"], keys=4)
+        columns: list[str | Quantity] = ["part", "name", "body", "base", *at, height, "size"]
+        parts = make_table(self.parts, columns, keys=4)
         shapes = [Quantity(name, "", ".3g", name) for name in self.prepared.matrices.coordinates]
         period = quantity("period_s", form=".3f")
-        names: list[str | Quantity] = ["mode", period, "damping_ratio", "effective_mass", *shapes]
+        names: list[str | Quantity] = ["mode", period, "damping_ratio", "effective_mass"]
+        names += [*EFFECTIVE_MASSES, *(shapes if len(shapes) <= MOST_COORDINATES else ())]
         return {"parts": parts, "periods": make_table(self.table, names)}
 
     def show(self) -> None:
@@ -180,7 +211,9 @@ class StructureResult(Result):
                     "name": pier.name,
                     "base": pier.base,
                     "top_mm": pier.top,
-                    "hinge": None if pier.hinge is None else structure.hinges[pier.hinge].name,
+                    "hinge": None
+                    if pier.hinge is None
+                    else list_hinges(structure)[pier.hinge].name,
                 }
                 for pier in list_piers(structure)
             ],

@@ -28,7 +28,6 @@ from thermobearing.structure.matrices import (
     hinge_stiffness,
     line_stiffness,
     mode_damping,
-    unit,
 )
 from thermobearing.structure.model import (
     Damping,
@@ -36,7 +35,8 @@ from thermobearing.structure.model import (
     MassModel,
     Pier,
     Structure,
-    first_hinge,
+    first_hinges,
+    list_hinges,
     list_piers,
 )
 from thermobearing.structure.newmark import newmark_march, start_motion
@@ -65,12 +65,15 @@ from thermobearing.structure.types import (
 
 
 class Reported(NamedTuple):
-    """Displacements of deck and pier per coordinate, relative to the ground."""
+    """Displacements of deck and pier per coordinate, relative to the ground.
 
-    deck: Floats  # [n]
-    top: Floats  # [n] of the pier
-    base: Floats  # [n] of the pier top if only its base moves
-    hinge: int | None  # number of the pier's hinge; None without one
+    Each is [n], or [n, 2] in plan.
+    """
+
+    deck: Floats
+    top: Floats  # of the pier
+    base: Floats  # of the pier top if only its base moves
+    hinge: int | None  # number of the pier's hinge along the bridge; None without one
 
 
 Method = Literal["average-acceleration", "linear-acceleration", "predictor-corrector"]
@@ -213,10 +216,10 @@ class Prepared:
         """Deck and pier whose peaks are reported."""
         structure, report = self.structure, self.structure.report
         return Reported(
-            deck=unit(structure, f"{report.deck} x"),
+            deck=displacement_row(structure, report.deck, structure.body(report.deck).base_height),
             top=displacement_row(structure, report.pier, report.pier_top),
             base=displacement_row(structure, report.pier_base, report.pier_top),
-            hinge=first_hinge(structure, report.pier),
+            hinge=first_hinges(structure, report.pier)[0],
         )
 
     @cached_property
@@ -247,7 +250,7 @@ def prepare_structure(
     matrices = build_matrices(structure, mass_model)
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
     stiffness = stiffness + line_stiffness(structure, matrices)
-    modes = find_modes(matrices.mass, stiffness, structure.name)
+    modes = find_modes(matrices.mass, stiffness, structure.name, matrices.coordinates)
     matrix = build_damping(structure, matrices, modes)
     ratios = mode_damping(matrix, modes)
     return Prepared(structure, matrices, modes, matrix, ratios, stiffness)
@@ -256,8 +259,9 @@ def prepare_structure(
 def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
     """Return the structure as the compiled integration takes it."""
     structure, matrices = prepared.structure, prepared.matrices
-    hinges = rows(Hinge, len(structure.hinges))
-    for h, hinge in enumerate(structure.hinges):
+    given_hinges = list_hinges(structure)
+    hinges = rows(Hinge, len(given_hinges))
+    for h, hinge in enumerate(given_hinges):
         hinges[h].initial = hinge.stiffness
         hinges[h].yield_rotation = hinge.yield_rotation
         hinges[h].hardening = hinge.hardening_ratio

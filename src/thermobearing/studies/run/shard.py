@@ -42,6 +42,7 @@ from thermobearing.earthquake.run import Task, judged, lines_to_shake, run_task
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
 from thermobearing.results.base import COMPLETED
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
+from thermobearing.structure.model import list_hinges
 from thermobearing.structure.run import SENTENCES, StructureHistory
 from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.prepare import Preparer, Warm
@@ -212,7 +213,8 @@ def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
 def _hinge_peaks(task: Task, peaks: RunPeaks, hinge: int | None) -> dict[str, float]:
     rotation = moment = limit = np.nan
     if hinge is not None:
-        found, limit = _named(peaks.hinges)[hinge], task.case.structure.hinges[hinge].yield_rotation
+        found = _named(peaks.hinges)[hinge]
+        limit = list_hinges(task.case.structure)[hinge].yield_rotation
         rotation, moment = found["rotation"], found["moment"] / KN_MM_PER_KN_M
     return {
         "pier_part_rotation_max": rotation,
