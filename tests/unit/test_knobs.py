@@ -165,6 +165,7 @@ def test_every_option_of_a_case_was_tried() -> None:
     elsewhere |= {"initial_state", "rig"}  # verification/test_handover.py, unit/test_sequences.py
     elsewhere |= {"histories"}  # of files: unit/test_thinning.py
     elsewhere |= {"sources"}  # of documents, not of numbers: unit/test_cli.py, the same bits
+    elsewhere |= {"axial_force"}  # changes no number: unit/test_bearing_checks.py
     elsewhere |= {"exposure"}  # unit/test_exposure.py
     elsewhere |= {"hardening"}  # acts at larger strains: verification/test_softening.py
     elsewhere |= {"small_loops"}  # acts after small reversals: verification/test_small_loops.py

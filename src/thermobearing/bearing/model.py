@@ -21,6 +21,9 @@ Factor = Annotated[float, Field(ge=1e-3, le=1e3)]
 Factors = Annotated[list[Factor], Field(min_length=2, max_length=100)]
 
 
+AxialForce = Annotated[float, in_unit("kN"), Field(ge=-1e6, le=1e6)]  # compression is positive
+
+
 class TemperatureLaw(Strict):
     """Range of the law of Eq. 4.34, and a table that multiplies it.
 

@@ -39,8 +39,9 @@ SHORT = "strain cycles wave path ratio speed frequency period rest"  # of a test
     "cyclic",
     fields(
         "cyclic.case:Case",
-        "bearing ambient rig",
+        "bearing ambient rig axial_force",
         INPUT,
+        axial_force="|Axial force on the bearing [kN], positive in compression; adds checks.",
         bearing="|Bearing: library name or TOML file.",
         ambient="|Ambient temperature [degC], in [-100, 100]; one run for each.",
         rig="|Test rig (name or file); a warning names the limits that a run exceeds.",

@@ -65,7 +65,7 @@ ANGLE = Annotated[
 ]
 INPUTS = fields(
     "earthquake.case:EarthquakeCase",
-    "bearings motions ambient weather structure duration rig",
+    "bearings motions ambient weather structure duration rig axial_force",
     INPUT,
     bearings="--bearing|Bearing: library name or TOML file.",
     motions="--motion|Ground motion: library name or file.",

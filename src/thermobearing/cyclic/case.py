@@ -15,7 +15,7 @@ import xarray as xr
 from pydantic import AfterValidator, Field
 
 from thermobearing.bearing.library import BEARINGS, as_bearing, load_bearing
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import AxialForce, Bearing
 from thermobearing.border.cases import absolute, load_all, read_case
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library, Sourced, sources_to_keep
@@ -360,6 +360,7 @@ class Case(Strict):
     initial_profile: list[Temperature] | None = None  # one per cell, upper face first
     initial_state: SpecimenState | None = None  # what `initial_result` of a file becomes
     rig: Rig | None = None  # its limits give warnings
+    axial_force: AxialForce | None = None  # on the bearing, positive in compression; for checks
     analysis: Analysis = Analysis()
     # Of the numbers of bearing and rig, by name and dotted key; for documents only
     sources: dict[str, dict[str, str]] | None = None

@@ -31,6 +31,7 @@ from thermobearing.cyclic.case import Case, beyond, rig_demand
 from thermobearing.cyclic.history import History, Segment
 from thermobearing.cyclic.protocol import Cycles, PlanePath, lengths, survey
 from thermobearing.cyclic.result import COMPONENT, CYCLES, Result, column_quantity, run_name
+from thermobearing.model.checks import check_rows, failed_checks, vertical_checks
 from thermobearing.model.constants import outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.handover import DIMENSIONS, PREFIX, state_memory
@@ -114,6 +115,7 @@ def labelled(
         + _collect_warnings(case, segments, climates)
         + _outside_law(case, climates, histories)
         + beyond(case.rig, rows["rig"])
+        + failed_checks(rows["bearing_checks"])
         + outside_tests(bearing.name, rows["tested_range"], calibration_ranges(bearing)),
         **{name: found for name, found in rows.items() if found},
         **exposure_attribute(factors),
@@ -260,13 +262,14 @@ def _way(case: Case, segments: list[Segment]) -> Floats:
 def _compared_rows(
     case: Case, segments: list[Segment], climates: list[Ambient], histories: list[History]
 ) -> dict[str, list[Row]]:
-    """Compare each run with the limits of the rig and with the tests behind the bearing.
+    """Compare each run with the limits of the rig, with the tests behind the bearing and, under an
+    axial force, with the critical load.
 
     The speed is that of the complete test.
     """
     dt = np.concatenate([segment.dt for segment in segments])
     speed = float((_way(case, segments) / dt).max())
-    found: dict[str, list[Row]] = {"rig": [], "tested_range": []}
+    found: dict[str, list[Row]] = {"rig": [], "tested_range": [], "bearing_checks": []}
     for climate, history in zip(climates, histories, strict=False):
         books, name = history.rows.books, run_name(climate.at(0.0))
         peaks = [float(lengths(books[one]).max()) for one in ("force", "displacement")]
@@ -283,6 +286,12 @@ def _compared_rows(
             lead=books["lead_temperature"] if case.bearing.lead else None,
         )
         found["tested_range"] += compare_with_tests(name, reached, calibration_ranges(case.bearing))
+        if case.axial_force is not None:
+            warmest = float(climate.temperature.max())
+            load = case.axial_force, books["displacement"], warmest
+            found["bearing_checks"] += check_rows(
+                name, case.bearing.name, vertical_checks(case.bearing, *load)
+            )
     return found
 
 

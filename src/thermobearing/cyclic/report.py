@@ -22,6 +22,7 @@ from thermobearing.cyclic.reported import (
     early_end,
     model_assumptions,
     residual_rows,
+    vertical_sheet,
 )
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.tables import (
@@ -295,7 +296,8 @@ def _start(case: Case) -> list[str]:
 
 def _checks(result: Result, case: Case) -> list[Check]:
     rig = str(case.get("rig", {}).get("name", "rig"))
-    found = limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
+    found = vertical_sheet(result)
+    found += limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
     source = f"{TESTED_RANGE} of {result.dataset.attrs['bearing']}"
     return found + limit_checks(result.tested_range.to_dict("records"), TESTS, source)
 

@@ -1,9 +1,11 @@
 """Tables of bearings and of the model, and the assumptions of the model, for all reports."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from thermobearing.bearing.bilinear import BILINEAR, BilinearBearing
@@ -11,11 +13,14 @@ from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import Bearing, Cells
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import flat, read_toml, to_table
+from thermobearing.model import checks
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
-from thermobearing.quantities.tables import Table
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import BOOKS_CLOSE, input_table
-from thermobearing.report.words import number, quantity, tidy
+from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Check
+from thermobearing.report.words import number, printed_unit, quantity, tidy
 from thermobearing.results.base import Result
 
 Inputs = Mapping[str, Any]  # a table of a resolved case
@@ -195,3 +200,70 @@ def early_end(subject: str, where: str, result: Result) -> list[str]:
         f"{subject} ended early{where} ({outcome}); the results are those computed up to then: "
         f"{tidy(result.sentence)}"
     ]
+
+
+def checks_table(rows: pd.DataFrame, caption: str = "Checks", note: str = "") -> Table:
+    """Return rows of checks (model/checks.py) as a table; a star marks an unverified source."""
+    signs = np.where(rows["least"], "\N{GREATER-THAN OR EQUAL TO}", "\N{LESS-THAN OR EQUAL TO}")
+    pairs = zip(signs, rows["limit"], strict=True)
+    frame = rows.assign(
+        limit=[f"{sign} {limit:g}" if limit == limit else "" for sign, limit in pairs],
+        unit=rows["unit"].replace("1", ""),
+        source=rows["source"] + np.where(rows["unverified"], "*", ""),
+    )
+    heads = {"what": "Check", "part": "Of", "value": "Value", "limit": "Limit", "unit": "Unit"}
+    heads |= {"verdict": "Verdict", "source": "Source of the limit"}
+    columns = [Quantity(head, name=name) for name, head in heads.items()]
+    marked = {"verdict": frame["verdict"].isin([checks.FAILED, checks.NOT_MODELLED]).tolist()}
+    keys = 1 + ("part" in frame)
+    return make_table(frame, columns, caption, keys=keys, marked=marked, note=note, keep_keys=True)
+
+
+VERTICAL = "Bearings under the axial force"
+VERTICAL_NOTE = (
+    "The largest use of each limit in all runs. Compression is positive. *: not checked against "
+    "the published text."
+)
+
+
+def governing_checks(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the checks that use most of their limits, or have the largest value without one.
+
+    One of each bearing, part and check; `part` has the bearing too where there are several.
+    """
+    size = rows["used"].where(rows["limit"].notna(), rows["value"]).astype(float)
+    groups = size.groupby([rows[name] for name in ("bearing", "part", "what")], sort=False)
+    found = rows.loc[[values.idxmax() for _, values in groups]]
+    parts = found[["bearing", "part"]] if found["bearing"].nunique() > 1 else found[["part"]]
+    found["part"] = [", ".join(filter(None, row)) for row in parts.itertuples(index=False)]
+    return found if found["part"].any() else found.drop(columns="part")
+
+
+def vertical_table(result: Result) -> dict[str, Table]:
+    """Return the governing checks of the vertical load as a table; nothing without a load."""
+    rows = result.bearing_checks
+    if not len(rows):
+        return {}
+    return {"bearing_checks": checks_table(governing_checks(rows), VERTICAL, VERTICAL_NOTE)}
+
+
+def sheet_checks(rows: Iterable[Mapping[Any, Any]]) -> list[Check]:
+    """Return rows of checks (model/checks.py) as those of a report; strains in %."""
+    found = []
+    for one in rows:
+        unit, factor = printed_unit(str(one["unit"]))
+        if one["what"].endswith("strain"):
+            unit, factor = "%", 100.0
+        limit = one["limit"] if one["limit"] is not None else math.nan
+        source = f"{one['source']}{'*' if one.get('unverified') else ''}"
+        verdict = {checks.PASSED: PASSED, checks.NO_LIMIT: NOT_JUDGED}.get(one["verdict"], EXCEEDED)
+        what = f"{one['what']}, {one['part']}" if one.get("part") else one["what"]
+        numbers = factor * float(one["value"]), factor * float(limit)
+        found.append(Check(what, *numbers, unit, source, verdict, bool(one["least"])))
+    return found
+
+
+def vertical_sheet(result: Result) -> list[Check]:
+    """Return the governing checks of the vertical load for a report; none without a load."""
+    rows = result.bearing_checks
+    return sheet_checks(governing_checks(rows).to_dict("records")) if len(rows) else []

@@ -66,6 +66,7 @@ def run(
     initial: InitialState | float | Sequence[float] | Earlier | str | Path | None = None,
     keep: Keep | Sequence[Group] | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
+    axial_force: float | None = None,
     progress: Progress | None = None,
     **options: Unpack[ModelKeywords],
 ) -> Result:
@@ -93,6 +94,8 @@ def run(
         holds every how many steps and what is written too.
     rig : limits of force [kN], stroke [mm] and speed [mm/s]; a warning says which a run exceeds:
         a name ("shen-rig"), a file or a table; none by default.
+    axial_force : on the bearing [kN], positive in compression, in [-1e6, 1e6]. It changes neither
+        force nor heat; the result then has checks of stress and critical load.
     progress : called with (steps done, all steps).
     options : fields of `ModelOptions`, such as scheme or lead_ends.
 
@@ -120,6 +123,7 @@ def run(
         ambient=[series.at(0.0)] if series else ambient,
         dt=dt,
         rig=rig,
+        axial_force=axial_force,
         **InitialState.of(initial).table(),
         **Keep.of(keep).table(),
         **model_table(model, options),

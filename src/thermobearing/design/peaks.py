@@ -15,9 +15,9 @@ from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
-from thermobearing.design.sizing import Check
 from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.checks import Check
 
 if TYPE_CHECKING:
     from thermobearing.design.case import LineGroup

@@ -12,6 +12,7 @@ from thermobearing.cyclic.reported import (
     bearing_tables,
     bearing_words,
     model_assumptions,
+    sheet_checks,
 )
 from thermobearing.design.factors import FOOTNOTE
 from thermobearing.design.peaks import of_group
@@ -34,7 +35,6 @@ from thermobearing.report.words import (
     joined,
     number,
     percent,
-    printed_unit,
     tidy,
 )
 from thermobearing.report.words import (
@@ -286,17 +286,7 @@ LAYERED = {"strain": ("shear strain", "%", 100.0), "ductility": ("pier ductility
 
 def _design_checks(summary: Summary) -> list[Check]:
     """Return the calculation sheet, and the tested ranges."""
-    found = []
-    for one in summary["checks"]:
-        unit, factor = printed_unit(str(one["unit"]))
-        if one["what"].endswith("strain"):
-            unit, factor = "%", 100.0
-        of = f", {one['part']}" if one.get("part") else ""
-        value, limit = (factor * float(one[key]) for key in ("value", "limit"))
-        source = f"{one['source']}{'*' if one.get('unverified') else ''}"
-        verdict = PASSED if one["verdict"] == "OK" else EXCEEDED
-        what = f"{one['what']}{of}"
-        found.append(Check(what, value, limit, unit, source, verdict, bool(one["least"])))
+    found = sheet_checks(summary["checks"])
     limits = {str(one["what"]): float(one["limit"]) for one in summary["checks"]}
     source = "limit of the design, for layered bearings"
     for row in summary["temperatures"]:

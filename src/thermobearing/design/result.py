@@ -27,7 +27,7 @@ from thermobearing.design.peaks import (
     few_motions,
     peak_rule,
 )
-from thermobearing.design.sizing import Check, EqualBearing, Round, third_cycle
+from thermobearing.design.sizing import EqualBearing, Round, third_cycle
 from thermobearing.design.tables import (
     bounds_sentences,
     demands_table,
@@ -36,6 +36,7 @@ from thermobearing.design.tables import (
     factor_tables,
 )
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.checks import Check
 from thermobearing.quantities.tables import Table
 from thermobearing.results import directory as files
 from thermobearing.results.base import Result
@@ -145,9 +146,9 @@ class Design(Result):
     @property
     def _sheet(self) -> list[dict[str, Any]]:
         """The checks with their verdicts."""
-        several = any(check.part for check in self.checks)
+        left = {"of_model"} | ({"part"} if not any(check.part for check in self.checks) else set())
         rows = [asdict(check) | {"verdict": check.verdict} for check in self.checks]
-        return [{k: v for k, v in row.items() if several or k != "part"} for row in rows]
+        return [{k: v for k, v in row.items() if k not in left} for row in rows]
 
     @cached_property
     def loops(self) -> dict[str, dict[str, tuple[Floats, Floats]]]:

@@ -39,7 +39,6 @@ from thermobearing.design.factors import (
 from thermobearing.design.peaks import counted, judged
 from thermobearing.design.result import USABLE, BoundsReport, Design, FactorReport
 from thermobearing.design.sizing import (
-    Check,
     EqualBearing,
     Round,
     Search,
@@ -56,6 +55,7 @@ from thermobearing.design.sizing import (
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
+from thermobearing.model.checks import Check
 from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
 from thermobearing.structure.model import list_piers
 

@@ -17,14 +17,15 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import RATIO, Strict, in_unit, validated
 from thermobearing.border.toml import read_toml
+from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import isothermal_cycle, solve_backbone
 from thermobearing.cyclic.protocol import cyclic_test
 from thermobearing.cyclic.run import run
+from thermobearing.model.checks import Check
 from thermobearing.model.earlier import BilinearParameters
 
 # The rubber: JRA equivalent linearisation of high damping rubber (Eq. 6.1-6.3).
-NEWTON_PER_KILONEWTON = 1e3
 Kind = Literal["HDR", "HDR-S"]
 
 
@@ -165,39 +166,6 @@ class Size:
     def second_shape_factor(self) -> float:
         """Side over total rubber thickness."""
         return self.side / self.total_rubber_thickness
-
-
-@dataclass(frozen=True)
-class Check:
-    """One line of a calculation sheet.
-
-    `least` says whether the limit is a lower one, `part` which group of lines or which pier it is
-    about (empty where there is one), `unverified` that no printed source was read for the limit.
-    """
-
-    what: str
-    value: float
-    limit: float
-    unit: str
-    source: str
-    least: bool = False
-    part: str = ""
-    unverified: bool = False
-
-    @property
-    def used(self) -> float:
-        """Return the share of the limit that is used; above 1 it is exceeded."""
-        return self.limit / self.value if self.least else self.value / self.limit
-
-    @property
-    def passed(self) -> bool:
-        """Whether the value keeps the limit."""
-        return self.value >= self.limit if self.least else self.value <= self.limit
-
-    @property
-    def verdict(self) -> str:
-        """OK or NG."""
-        return "OK" if self.passed else "NG"
 
 
 def size_bearing(displacement: float, weight: float, rules: SizingRules) -> Size:

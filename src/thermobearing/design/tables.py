@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from thermobearing.cyclic.reported import checks_table
 from thermobearing.design.bounds import BOUNDS_NOTE
 from thermobearing.design.peaks import JUDGED
 from thermobearing.quantities.register import Quantity, quantity
@@ -159,15 +160,4 @@ def design_tables(summary: Summary) -> dict[str, Table]:
 
 def design_checks_table(summary: Summary) -> Table:
     """Return the calculation sheet of a design."""
-    frame = pd.DataFrame(summary["checks"])
-    signs = np.where(frame["least"], "\N{GREATER-THAN OR EQUAL TO}", "\N{LESS-THAN OR EQUAL TO}")
-    pairs = zip(signs, frame["limit"], strict=True)
-    frame["limit"] = [f"{sign} {limit:g}" for sign, limit in pairs]
-    frame["unit"] = frame["unit"].replace("1", "")
-    frame["source"] += np.where(frame["unverified"], "*", "")
-    heads = {"what": "Check", "part": "Of", "value": "Value", "limit": "Limit", "unit": "Unit"}
-    heads |= {"verdict": "Verdict", "source": "Source of the limit"}
-    columns = [Quantity(head, name=name) for name, head in heads.items()]
-    marked = {"verdict": (frame["verdict"] != "OK").tolist()}
-    keys = 1 + ("part" in frame)
-    return make_table(frame, columns, "Checks", keys=keys, marked=marked, keep_keys=True)
+    return checks_table(pd.DataFrame(summary["checks"]))

@@ -70,6 +70,7 @@ def bridge(
     initial: InitialState | SpecimenState | Earlier | str | Path | None = None,
     keep: Keep | Sequence[Kept] | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
+    axial_force: float | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
     **options: Unpack[EarthquakeKeywords],
@@ -97,6 +98,9 @@ def bridge(
         through the height too. `Keep` holds every how many steps (2 by default) too.
     rig : limits of force [kN], stroke [mm] and speed [mm/s]; a warning says which a run exceeds:
         a name ("shen-rig"), a file or a table; none by default.
+    axial_force : on one bearing [kN], positive in compression, in [-1e6, 1e6]; a table of `lines`
+        may have its own (text with its unit). It changes no motion; the result then has checks of
+        stress and critical load.
     executor : any `concurrent.futures` executor; threads by default.
     progress : called with (runs done, all runs).
     fixed_base : leave out the springs of the foundation; what stands on them is held.
@@ -124,7 +128,7 @@ def bridge(
     True
     """
     table = _table(bearing, motion, ambient, model, initial, keep, options)
-    table |= {"structure": structure, "lines": lines, "rig": rig}
+    table |= {"structure": structure, "lines": lines, "rig": rig, "axial_force": axial_force}
     case = make_earthquake_case({"command": "bridge"}, "bridge()", **table)
     return run_earthquake(case, executor=executor, progress=progress)
 
@@ -143,6 +147,7 @@ def hybrid(
     initial: InitialState | SpecimenState | Earlier | str | Path | None = None,
     keep: Keep | Sequence[Kept] | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
+    axial_force: float | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
     **options: Unpack[EarthquakeKeywords],
@@ -164,7 +169,7 @@ def hybrid(
         the force in place of the modelled bearing of the reported line (wire format of OpenSees'
         genericClient, one degree of freedom at two nodes, mm and kN). There is one run then; force
         and energy are measured, temperatures are those of `bearing`, calculated along its path.
-    lines, model, initial, keep, rig, executor, progress : as of `bridge`.
+    lines, model, initial, keep, rig, axial_force, executor, progress : as of `bridge`.
     method : as of `bridge`; "predictor-corrector" by default, which moves the specimen once in
         each step.
     fixed_base, duration, dt, mass, damping, options : as of `bridge`.
@@ -189,7 +194,13 @@ def hybrid(
         laboratory = laboratory.model_dump(exclude_unset=True)
     if specimen is not None:
         laboratory = {**(laboratory or {}), "specimen": specimen}
-    table |= {"structure": structure, "lines": lines, "rig": rig, "laboratory": laboratory}
+    table |= {
+        "structure": structure,
+        "lines": lines,
+        "rig": rig,
+        "axial_force": axial_force,
+        "laboratory": laboratory,
+    }
     case = make_earthquake_case({"command": "hybrid"}, "hybrid()", **table)
     return run_earthquake(case, executor=executor, progress=progress)
 

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, field_validator
 
 from thermobearing.bearing.bilinear import BILINEAR, BilinearBearing, load_device
 from thermobearing.bearing.library import BEARINGS
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import AxialForce, Bearing
 from thermobearing.border.cases import absolute, load_all, load_things, read_case
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import Library, Sourced, sources_to_keep
@@ -53,7 +53,8 @@ class OnLine(Strict):
 
     `line` is its name in the structure, whose `count` and `equivalent_stiffness` it replaces;
     `ambient` the temperature there and of its bearings at the start [degC]; `weather` a file, a
-    table or EPW, that ends when the earthquake begins, instead of `ambient`.
+    table or EPW, that ends when the earthquake begins, instead of `ambient`; `axial_force` that on
+    one of its bearings [kN], in [-1e6, 1e6].
     """
 
     line: Annotated[str, Field(min_length=1, max_length=60)]
@@ -62,6 +63,7 @@ class OnLine(Strict):
     equivalent_stiffness: Stiffness | None = None
     ambient: Temperature | None = None
     weather: Annotated[str, Field(min_length=1)] | None = None
+    axial_force: AxialForce | None = None
 
     @classmethod
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
@@ -130,7 +132,7 @@ def _into_structure(
     rest = tuple(
         item
         for item in left
-        if (item.bearing, item.ambient, item.weather) != (None, None, None)
+        if (item.bearing, item.ambient, item.weather, item.axial_force) != (None,) * 4
         or item.line not in known
     )
     changed = {
@@ -286,11 +288,13 @@ class EarthquakeCase(Strict):
     laboratory : of a specimen in the loop.
     initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
         `initial_result` of a file becomes it.
-    lines : bearing lines with a bearing, an air or a count of their own.
+    lines : bearing lines with a bearing, an air, an axial force or a count of their own.
     sources : of the numbers of bearings, structure and rig, by name and dotted key, where their
         own files have some;
         for documents only.
     rig : test rig (name or file); a warning names the limits that a run exceeds.
+    axial_force : on one bearing [kN], positive in compression, in [-1e6, 1e6], for checks of stress
+        and critical load.
     """
 
     command: Command
@@ -305,6 +309,7 @@ class EarthquakeCase(Strict):
     initial_state: SpecimenState | None = None
     lines: Annotated[tuple[OnLine, ...], Field(max_length=8)] = ()
     rig: Rig | None = None
+    axial_force: AxialForce | None = None
     sources: dict[str, dict[str, str]] | None = None
 
     @property
@@ -321,6 +326,13 @@ class EarthquakeCase(Strict):
     def specimen(self) -> str | None:
         """Address of a specimen outside; None where all bearings are calculated."""
         return None if self.laboratory is None else self.laboratory.specimen
+
+    def axial_forces(self) -> dict[str, float]:
+        """Return the axial force on one bearing of each line that has one, by line [kN]."""
+        own = {item.line: item.axial_force for item in self.lines if item.axial_force is not None}
+        if self.axial_force is None:
+            return own
+        return {line.name: own.get(line.name, self.axial_force) for line in self.structure.bearings}
 
     @property
     def reported_line_number(self) -> int:

@@ -20,6 +20,7 @@ from thermobearing.earthquake import measures
 from thermobearing.earthquake.case import EarthquakeCase, in_weather
 from thermobearing.earthquake.result import PART_HISTORIES, EarthquakeResult, run_name
 from thermobearing.model import handover
+from thermobearing.model.checks import check_rows, failed_checks, vertical_checks
 from thermobearing.model.constants import outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.element import BearingElement
@@ -141,7 +142,10 @@ def _collect_warnings(
     installed = [one.device.bearing for task in tasks for one in task.lines]
     factors = exposures(installed, case.analysis.exposure)
     found = describe_all(factors) + found + [one.note for one in histories if one.note]
-    row_tables = {"rig": rig, "tested_range": compared, **exposure_attribute(factors)}
+    checks = _vertical_checks(case, tasks, histories)
+    found += failed_checks(checks)
+    row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": checks}
+    row_tables |= exposure_attribute(factors)
     attributes = {name: as_attribute(rows) for name, rows in row_tables.items() if rows}
     return {"warnings": as_attribute(found)} | attributes
 
@@ -194,6 +198,24 @@ def _rig_rows(case: EarthquakeCase, tasks: Sequence["Task"], traces: Traces) -> 
     for task, trace in zip(tasks, traces, strict=True):
         peaks = [float(np.abs(trace[name]).max()) for name in names]
         found += rig_demand(case.rig, _name(task, task.reported.device.bearing.name), peaks)
+    return found
+
+
+def _vertical_checks(
+    case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+) -> list[Row]:
+    """Return the checks of the bearings of every line that has an axial force, in every run."""
+    forces, names = case.axial_forces(), [line.name for line in case.structure.bearings]
+    found: list[Row] = []
+    for task, history in zip(tasks, histories, strict=True) if forces else ():
+        for k, (name, one) in enumerate(zip(names, task.lines, strict=True)):
+            bearing = one.device.bearing
+            if name in forces:
+                layered = bearing if isinstance(bearing, Bearing) else None
+                moved = history.bearing(k)["displacement"]
+                load = forces[name], moved, one.ambient, name if len(names) > 1 else ""
+                checks = vertical_checks(layered, *load)
+                found += check_rows(_name(task, bearing.name), bearing.name, checks)
     return found
 
 

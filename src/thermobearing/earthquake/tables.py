@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.core.records import Floats
+from thermobearing.cyclic.reported import vertical_table
 from thermobearing.earthquake.measures import (
     BEARING,
     COLUMNS,
@@ -99,6 +100,7 @@ def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
         "cold": _cold_table(result),
         "lines": _parts_table(result, "line"),
         "piers": _parts_table(result, "pier"),
+        **vertical_table(result),
         "modes": make_table(ratios, compared, "Real time over pseudo-dynamic", keys=3),
         "loops": _loops_table(result),
         "periods": _periods_table(result),
@@ -121,7 +123,9 @@ def console_tables(result: "EarthquakeResult") -> list[Table]:
     peaks = [_peaks_table(one, CONSOLE, heads=SHORT) for one in each or [result]]
     note = max((table.note for table in peaks), key=len)
     shown = [replace(table, note="") for table in peaks[:-1]] + [replace(peaks[-1], note=note)]
-    shown += [found[n] for n in ("modes", "lines", "piers", "governing") if n in found]
+    shown += [
+        found[n] for n in ("modes", "lines", "piers", "governing", "bearing_checks") if n in found
+    ]
     return [table.merged("ambient_degC") for table in shown]
 
 

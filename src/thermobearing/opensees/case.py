@@ -5,8 +5,6 @@ second node relative to its first; forces on the second node resist them (positi
 displacement), and those on the first node are their opposites.
 """
 
-import math
-from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
@@ -14,15 +12,16 @@ import numpy as np
 from pydantic import Field
 
 from thermobearing.bearing.library import BEARINGS, load_bearing
-from thermobearing.bearing.model import Bearing, CircularPlan
+from thermobearing.bearing.model import Bearing
 from thermobearing.border.cases import load_all, read_case
 from thermobearing.border.errors import InputError
-from thermobearing.border.library import data_path, sources_to_keep
+from thermobearing.border.library import sources_to_keep
 from thermobearing.border.schema import Strict, in_unit, overridden
-from thermobearing.border.toml import read_toml, split_sources, to_toml
+from thermobearing.border.toml import split_sources, to_toml
 from thermobearing.border.units import conversion
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Temperature
+from thermobearing.model.checks import compression_modulus, secant_stiffness, second_moments
 from thermobearing.model.element import DEFAULT_AMBIENT, BearingElement
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelOptions
@@ -173,12 +172,6 @@ class Layout(NamedTuple):
         return 2 * self.pairs * len(self.dofs)
 
 
-@cache
-def _constants() -> dict[str, Any]:
-    table, _ = split_sources(read_toml(data_path("materials", "vertical.toml")))
-    return dict(table)
-
-
 class LinearStiffness(NamedTuple):
     """Stiffness of a bearing that neither temperature nor history changes during an analysis."""
 
@@ -209,34 +202,17 @@ def linear_stiffness(case: ServedCase) -> LinearStiffness:
     >>> stiffness.vertical > 100 * stiffness.shear
     True
     """
-    bearing, known = case.bearing, _constants()
-    plan, height = bearing.geometry.plan, bearing.total_rubber_thickness
-    shear = _secant_stiffness(case)
-    modulus = shear * height / plan.area  # [GPa]
-    bulk = float(str(known["bulk_modulus"]).split()[0]) / 1e3
-    round_plan = isinstance(plan, CircularPlan)
-    factor = known["compression_round" if round_plan else "compression_square"]
-    shape = bearing.geometry.first_shape_factor
-    compression = 1.0 / (1.0 / (factor * modulus * shape**2) + 4.0 / (3.0 * bulk))
-    along, across = plan._sides()
-    share = math.pi / 64.0 if round_plan else 1.0 / 12.0
-    inertia = (share * along * across**3, share * across * along**3)  # axes along, across
+    geometry, height = case.bearing.geometry, case.bearing.total_rubber_thickness
+    area, inertia = geometry.plan.area, second_moments(geometry.plan)  # axes along, across
+    shear = secant_stiffness(case.new_bearing(), height)
+    modulus = shear * height / area  # [GPa]
+    compression = compression_modulus(geometry, modulus)
     return LinearStiffness(
         shear,
-        compression * plan.area / height,
+        compression * area / height,
         (compression * inertia[0] / (3.0 * height), compression * inertia[1] / (3.0 * height)),
         modulus * sum(inertia) / height,
     )
-
-
-def _secant_stiffness(case: ServedCase) -> float:
-    """Return the secant stiffness of the rubber at 100 % strain in the first loading [kN/mm]."""
-    bearing, height = case.new_bearing(), case.bearing.total_rubber_thickness
-    begin = float(bearing.state.books["displacement"][0])
-    for x in np.linspace(begin, begin + height, 201)[1:]:
-        bearing.set_trial(float(x), dt=0.005)
-        bearing.commit()
-    return float(bearing.state.books["rubber_force"][0]) / height
 
 
 def spring_constants(layout: Layout, case: ServedCase) -> Floats:

@@ -13,7 +13,7 @@ import xarray as xr
 
 from thermobearing.border.deprecated import renamed
 from thermobearing.quantities.tables import Table
-from thermobearing.results.directory import FIGURES, RIG, TESTED_RANGE, write_directory
+from thermobearing.results.directory import CHECKS, FIGURES, RIG, TESTED_RANGE, write_directory
 from thermobearing.results.ranges import largest_tested
 from thermobearing.results.screen import print_warnings, say, show_table, table_html
 from thermobearing.results.writing import from_attribute, write_csv, write_summary
@@ -59,8 +59,13 @@ class Result:
         """Use of the calibration range of its bearing by each run; empty if unknown."""
         return self._rows("tested_range")
 
+    @property
+    def bearing_checks(self) -> pd.DataFrame:
+        """Stress and critical load of the bearings in each run; empty without an axial force."""
+        return self._rows("bearing_checks")
+
     def _rows(self, name: str) -> pd.DataFrame:
-        """Return the rows of limits of the rig or of the tested range."""
+        """Return the rows of limits of the rig, of the tested range or of checks."""
         return pd.DataFrame()
 
     def tables(self) -> dict[str, Table]:
@@ -86,6 +91,7 @@ class Result:
 
     def _limits_summary(self) -> dict[str, Any]:
         tables = {"rig": self.rig, "tested_range": self.tested_range}
+        tables["bearing_checks"] = self.bearing_checks
         return {name: table.to_dict("records") for name, table in tables.items() if len(table)}
 
     @property
@@ -120,7 +126,8 @@ class Result:
 
         def _fill(folder: Path) -> None:
             self._write(folder)
-            for name, table in ((RIG, self.rig), (TESTED_RANGE, self.tested_range)):
+            limits = {RIG: self.rig, TESTED_RANGE: self.tested_range, CHECKS: self.bearing_checks}
+            for name, table in limits.items():
                 if len(table):
                     write_csv(folder / name, table)
             if figures:

@@ -10,7 +10,7 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.core.records import Floats
 from thermobearing.results.writing import as_attribute, from_attribute
 
-REACHED = ("rig", "tested_range")  # attributes with rows of each run
+REACHED = ("rig", "tested_range", "bearing_checks")  # attributes with rows of each run
 CLOSE = 1e-9  # relative tolerance of a selected number
 
 

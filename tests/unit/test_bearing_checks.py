@@ -1,0 +1,204 @@
+"""Bearings under a vertical load: overlap area, critical load, and the rows of their checks."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import thermobearing as tb
+from tests.tolerances import ROUNDING
+from thermobearing.bearing.model import CircularPlan, Geometry, RectangularPlan, SquarePlan
+from thermobearing.cyclic.case import make_case
+from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.model.checks import (
+    Check,
+    compression_modulus,
+    critical_load,
+    overlap_area,
+    secant_modulus,
+    vertical_checks,
+)
+
+SQUARE = SquarePlan(shape="square", side=400)
+ROUND = CircularPlan(shape="circular", diameter=600)
+RECTANGLE = RectangularPlan(shape="rectangular", length=500, width=300)
+TEST = tb.cyclic_test(strain=[1.0], cycles=1, closing_strain=None)
+LOAD = 350.0  # kN
+NAMES = ["stress", "overlap_stress", "critical", "reduced"]
+
+
+def _geometry(plan, layers=20, rubber=8.0, shim=3.0):
+    thickness = {"rubber_thickness": rubber, "shim_thickness": shim, "end_plate_thickness": 30}
+    return Geometry(plan=plan, rubber_layers=layers, **thickness)
+
+
+@pytest.mark.parametrize("distance", [0.0, 1.0, 150.0, 420.0, 599.0, 600.0, 800.0])
+def test_overlap_of_round_plans_is_the_integral_of_their_chords(distance):
+    radius = 300.0
+
+    def _chord(x):
+        return 2.0 * math.sqrt(max(radius**2 - x**2, 0.0))
+
+    expected = 2.0 * quad(_chord, min(0.5 * distance, radius), radius, epsabs=1e-6)[0]
+    for angle in (0.0, 0.7, 2.5):
+        moved = distance * np.array([[math.cos(angle), math.sin(angle)]])
+        assert overlap_area(ROUND, moved)[0] == pytest.approx(expected, abs=1e-3, rel=1e-7)
+
+
+@pytest.mark.parametrize("moved", [(0.0, 0.0), (120.0, -80.0), (-499.0, 10.0), (0.0, 300.0)])
+def test_overlap_of_rectangles_is_the_share_of_points_that_stay_above(moved):
+    along, across = (np.arange(size) + 0.5 for size in (500, 300))  # a point in each mm2
+    inside = [
+        np.abs(points - shift - middle) < middle
+        for points, shift, middle in zip((along, across), moved, (250.0, 150.0), strict=True)
+    ]
+    counted = int(inside[0].sum()) * int(inside[1].sum())
+    assert overlap_area(RECTANGLE, np.array([moved]))[0] == counted
+
+
+def test_overlap_on_a_line_is_along_the_length():
+    expected = [500 * 300, 400 * 300, 0]
+    assert overlap_area(RECTANGLE, np.array([0.0, -100.0, 501.0])).tolist() == expected
+
+
+@pytest.mark.parametrize("plan", [SQUARE, ROUND, RECTANGLE])
+def test_critical_load_is_the_eigenvalue_of_haringx_column(plan):
+    """B psi'' + P (1 + P/S) psi = 0 with psi = 0 at both ends, by second differences."""
+    geometry, modulus = _geometry(plan), 0.9e-3
+    height, rubber = 20 * 8.0 + 19 * 3.0, 20 * 8.0
+    weak = math.pi * 600**4 / 64 if plan is ROUND else min(plan._sides()) ** 3 * max(plan._sides())
+    weak = weak if plan is ROUND else weak / 12.0
+    bending = compression_modulus(geometry, modulus) / 3.0 * weak * height / rubber
+    shear = modulus * plan.area * height / rubber
+    errors = []
+    for cells in (40, 80):
+        step = height / cells
+        size = cells - 1
+        second = (2.0 * np.eye(size) - np.eye(size, k=1) - np.eye(size, k=-1)) / step**2
+        euler = bending * np.linalg.eigvalsh(second)[0]
+        found = np.roots([1.0 / shear, 1.0, -euler]).max()
+        errors.append(critical_load(geometry, modulus) / found - 1.0)
+    assert errors[1] < 5e-4
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)  # second order
+
+
+def test_critical_load_of_a_round_incompressible_pad():
+    """Without compressibility it is 0.218 G D^4 / (t T_r), less the slenderness of the column."""
+    geometry, modulus = _geometry(ROUND), 1e-12  # far below the bulk modulus
+    usual = math.pi**2 / (32.0 * math.sqrt(2.0)) * modulus * 600**4 / (8.0 * 160.0)
+    assert usual == pytest.approx(0.218 * modulus * 600**4 / (8.0 * 160.0), rel=1e-3)
+    height, shape = 217.0, 600.0 / 32.0
+    share = 4.0 * height / (math.pi * math.sqrt(2.0) * shape * 600.0)  # sqrt(P_S / P_E)
+    expected = usual * (math.sqrt(1.0 + 0.25 * share**2) - 0.5 * share)
+    assert critical_load(geometry, modulus) == pytest.approx(expected, rel=1e-8)
+
+
+def test_checks_of_a_test_on_a_line():
+    free = tb.run("shen-lhdr-specimen", TEST, [-20, 60])
+    result = tb.run("shen-lhdr-specimen", TEST, [-20, 60], axial_force=LOAD)
+    assert len(free.bearing_checks) == 0
+    assert result["force"].equals(free["force"])
+    rows = result.bearing_checks
+    assert rows["run"].nunique() == 2
+    assert len(rows) == 2 * len(NAMES)
+    bearing = tb.load_bearing("shen-lhdr-specimen")
+    moved = float(np.abs(result["displacement"].values).max())
+    side = bearing.geometry.plan.side
+    for run, temperature in enumerate((23.0, 60.0)):  # at least that of the rubber's law
+        plain, overlap, critical, reduced = rows.iloc[4 * run : 4 * run + 4].to_dict("records")
+        assert plain["value"] == pytest.approx(1e3 * LOAD / bearing.area, rel=ROUNDING)
+        assert overlap["value"] == pytest.approx(1e3 * LOAD / (side * (side - moved)), rel=1e-9)
+        assert [plain["verdict"], overlap["verdict"]] == ["limit not available"] * 2
+        modulus = secant_modulus(bearing, temperature)
+        assert critical["limit"] == critical_load(bearing.geometry, modulus)
+        assert reduced["limit"] == pytest.approx(critical["limit"] * (1 - moved / side), rel=1e-9)
+        assert [critical["verdict"], reduced["verdict"]] == ["OK", "OK"]
+    assert rows["limit"].iloc[6] < rows["limit"].iloc[2]  # warm rubber is softer
+    assert "bearing_checks" in result.tables()
+    assert len(result.summary()["bearing_checks"]) == len(rows)
+
+
+def test_resultant_decides_in_a_plane(tmp_path):
+    circle = tb.cyclic_test(strain=[1.0], cycles=1, path="circle", frequency=0.5)
+    result = tb.run("shen-hdr-specimen", circle, 23, axial_force=2e5)
+    side = tb.load_bearing("shen-hdr-specimen").geometry.plan.side
+    x, y = np.abs(result["displacement"].values[0].T)
+    plain, overlap, _, reduced = result.bearing_checks.to_dict("records")
+    least = ((side - x) * (side - y)).min()
+    assert least < side * (side - np.hypot(x, y).max())  # the diagonal is worse than the axis
+    assert overlap["value"] / plain["value"] == pytest.approx(side**2 / least, rel=1e-12)
+    assert reduced["verdict"] == "NG"
+    assert len([text for text in result.warnings if "axial force" in text]) == 2
+    result.save(tmp_path / "saved", figures=False)
+    assert tb.load_result(tmp_path / "saved").bearing_checks.equals(result.bearing_checks)
+    assert (tmp_path / "saved" / "checks.csv").read_text().count("\n") == 5
+
+
+def test_nothing_overlaps():
+    bearing = tb.load_bearing("shen-hdr-specimen")
+    rows = vertical_checks(bearing, LOAD, np.array([0.0, 300.0]), 23.0)
+    assert rows[1].value == math.inf
+    assert (rows[3].limit, rows[3].verdict, rows[3].used) == (0.0, "NG", math.inf)
+
+
+def test_tension_is_outside_the_model():
+    bearing = tb.load_bearing("shen-hdr-specimen")
+    for device in (bearing, None):
+        (row,) = vertical_checks(device, -1.0, np.array([0.0, 100.0]), 23.0)
+        assert (row.verdict, row.of_model, row.value, row.limit) == (
+            *("outside the model", True),
+            *(-1.0, 0.0),
+        )
+    assert vertical_checks(None, LOAD, np.zeros(1), 23.0) == []
+    assert vertical_checks(bearing, 0.0, np.zeros(1), 23.0)[2].used == 0.0
+    result = tb.run(bearing, TEST, 23, axial_force=-LOAD)
+    assert result.outcome == "completed"
+    assert result.bearing_checks["verdict"].tolist() == ["outside the model"]
+    assert any("tension" in text for text in result.warnings)
+
+
+@pytest.mark.parametrize(
+    ("limit", "least", "verdict"),
+    [(2.0, False, "OK"), (2.0, True, "NG"), (math.nan, False, "limit not available")],
+)
+def test_verdicts(limit, least, verdict):
+    check = Check("what", 1.0, limit, "1", "source", least)
+    assert check.verdict == verdict
+    assert math.isnan(limit) or check.used == (2.0 if least else 0.5)
+
+
+def test_units_and_bad_input():
+    for text in ("350 kN", "0.35 MN", "350000 N"):
+        assert make_case({"axial_force": text}, "case.toml").axial_force == pytest.approx(LOAD)
+    for given in ("350 mm", "350", "2e6 kN", "nan kN", True, [1.0]):
+        with pytest.raises(tb.InputError) as caught:
+            make_case({"axial_force": given}, "case.toml")
+        assert "axial_force" in str(caught.value)
+        assert "case.toml" in str(caught.value)
+    with pytest.raises(tb.InputError, match="axial_force"):
+        tb.bridge(axial_force=math.inf)
+
+
+def test_axial_force_of_a_line():
+    own = [{"line": "A1", "axial_force": "500 kN"}]
+    case = make_earthquake_case({"structure": "five-span-girder", "lines": own}, "case.toml")
+    assert case.axial_forces() == {"A1": 500.0}
+    case = make_earthquake_case(
+        {"structure": "five-span-girder", "lines": own, "axial_force": "800 kN"}, "case.toml"
+    )
+    forces = case.axial_forces()
+    assert len(forces) == len(case.structure.bearings)
+    assert (forces.pop("A1"), set(forces.values())) == (500.0, {800.0})
+
+
+def test_checks_of_an_earthquake_are_at_the_peak_of_the_line():
+    result = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 23, duration=6, axial_force=800)
+    rows = result.bearing_checks
+    assert rows["part"].tolist() == [""] * 4
+    plan = tb.load_bearing("shen-hdr-bridge").geometry.plan
+    peak = float(result["bearing_displacement_max"][0])
+    overlap = overlap_area(plan, np.array([peak]))[0] / plan.area
+    assert rows["limit"][3] / rows["limit"][2] == pytest.approx(overlap, rel=1e-12)
+    assert result.sel(ambient=23).bearing_checks.equals(rows)
+    assert "bearing_checks" in result.tables()
