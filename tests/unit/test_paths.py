@@ -283,18 +283,6 @@ def test_circle_warms_more_than_a_line(circle: Result) -> None:
         del circle.compared
 
 
-def test_a_plane_takes_temperatures_of_a_line_only(circle: Result) -> None:
-    line = tb.run(HDR, tb.cyclic_test(strain=[0.5], cycles=1, rest=None), 23.0)
-    test = tb.CyclicTest(dt=0.02, steps=[turns("circle", count=1)])
-    with pytest.raises(InputError) as caught:
-        tb.run(HDR, test, 23.0, initial=line)
-    assert "initial_profile" in str(caught.value)
-    again = tb.run(HDR, test, 23.0, initial=circle.sel(ambient=23.0))
-    assert_array_equal(
-        again["initial_temperature"].values[0], circle["final_temperature"].values[1]
-    )
-
-
 def test_measured_path_of_gallardo() -> None:
     """A closed orbit of an HDR bearing of 650 mm, at the strains of the specimen."""
     x, y, _ = np.loadtxt(shared_data("bearing_tests/gallardo_biaxial/Fig10.txt"))[::10].T

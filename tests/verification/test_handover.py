@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.cyclic.case import make_case
+from thermobearing.cyclic.case import end_state, make_case
 from thermobearing.earthquake.case import load_earthquake_case
 from thermobearing.earthquake.run import build_tasks, run_task
 from thermobearing.model.handover import MEMORY, PREFIX
@@ -23,6 +23,14 @@ LOADED = {"step": "ramp", "to_strain": 0.8, "speed": 40.0}
 HELD = {"step": "rest", "duration": 40.0}
 BACK = {"step": "ramp", "to": 0.0, "speed": 25.0}
 FIRST, SECOND = [CYCLES, LOADED], [HELD, BACK, CYCLES]
+SECONDS = np.linspace(0.0, 3.0, 61)
+CURVE = {
+    "step": "recorded",
+    "time_s": SECONDS.tolist(),
+    "displacement_mm": (35.0 * np.sin(2.2 * SECONDS)).tolist(),
+    "displacement_y_mm": (25.0 * np.sin(1.7 * SECONDS)).tolist(),
+}
+TURN = {"step": "path", "path": "eight", "strain": 1.2, "period": 3.0, "count": 1}
 SUMS = ("work_in", "heat_released", "heat_lost_ends", "heat_lost_sides", "heat_stored")
 NOW = ("displacement", "force", "rubber_temperature", "temperature")
 BRANCHES = ("rubber_force", "lead_force", "viscous_force", "lead_temperature")
@@ -56,20 +64,26 @@ def close(found: Any, wanted: Any, name: str) -> None:
     assert_allclose(found / scale, wanted / scale, rtol=0, atol=tol.CUT, err_msg=name)
 
 
-@pytest.fixture(scope="module", params=BEARINGS)
+IN_PLANE = [f"{name} in a plane" for name in BEARINGS if name not in ("monotone", "published")]
+
+
+@pytest.fixture(scope="module", params=[*BEARINGS, *IN_PLANE])
 def runs(request: Any) -> tuple[Result, Result, Result, dict[str, Any]]:
-    name, options = BEARINGS[request.param]
+    name, options = BEARINGS[request.param.removesuffix(" in a plane")]
     bearing = bearing_of(name)
-    whole = tb.run(bearing, made(FIRST + SECOND), -20.0, **options)
-    first = tb.run(bearing, made(FIRST), -20.0, **options)
-    second = tb.run(bearing, made(SECOND), -20.0, initial=first, **options)
+    before, after = FIRST, SECOND
+    if request.param in IN_PLANE:
+        before, after = [CURVE], [HELD, BACK, TURN]
+    whole = tb.run(bearing, made(before + after), -20.0, **options)
+    first = tb.run(bearing, made(before), -20.0, **options)
+    second = tb.run(bearing, made(after), -20.0, initial=first, **options)
     return whole, first, second, {"bearing": bearing, **options}
 
 
 def test_cut_in_two_is_the_whole(runs: tuple[Result, Result, Result, Any]) -> None:
     whole, first, second, _ = runs
     cut = first.dataset.sizes["time"] - 1
-    assert abs(first["displacement"].values[0, -1]) > 1.0  # cut while it is loaded
+    assert np.abs(first["displacement"].values[0, -1]).min() > 1.0  # cut while it is loaded
     for name in (*NOW, *(name for name in BRANCHES if name in whole.dataset)):
         close(second[name].values[0], whole[name].values[0, cut:], name)
     for name in SUMS:
@@ -101,6 +115,32 @@ def test_a_directory_hands_over_the_same(tmp_path: Path) -> None:
     saved = second.save(tmp_path / "second", figures=False)
     again = tb.run_case(tb.load_case(saved / "case.resolved.toml"))
     assert again.dataset.drop_attrs().identical(second.dataset.drop_attrs())
+
+
+def test_a_line_in_a_plane_is_along_x() -> None:
+    """A test in a plane continues one on a line; a line cannot continue a plane."""
+    bearing = bearing_of("virgin")
+    line = tb.run(bearing, made(FIRST), -20.0)
+    second = tb.run(bearing, made([HELD, BACK, TURN]), -20.0, initial=line)
+    whole = tb.run(bearing, made([*FIRST, HELD, BACK, TURN]), -20.0)
+    cut = line.dataset.sizes["time"] - 1
+    for name in NOW:
+        close(second[name].values[0], whole[name].values[0, cut:], name)
+    left = end_state(line, bearing)
+    assert left.across is None
+    ours, theirs = (tb.element(bearing, ambient=-20.0, components=n, initial=left) for n in (1, 2))
+    straight = ours.set_trial(20.0, dt=0.1)
+    assert_allclose(theirs.set_trial((20.0, 0.0), dt=0.1).force, [straight.force, 0.0], rtol=1e-12)
+    left = end_state(second, bearing)
+    assert left.across is not None
+    state = tb.element(bearing, ambient=-20.0, components=2, initial=left).state
+    assert_array_equal(state.books["force"][0], second["force"].values[0, -1])
+    for wrong in (
+        lambda: tb.run(bearing, made([HELD]), -20.0, initial=second),
+        lambda: tb.element(bearing, initial=left),
+    ):
+        with pytest.raises(tb.InputError, match="of a test in a plane"):
+            wrong()
 
 
 REFUSED = {

@@ -208,7 +208,9 @@ def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> Sp
 
     def _read(name: str) -> Any:
         values = data[name].values[run]
-        return values[np.isfinite(values)] if np.ndim(values) else values
+        if np.ndim(values) == 0:
+            return values
+        return values[np.isfinite(values.reshape(len(values), -1)).all(axis=1)]
 
     memory = None
     if PREFIX + MEMORY[0] in data:
@@ -392,18 +394,14 @@ class Case(Strict):
         concerned = self.initial_state is not None or self.test.in_plane
         if concerned and not found and self.analysis.model != "bilinear":
             constants = build_model(self.bearing, self.analysis).constants
-            fault = misfit(self.initial_state, constants) if self.initial_state else ""
+            state, components = self.initial_state, 2 if self.test.in_plane else 1
+            fault = misfit(state, constants, components) if state else ""
             found += [f"initial_state: {fault}"] if fault else []
             if self.test.in_plane:
                 found += [
                     f"analysis.{name}: is not available in a plane; {PLANE_OPTIONS}"
                     for name in line_only_options(constants)
                 ]
-        if self.test.in_plane and self.initial_state and self.initial_state.complete:
-            found.append(
-                "initial_state: is of a test on a line and does not say what the bearing remembers "
-                "across; give its temperatures as initial_profile"
-            )
         if not found:  # of a test that cannot be done the steps say nothing
             steps *= len(self.ambient)
             row = len(labels(Books)) + cells * len(self.analysis.keep)
@@ -411,9 +409,13 @@ class Case(Strict):
         return found
 
     @property
-    def starts_at(self) -> float:
-        """Displacement at the start [mm]."""
-        return 0.0 if self.initial_state is None else self.initial_state.reads
+    def starts_at(self) -> float | Floats:
+        """Displacement at the start [mm]; [2] in a plane."""
+        state = self.initial_state
+        along = 0.0 if state is None else state.reads
+        if not self.test.in_plane:
+            return along
+        return np.array([along, state.across.displacement if state and state.across else 0.0])
 
 
 def load_case(path: str | Path, **overrides: Any) -> Case:

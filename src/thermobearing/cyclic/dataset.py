@@ -24,7 +24,6 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import calibration_ranges
 from thermobearing.bearing.plausible import doubled_law
-from thermobearing.core.plane import count_components
 from thermobearing.core.records import Floats, Ints, labels
 from thermobearing.core.types import Books, RubberBooks
 from thermobearing.cyclic.case import Case, beyond, rig_demand
@@ -186,17 +185,13 @@ def _build_dataset(
 
 
 def _memories(runs: list[History]) -> dict[str, Any]:
-    """Return the state at the end of each run, from which another test can go on.
-
-    None of a test in a plane, which hands over temperatures only.
-    """
-    if count_components(runs[0].state) > 1:
-        return {}
+    """Return the state at the end of each run, from which another test can go on."""
     memories, found = [state_memory(run.state) for run in runs], {}
     for key in memories[0]:
         values, also = np.array([memory[key] for memory in memories]), DIMENSIONS.get(key)
         if values.size:  # no empty variables
-            dims = ("ambient", *([] if also is None else [also]))
+            dims = ["ambient", *([] if also is None else [also])]
+            dims += [COMPONENT] * (values.ndim - len(dims))
             found[PREFIX + key] = (dims, values, quantity(PREFIX + key).attributes)
     return found
 
@@ -227,9 +222,8 @@ def _collect_warnings(case: Case, segments: list[Segment], climates: list[Ambien
         )
     if case.initial_state is not None and not case.initial_state.complete:
         found.append(
-            "the earlier result hands over temperatures only (it is of a test in a plane, or was "
-            "written before results held the complete state): rubber and lead begin unloaded and "
-            "virgin, at zero displacement"
+            "the earlier result hands over temperatures only (it was written before results held "
+            "the complete state): rubber and lead begin unloaded and virgin, at zero displacement"
         )
     increment = float(_way(case, segments).max()) / case.bearing.geometry.rubber_layers
     yielding = case.bearing.hysteresis.yield_displacement

@@ -171,7 +171,7 @@ def _recorded(step: Recorded, rubber: float, dt: float, start: float | Floats) -
 
 
 def build_segments(
-    test: CyclicTest, total_rubber_thickness: float, start: float = 0.0
+    test: CyclicTest, total_rubber_thickness: float, start: float | Floats = 0.0
 ) -> list[Segment]:
     """Sample a test for a bearing of some rubber thickness [mm] that is at `start` [mm].
 
@@ -182,7 +182,7 @@ def build_segments(
         raise InputError(faults, test.name)
     segments: list[Segment] = []
     rubber, plane = total_rubber_thickness, test.in_plane
-    at: float | Floats = lifted(start) if plane else start
+    at: float | Floats = lifted(start) if plane and np.ndim(start) == 0 else start
     for step in test.steps:
         match step:
             case Cycles():

@@ -401,14 +401,14 @@ def _step_faults(
 
 
 def survey(
-    test: CyclicTest, total_rubber_thickness: float, start: float = 0.0
+    test: CyclicTest, total_rubber_thickness: float, start: float | Floats = 0.0
 ) -> tuple[list[str], float]:
     """Return why a test cannot be done with a bearing, and how many time steps it takes.
 
     The bearing is at `start` [mm] when it begins. Recordings are read; nothing is sampled.
     """
     faults, total, plane = [], 0.0, test.in_plane
-    at: float | Floats | None = lifted(start) if plane else start
+    at: float | Floats | None = lifted(start) if plane and np.ndim(start) == 0 else start
     for number, step in enumerate(test.steps):
         steps, at, found = _step_faults(step, test.dt, total_rubber_thickness, at, plane)
         total += steps

@@ -34,7 +34,7 @@ from thermobearing.cyclic.case import (
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import History as Recorded
 from thermobearing.cyclic.history import build_segments, run_segments
-from thermobearing.cyclic.protocol import CyclicTest, checked_history
+from thermobearing.cyclic.protocol import CyclicTest, checked_history, lifted
 from thermobearing.cyclic.result import Result
 from thermobearing.model.earlier import Model
 from thermobearing.model.handover import begun_from
@@ -189,7 +189,8 @@ def run_case(
 
     histories: list[Recorded] = []
     zero = (case.initial_state and case.initial_state.zero) or 0.0  # of the instruments
-    moved = [replace(one, x=one.x + zero) for one in segments] if zero else segments
+    offset = lifted(zero) if case.test.in_plane else zero
+    moved = [replace(one, x=one.x + offset) for one in segments] if zero else segments
     for climate in climates:
         begin = None
         if case.initial_state is not None:
@@ -206,7 +207,7 @@ def run_case(
             groups=case.analysis.keep,
             progress=_report,
         )
-        history.rows.books["displacement"][:] -= zero
+        history.rows.books["displacement"][:] -= offset
         histories.append(history)
         if history.outcome == INTERRUPTED:
             break

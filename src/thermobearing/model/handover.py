@@ -2,10 +2,13 @@
 
 It is core/types.State with names and units. Energies and the clock restart at zero; forces,
 displacements, temperatures and the history variables of rubber and lead continue bit for bit.
+A test in a plane also hands over what is across the direction x, and it can continue a test on a
+line, whose direction is x.
 """
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
@@ -50,10 +53,35 @@ COUNT = "layer_turns"
 ENDS = "lead_terms"
 MEMORY = (*LAYERS, *BRANCHES, *BOOKS, ENDS)
 OF_LOOPS = (COUNT, *TURNS)
+ACROSS = (  # what has a component across in a plane
+    "layer_displacement",
+    "layer_hysteretic",
+    "core_force",
+    "maxwell_force",
+    "displacement",
+    "force",
+    "rubber_force",
+    "lead_force",
+    "viscous_force",
+)
 # Dataset dimension of each history variable that is no scalar.
 DIMENSIONS = {**dict.fromkeys([*LAYERS, COUNT], "layer"), **dict.fromkeys(TURNS, "turn")}
 DIMENSIONS[ENDS] = "lead_term"
 PREFIX = "state_"  # of the variables in a dataset
+
+
+class AcrossState(Strict):
+    """The components across (y) of a state in a plane, by key of `SpecimenState`."""
+
+    layer_displacement: Annotated[list[Length], Many]
+    layer_hysteretic: Annotated[list[Length], Many]
+    core_force: Force
+    maxwell_force: Force
+    displacement: Length
+    force: Force
+    rubber_force: Force
+    lead_force: Force
+    viscous_force: Force
 
 
 class SpecimenState(Strict):
@@ -76,8 +104,10 @@ class SpecimenState(Strict):
     rubber_force, lead_force, viscous_force : shares of the force [kN].
     recoverable : recoverable energy [kN mm].
     zero : displacement [mm] at which the instruments of the next test read zero; 0 by default.
+    across : the components across (y) after a test in a plane; the others are those along x.
 
-    Give either all of them (turning points and `zero` are optional) or temperatures alone.
+    Give either all of them (turning points, `zero` and `across` are optional) or temperatures
+    alone.
     Without turning points a run with closed small loops begins with none.
     """
 
@@ -100,6 +130,7 @@ class SpecimenState(Strict):
     recoverable: Energy | None = None
     lead_terms: Annotated[list[Excess], Many] | None = None
     zero: Length | None = None
+    across: AcrossState | None = None
     layer_turns: Annotated[list[Annotated[int, Field(ge=0, le=DEPTH)]], Many] | None = None
     turn_displacement: Annotated[list[Length], Many] | None = None
     turn_hysteretic: Annotated[list[Length], Many] | None = None
@@ -108,7 +139,7 @@ class SpecimenState(Strict):
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         lacking = [name for name in MEMORY if name not in given]
         turns = [name for name in OF_LOOPS if name not in given]
-        if len(lacking) == len(MEMORY):
+        if len(lacking) == len(MEMORY) and "across" not in given:
             lacking = []
         if 0 < len(turns) < len(OF_LOOPS):
             lacking += turns
@@ -123,20 +154,31 @@ class SpecimenState(Strict):
 
     @property
     def at(self) -> float:
-        """Displacement of the bearing [mm]."""
+        """Displacement of the bearing along x [mm]."""
         return self.displacement or 0.0
 
     @property
     def reads(self) -> float:
-        """Displacement that the instruments of the next test read [mm]."""
+        """Displacement along x that the instruments of the next test read [mm]."""
         return self.at - (self.zero or 0.0)
+
+    def in_plane(self, key: str) -> Any:
+        """Return a value of the state with the components along and across as its last axis."""
+        along = np.array(getattr(self, key))
+        if key not in ACROSS:
+            return along
+        across = np.zeros_like(along) if self.across is None else getattr(self.across, key)
+        return np.stack([along, across], axis=-1)
 
 
 def state_memory(state: State) -> dict[str, Any]:
-    """Return the history variables of a state without temperatures, by key of `SpecimenState`."""
+    """Return the history variables of a state without temperatures, by key of `SpecimenState`.
+
+    In a plane those of `ACROSS` have both components as their last axis.
+    """
     found: dict[str, Any] = {key: state.layers[name].copy() for key, name in LAYERS.items()}
-    found |= {key: float(state.branches[name][0]) for key, name in BRANCHES.items()}
-    found |= {name: float(state.books[name][0]) for name in BOOKS}
+    found |= {key: state.branches[name][0].copy() for key, name in BRANCHES.items()}
+    found |= {name: state.books[name][0].copy() for name in BOOKS}
     if state.turns.shape[1]:
         found[COUNT] = state.layers["turns"].astype(int)
         used = np.arange(DEPTH) < found[COUNT][:, np.newaxis]
@@ -149,6 +191,10 @@ def specimen_state(
 ) -> SpecimenState:
     """Return a `SpecimenState` of temperatures [degC] (NaN without lead) and history variables."""
     found = {key: np.asarray(value).tolist() for key, value in (memory or {}).items()}
+    if memory is not None and np.ndim(memory["displacement"]):
+        pairs = {key: np.moveaxis(np.asarray(memory[key]), -1, 0).tolist() for key in ACROSS}
+        found |= {key: along for key, (along, _) in pairs.items()}
+        found["across"] = {key: across for key, (_, across) in pairs.items()}
     found["temperature"] = np.asarray(temperature).tolist()
     if not math.isnan(lead):
         found["lead_temperature"] = float(lead)
@@ -164,25 +210,24 @@ def begun_from(
     """Return the state of a bearing that continues from a test; its energies restart at zero.
 
     `constants`: of the same bearing and model; `lead`: temperature of the lead [degC],
-    instead of the given one. With two components it must be at rest in the middle: a test on a
-    line does not say what the bearing remembers across.
+    instead of the given one. With two components a test on a line was along x.
     """
-    fault = misfit(given, constants)
-    if components == 2 and given.complete:
-        fault = "is of a test on a line; with components = 2 give temperatures only"
+    fault = misfit(given, constants, components)
     if fault:
         raise InputError(f"initial_state: {fault}")
     lead = given.lead_temperature if lead is None else lead
     state = new_state(constants, np.array(given.temperature), lead, components)
     if given.complete:
+        read = given.in_plane if components == 2 else partial(getattr, given)
         for key, name in LAYERS.items():
-            state.layers[name] = getattr(given, key)
+            state.layers[name] = read(key)
         for key, name in BRANCHES.items():
-            state.branches[name] = getattr(given, key)
+            state.branches[name] = read(key)
         for name in BOOKS:
-            state.books[name] = getattr(given, name)
+            state.books[name] = read(name)
         state.ends[:] = given.lead_terms
-        state.layers["heading"] = np.sign(state.layers["z"])  # as after a first loading
+        if components == 1:
+            state.layers["heading"] = np.sign(state.layers["z"])  # as after a first loading
     if given.layer_turns is not None and constants.rubber.closed_loops:
         state.layers["turns"] = given.layer_turns
         for key, name in TURNS.items():
@@ -195,12 +240,19 @@ def begun_from(
     return state
 
 
-def misfit(given: SpecimenState, constants: Constants) -> str:
+def misfit(given: SpecimenState, constants: Constants, components: int = 1) -> str:
     """Return why a bearing cannot start from this state; empty if it can."""
+    if given.across is not None and components == 1:
+        return (
+            "is of a test in a plane; continue in a plane (along x: a recorded history with "
+            "displacement_y_mm = 0), or give its temperatures alone"
+        )
     layer_count = len(constants.multiplicity)
     counts = [("temperatures", "cells", len(given.temperature), len(constants.cells.capacity))]
     if given.complete:
-        sizes = [len(getattr(given, key)) for key in LAYERS]
+        sizes = [len(given.in_plane(key)) for key in LAYERS]
+        if given.across is not None:
+            sizes += [len(getattr(given.across, key)) for key in ACROSS[:2]]
         layers = [("layers", "modelled layers", size, layer_count) for size in sizes]
         terms = len(given.lead_terms or [])
         counts += [*layers, ("lead_terms", "terms of lead", terms, len(constants.lead_modes))]
@@ -215,12 +267,13 @@ def misfit(given: SpecimenState, constants: Constants) -> str:
                 "stack, scheme and lead_ends of the earlier test"
             )
     if given.complete:
-        moved = np.array(given.layer_displacement)
-        z = np.abs([*(given.layer_hysteretic or [0.0]), *(given.turn_hysteretic or [])])
+        moved, at = given.in_plane("layer_displacement"), given.in_plane("displacement")
+        z = np.hypot(*given.in_plane("layer_hysteretic").T)
+        z = np.array([0.0, *z, *np.abs(given.turn_hysteretic or [])])
         yields = constants.rubber.yield_displacement
         if z.max() > PASSED * yields:
             return f"layer_hysteretic reaches {z.max():g} mm; it ends at d_y = {yields:g} mm"
-        scale = max(1.0, float(constants.multiplicity @ np.abs(moved)))
-        if abs(constants.multiplicity @ moved - given.at) > MISSED * scale:
+        scale = max(1.0, float((constants.multiplicity @ np.abs(moved)).max()))
+        if np.abs(constants.multiplicity @ moved - at).max() > MISSED * scale:
             return "layer_displacement does not add up to displacement"
     return ""
