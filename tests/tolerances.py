@@ -227,6 +227,7 @@ PGD_BOUND = (
     1000.0  # mm: below the 1.4 m that the spectra imply for an oscillator of 3 s; 650 measured
 )
 REMADE = 1e-3  # of the peak: 40 rounds carry rounding and another FFT along; 6e-8 measured here
+ROTATED = 1e-10  # components of a linear response, 4e-13 measured
 EQSIG_MEASURE = 1e-12  # the same trapezia
 EQSIG_DURATION = 1.0  # time steps at each end: they take samples, we go between them
 ADJOINT = 1e-11  # of the largest: the same sums in another order; 3e-14 measured

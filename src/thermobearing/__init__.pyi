@@ -57,6 +57,7 @@ from .motions.pair import MotionPair as MotionPair
 from .motions.record import GroundMotion as GroundMotion
 from .motions.record import motion_from_arrays as motion_from_arrays
 from .motions.spectrum import response_spectrum as response_spectrum
+from .motions.spectrum import rotated_spectrum as rotated_spectrum
 from .motions.synthesis import make_motion as make_motion
 from .motions.synthesis import match_spectrum as match_spectrum
 from .reporting import make_report as make_report

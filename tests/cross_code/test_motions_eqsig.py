@@ -1,5 +1,7 @@
 """Response spectra and measures against eqsig, another implementation."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -8,8 +10,9 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.motions import measures
 from thermobearing.motions.library import load_motion
+from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import STANDARD_GRAVITY
-from thermobearing.motions.spectrum import response_spectrum
+from thermobearing.motions.spectrum import response_spectrum, rotated_spectrum
 
 eqsig = pytest.importorskip("eqsig", reason="eqsig is not installed")
 MOTIONS = ["jra-i-ii-1", "jra-ii-i-2", "jra-ii-iii-3"]
@@ -55,3 +58,21 @@ def test_measures_are_those_of_eqsig(name: str) -> None:
     )
     assert ours.pga == other.pga
     assert ours.pgv == pytest.approx(np.abs(other.velocity).max(), rel=1e-9)
+
+
+def test_rotated_responses_are_those_of_eqsig() -> None:
+    """eqsig rotates the records, in the other sense."""
+    pair = MotionPair(load_motion("jra-ii-i-1"), load_motion("jra-ii-i-2"))
+    periods = np.array([0.2, 1.5])
+    ours = rotated_spectrum(pair, periods, steps_per_period=1)
+    records = [eqsig.AccSignal(one.acceleration, one.dt) for one in (pair.first, pair.second)]
+    for place, period in enumerate(periods):
+
+        def _pseudo(one: Any, period: float = float(period)) -> float:
+            found = eqsig.sdof.pseudo_response_spectra(one.values, one.dt, np.array([period]), 0.05)
+            return float(found[2][0])
+
+        degrees, theirs = eqsig.compute_rotated(*records, func=_pseudo, points=13)
+        places = np.round(-degrees).astype(int) % 180
+        mine = ours.pseudo_acceleration[places, place]
+        assert_allclose(mine, theirs, rtol=tol.EQSIG_SPECTRUM)

@@ -15,7 +15,7 @@ from tests.unit import motion_files as files
 from tests.unit.inputs import command, content
 from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
 from thermobearing.earthquake.motions import Motion
-from thermobearing.motions.pair import MotionPair, make_pair
+from thermobearing.motions.pair import MotionPair, distinct_angles, make_pair, rotation_measures
 
 FIRST = tb.load_motion("jra-ii-i-1")
 SECOND = tb.load_motion("jra-ii-i-2")
@@ -189,3 +189,11 @@ def test_pairs_on_the_command_line(tmp_path: Path) -> None:
     ):
         assert command("bridge", *words, *bad).exit_code == 2
     assert "30 deg" in command("bridge", *words, *pair, "--angle", 30).stderr
+
+
+def test_angles_half_a_turn_apart_count_once() -> None:
+    angles = [0.0, 90.0, 180.0, 45.0, -90.0, 360.0]
+    assert distinct_angles(angles) == [0, 1, 3]
+    measures = rotation_measures([[1.0], [4.0], [9.0], [2.0], [9.0], [9.0]], angles)
+    assert (measures.rotd50[0], measures.rotd100[0]) == (2.0, 4.0)
+    assert np.isnan(rotation_measures([1.0, np.nan, 2.0]).rotd50)

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from thermobearing.cli import app
 
-MOST = 74  # names that are promised; one is a module, which keeps its own names apart
+MOST = 75  # names that are promised; one is a module, which keeps its own names apart
 MODULES = {"opensees"}
 PUBLIC = sorted(
     [getattr(tb, name) for name in tb.__all__ if name not in MODULES]

@@ -8,9 +8,10 @@ from scipy import signal
 from tests import tolerances as tol
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import COARSE, _Amplitudes
+from thermobearing.motions.pair import MotionPair, make_pair, rotation_measures
 from thermobearing.motions.process import padded, with_quiet_end
 from thermobearing.motions.record import GroundMotion
-from thermobearing.motions.spectrum import DAMPING, response_spectrum
+from thermobearing.motions.spectrum import ANGLES, DAMPING, response_spectrum, rotated_spectrum
 from thermobearing.motions.synthesis import ROOM
 
 
@@ -130,3 +131,44 @@ def test_bands_add_up_to_the_peak_of_the_response() -> None:
     added = amplitudes.sensitivity(np.arange(COARSE.periods), times).sum(axis=1)
     long = amplitudes.periods > 0.5
     assert_allclose(np.abs(added[long]), spectrum.acceleration[long], rtol=tol.STRAIGHT_LINES)
+
+
+PAIR = MotionPair(load_motion("jra-ii-i-1"), load_motion("jra-ii-i-2"))
+PERIODS = np.array([0.0, 0.06, 0.3, 1.0, 2.5])
+QUANTITIES = ("acceleration", "displacement", "pseudo_acceleration")
+
+
+@pytest.mark.parametrize("angle", [0.0, 30.0, 90.0])
+def test_motion_along_a_line_has_the_rotation_measures_of_a_cosine(angle: float) -> None:
+    """Along an axis at an angle a the response is |cos a| times its own: median cos 45 deg."""
+    motion = PAIR.first
+    x, y = make_pair(motion, angle=angle).rotated().T
+    found = rotated_spectrum(MotionPair(motion_of(x), motion_of(y)), PERIODS)
+    own = response_spectrum(motion, PERIODS)
+    for name in QUANTITIES:
+        rotd50, rotd100 = rotation_measures(getattr(found, name), ANGLES.tolist())
+        assert_allclose(rotd100, getattr(own, name), rtol=tol.ROTATED)
+        assert_allclose(rotd50, np.sqrt(0.5) * getattr(own, name), rtol=tol.ROTATED)
+
+
+@pytest.mark.parametrize("angle", [0, 17, 90, 151])
+def test_rotated_responses_are_those_to_rotated_records(angle: int) -> None:
+    found = rotated_spectrum(PAIR, PERIODS, 0.1)
+    turned = response_spectrum(motion_of(PAIR.rotated(float(angle))[:, 0]), PERIODS, 0.1)
+    for name in QUANTITIES:
+        assert_allclose(
+            getattr(found, name)[angle], getattr(turned, name), rtol=tol.ROTATED, atol=0.0
+        )
+
+
+def test_rotation_measures_do_not_depend_on_the_axes_of_the_records() -> None:
+    x, y = PAIR.rotated(41.0).T
+    turned = rotated_spectrum(MotionPair(motion_of(x), motion_of(y)), PERIODS)
+    found = rotated_spectrum(PAIR, PERIODS)
+    for name in QUANTITIES:
+        for one, other in zip(
+            rotation_measures(getattr(found, name)),
+            rotation_measures(getattr(turned, name)),
+            strict=True,
+        ):
+            assert_allclose(one, other, rtol=tol.ROTATED)

@@ -1,10 +1,12 @@
 """Pairs of horizontal ground motions: two records of one place, and their direction in plan."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import is_number
@@ -12,7 +14,14 @@ from thermobearing.core.types import Floats
 from thermobearing.motions.process import SAME_STEP, resampled
 from thermobearing.motions.record import GroundMotion
 
-LARGEST_ANGLE = 360.0  # [deg]
+LARGEST_ANGLE, HALF_TURN = 360.0, 180.0  # [deg]
+
+
+class RotationMeasures(NamedTuple):
+    """Measures of a response that do not depend on the axes of the records (Boore, 2010)."""
+
+    rotd50: Floats  # median over the angles
+    rotd100: Floats  # largest over the angles
 
 
 @dataclass(frozen=True)
@@ -87,7 +96,7 @@ class MotionPair:
         angle = self.angle if angle is None else angle
         if faults := _angle_faults(angle):
             raise InputError(faults, f'MotionPair "{self.name}"')
-        cosine, sine = _direction(angle)
+        cosine, sine = pair_direction(angle)
         first, second = self.first.acceleration, self.second.acceleration
         return np.column_stack([cosine * first - sine * second, sine * first + cosine * second])
 
@@ -97,11 +106,36 @@ class MotionPair:
         return replace(self.first, name=self.name, acceleration=values, component="")
 
 
-def _direction(angle: float) -> tuple[float, float]:
+def pair_direction(angle: float) -> tuple[float, float]:
     """Return the cosine and the sine of an angle [deg], exact at right angles."""
     turned = math.radians(angle)
     cosine, sine = math.cos(turned), math.sin(turned)
     return (float(round(cosine)), float(round(sine))) if angle % 90.0 == 0.0 else (cosine, sine)
+
+
+def distinct_angles(angles: Sequence[float]) -> list[int]:
+    """Return the places of angles [deg] that are not half a turn from an earlier one.
+
+    Half a turn changes the sign of both components and no largest absolute response of a structure
+    that is the same in both directions.
+    """
+    turned = [round(float(angle) % HALF_TURN, 9) % HALF_TURN for angle in angles]
+    return [place for place, angle in enumerate(turned) if angle not in turned[:place]]
+
+
+def rotation_measures(values: ArrayLike, angles: Sequence[float] | None = None) -> RotationMeasures:
+    """Return RotD50 and RotD100 of largest absolute responses to a pair at several angles.
+
+    Parameters
+    ----------
+    values : [angle, ...] the largest response at each angle, in any unit; NaN, of a run that
+        failed, makes the measures NaN.
+    angles : of the pair [deg]; those half a turn from an earlier one count once. By default all
+        values count.
+    """
+    found = np.asarray(values, dtype=np.float64)
+    found = found if angles is None else found[distinct_angles(angles)]
+    return RotationMeasures(np.median(found, axis=0), np.max(found, axis=0))
 
 
 def _angle_faults(angle: object) -> list[str]:
