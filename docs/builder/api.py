@@ -13,6 +13,7 @@ TITLES = {
     "cyclic": "Cyclic tests",
     "earthquake": "Bridges in earthquakes, hybrid tests",
     "bearing": "Bearings",
+    "laws": "Laws of your own",
     "structure": "Structures",
     "motions": "Ground motions",
     "climate": "Weather",

@@ -1,7 +1,7 @@
 """Run the blocks of a page in order, as a reader would; write what they print into the page.
 
-A block whose first line is `# NAME.toml`, `# NAME.csv` or `# NAME.tcl` is that file. A `text` block
-shows lines that the block before it printed; those that match the pattern of the comment above it,
+A block whose first line is `# NAME.toml` (or .csv, .tcl, .py) is that file. A `text` block shows
+lines that the block before it printed; those that match the pattern of the comment above it,
 `<!-- output: PATTERN -->`, are written into it by `python -m docs.builder.outputs PAGE...`.
 A picture below a comment `<!-- figure: PATH -->` is a file that the blocks of the page write
 (for a PDF, its first page); `python -m docs.builder.outputs --figures PAGE...` copies it.
@@ -24,7 +24,7 @@ BLOCK = re.compile(
     r"(?:<!-- output: (?P<pattern>.*?) -->\n)?```(?P<language>[\w{}]+)\n(?P<text>.*?)```", re.DOTALL
 )
 PICTURE = re.compile(r"<!-- figure: (?P<made>\S+) -->\n!\[[^\]]*\]\((?P<shown>[^)]+)\)")
-FILE = re.compile(r"# (\S+\.(?:toml|csv|tcl))\n")  # the first line of a block that is a file
+FILE = re.compile(r"# (\S+\.(?:toml|csv|tcl|py))\n")  # the first line of a block that is a file
 WITHOUT_FIGURES = {"study", "new", "check", "list", "measure", "--version"}
 WIDTH = 100  # columns of the console
 WIDEST = 1000  # pixels of a picture

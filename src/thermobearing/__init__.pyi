@@ -1,4 +1,5 @@
 # The public names: read by type checkers, and by lazy_loader when a name is first used.
+from . import laws as laws
 from . import opensees as opensees
 from .bearing.ambient import Ambient as Ambient
 from .bearing.bilinear import BilinearBearing as BilinearBearing

@@ -475,7 +475,7 @@ def test_workers_need_no_weather(town: Path, tmp_path: Path) -> None:
     run_study(studies[1], tmp_path / "two", jobs=2, size=2)
     assert kept(tmp_path / "one") == kept(tmp_path / "two")
     assert set(Store(tmp_path / "two").table()["outcome"]) == {"completed"}
-    assert pickle.loads(packed(studies[0])).factors.ambient._series is None
+    assert pickle.loads(packed(studies[0]))[0].factors.ambient._series is None
     assert studies[0].factors.ambient._series is not None
 
 

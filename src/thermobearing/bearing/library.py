@@ -1,16 +1,17 @@
 """Bearings by name or file: the TOML library of the package, and user files."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import TEMPERATURE_COEFFICIENTS, Bearing, with_laws
 from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.text_file import write_file
 from thermobearing.border.toml import sourced_toml, split_sources
+from thermobearing.laws import laws_to_apply
 
 BEARINGS = Library("bearing", "bearings")
 
@@ -41,7 +42,20 @@ def bearing_from_table(table: Any, where: str) -> Bearing:
             "are not used. Calibrate again (identify; --accept-poor accepts it), or remove the key",
             where,
         )
-    return bearing
+    return without_sources_of_laws(bearing) if laws_to_apply() else bearing
+
+
+def without_sources_of_laws(bearing: Bearing) -> Bearing:
+    """Return a bearing without the sources of what a law replaced."""
+    if bearing.temperature_law is None or bearing.temperature_law.law is None:
+        return bearing
+    gone = {f"hysteresis.{name}" for name in TEMPERATURE_COEFFICIENTS}
+    kept = {
+        key: text
+        for key, text in bearing.sources.items()
+        if key not in gone and not key.startswith("temperature_law.")
+    }
+    return bearing.with_sources(kept)
 
 
 def load_bearing(name_or_path: str | Path) -> Bearing:
@@ -82,12 +96,16 @@ def as_bearing(given: Any, key: str = "bearing") -> Bearing:
         raise InputError(error.lines(key)) from None
 
 
-def changed_bearing(bearing: Bearing | str | Path, **changes: Any) -> Bearing:
+def changed_bearing(
+    bearing: Bearing | str | Path, *, law: str | Sequence[str] | None = None, **changes: Any
+) -> Bearing:
     """Return a bearing with changed parameters, validated like a file.
 
     Parameters
     ----------
     bearing : a Bearing, a library name, or a TOML file.
+    law : name of a law of `tb.laws.register`, or several; a temperature law replaces m_T and n_T,
+        which become 0, and the table of factors.
     changes : new values by the keys of a bearing's file (docs/files.md). A table holds only what
         changes in it, `hysteresis={"layer_stiffness": 40.0}`; a plan with its `shape` replaces the
         old one, and None removes an optional table. Numbers in the units of the file's keys (mm,
@@ -112,10 +130,14 @@ def changed_bearing(bearing: Bearing | str | Path, **changes: Any) -> Bearing:
     'changed, was 30.738'
     """
     before = as_bearing(bearing)
-    data = before.model_dump()
+    names = [law] if isinstance(law, str) else list(law or ())
+    data = with_laws(before.model_dump(), names)
     new_sources = _put_in(data, changes, "")
     made = validated(Bearing, data, "changed_bearing()", from_file=False)
     kept = {key: text for key, text in before.sources.items() if not _within(key, new_sources)}
+    if names:
+        made = without_sources_of_laws(made.with_sources(kept))
+        kept = made.sources
     return made.with_sources(kept | {key: text for key, text in new_sources.items() if text})
 
 

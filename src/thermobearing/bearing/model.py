@@ -5,6 +5,7 @@ annotations (kN, mm, s, degC; thermal properties as tables print them).
 """
 
 import math
+from collections.abc import Sequence
 from html import escape
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Protocol
@@ -13,8 +14,9 @@ from pydantic import Field, field_validator, model_validator
 
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.border.library import Sourced
-from thermobearing.border.schema import RATIO, Name, Strict, in_unit
+from thermobearing.border.schema import RATIO, Name, Strict, in_unit, updated
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
+from thermobearing.laws import find_law, laws_to_apply
 
 LawCelsius = Annotated[float, in_unit("degC"), Field(ge=-150, le=300)]
 Factor = Annotated[float, Field(ge=1e-3, le=1e3)]
@@ -25,7 +27,7 @@ AxialForce = Annotated[float, in_unit("kN"), Field(ge=-1e6, le=1e6)]  # compress
 
 
 class TemperatureLaw(Strict):
-    """Range of the law of Eq. 4.34, and a table that multiplies it.
+    """Range of the law of Eq. 4.34, and a table or a registered law that multiplies it.
 
     Attributes
     ----------
@@ -35,6 +37,8 @@ class TemperatureLaw(Strict):
     elastic, hysteretic : factors on the two stiffness terms there; between them a monotone cubic in
         the logarithm, beyond them a constant slope. A table that is the complete law needs
         m_T = n_T = 0.
+    law, parameters : name of a law of `laws.register` in place of a table, with its digest or
+        without, and parameters that differ from its defaults.
 
     Examples
     --------
@@ -47,6 +51,8 @@ class TemperatureLaw(Strict):
     temperatures: Annotated[list[LawCelsius], Field(min_length=2, max_length=100)] | None = None
     elastic: Factors | None = None
     hysteretic: Factors | None = None
+    law: Name | None = None
+    parameters: dict[str, float] | None = None
 
     @classmethod
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
@@ -58,6 +64,10 @@ class TemperatureLaw(Strict):
             found.append("a table needs temperatures, elastic and hysteretic")
         elif len({len(given[name]) for name in table if isinstance(given[name], list)}) > 1:
             found.append("temperatures, elastic and hysteretic must be equally long")
+        if table and "law" in given:
+            found.append("give a table or a law, not both")
+        if "parameters" in given and "law" not in given:
+            found.append("parameters need a law")
         return found
 
     def model_post_init(self, context: Any) -> None:
@@ -69,6 +79,11 @@ class TemperatureLaw(Strict):
             raise ValueError("coldest must be below warmest")
 
     @property
+    def has_factors(self) -> bool:
+        """Whether there are factors besides those of m_T and n_T."""
+        return self.temperatures is not None or self.law is not None
+
+    @property
     def range(self) -> tuple[float, float] | None:
         """Coldest and warmest temperature of the law [degC]."""
         if self.coldest is not None and self.warmest is not None:
@@ -76,6 +91,29 @@ class TemperatureLaw(Strict):
         if self.temperatures is not None:
             return self.temperatures[0], self.temperatures[-1]
         return None
+
+
+TEMPERATURE_COEFFICIENTS = ("elastic_temperature_coefficient", "hysteretic_temperature_coefficient")
+
+
+def with_laws(data: Any, names: Sequence[str], *, over: bool = True) -> Any:
+    """Return the table of a bearing with registered laws, and m_T = n_T = 0 for one of temperature.
+
+    `over`: also replace a law that the table names itself.
+    """
+    for name in names if isinstance(data, dict) else ():
+        law = find_law(name)
+        own = data.get("temperature_law")
+        own = own.model_dump() if isinstance(own, TemperatureLaw) else own
+        if not over and isinstance(own, dict) and own.get("law") is not None:
+            continue
+        rubber = data.get("hysteresis")
+        rubber = rubber.model_dump() if isinstance(rubber, Strict) else rubber
+        data = data | {
+            "temperature_law": {"law": law.reference},
+            "hysteresis": updated(rubber, dict.fromkeys(TEMPERATURE_COEFFICIENTS, 0.0)),
+        }
+    return data
 
 
 Ends = Field(min_length=2, max_length=2)
@@ -412,6 +450,11 @@ class Bearing(Sourced):
     rate: RateDependence | None = None
     exposure: Exposure | None = None
     cells: Cells = Cells()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _use_applied_laws(cls, data: Any) -> Any:
+        return with_laws(data, laws_to_apply(), over=False)
 
     @model_validator(mode="after")
     def _lead_fits_kind(self) -> "Bearing":

@@ -89,14 +89,14 @@ def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
 
 
 def doubled_law(bearing: Bearing) -> list[str]:
-    """Return a warning if a table of factors multiplies exponents of temperature that act too."""
+    """Return a warning if a table or a registered law multiplies exponents that act too."""
     law, rubber = bearing.temperature_law, bearing.hysteresis
     m_t, n_t = rubber.elastic_temperature_coefficient, rubber.hysteretic_temperature_coefficient
-    if law is None or law.temperatures is None or m_t == n_t == 0.0:
+    if law is None or not law.has_factors or m_t == n_t == 0.0:
         return []
     return [
-        f"two temperature laws multiply: the table temperature_law and the exponents m_T = {m_t:g} "
-        f"and n_T = {n_t:g}; set both exponents to 0 if the table is the complete law"
+        f"two temperature laws multiply: temperature_law and the exponents m_T = {m_t:g} and "
+        f"n_T = {n_t:g}; set both exponents to 0 if temperature_law is the complete law"
     ]
 
 
@@ -129,7 +129,7 @@ def _does_nothing(bearing: Bearing | BilinearBearing, key: str, value: float) ->
         return False
     law = bearing.temperature_law
     if key.endswith("temperature_coefficient") and value == 0.0:
-        return law is not None and law.temperatures is not None
+        return law is not None and law.has_factors
     hysteretic = key.startswith(("yield strain", "hysteresis.hysteretic"))
     return hysteretic and bearing.hysteresis.post_yield_ratio == 1.0
 

@@ -59,6 +59,7 @@ SHORT = "strain cycles wave path ratio speed frequency period rest"  # of a test
     "cyclic --strain 1.75 --wave sine --frequency 0.5 --cycles 11\n"
     "cyclic --strain 1.75 --path circle --frequency 0.5 --cycles 3",
     panel=ANALYSES,
+    laws=True,
 )
 def _cyclic(
     case: Annotated[
@@ -111,6 +112,7 @@ def _cyclic(
     fields("sequences.case:SequenceCase", "bearing ambient rig"),
     examples="sequence case.toml -o sequence",
     panel=ANALYSES,
+    laws=True,
 )
 def _sequence(
     case: Annotated[Path, typer.Argument(help="Case file with the parts of the sequence.")],

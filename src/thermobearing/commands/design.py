@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     ),
     examples="design --motion jra-ii-i-1 --compound G10 -o design",
     panel=OFFICE,
+    laws=True,
 )
 def _design(
     case: Annotated[
@@ -97,6 +98,7 @@ def _print_round(turn: "Round") -> None:
     ),
     examples="bounds --bearing shen-hdr-bridge --ambient -20",
     panel=OFFICE,
+    laws=True,
 )
 def _bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> Answer:
     """Compare a bounds analysis (two bilinear models) with the coupled model."""
@@ -126,6 +128,7 @@ def _bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> Answe
     ),
     examples="lambda shen-hdr-bridge --strain 1.75 -o factors",
     panel=OFFICE,
+    laws=True,
 )
 def _lambda(
     bearing: Annotated[

@@ -141,7 +141,9 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
         return end.save(result, target)
 
     _analyse.__doc__ = purpose
-    command(app, name, *more, INPUTS, ANALYSIS, examples=examples, panel=ANALYSES)(_analyse)
+    command(app, name, *more, INPUTS, ANALYSIS, examples=examples, panel=ANALYSES, laws=True)(
+        _analyse
+    )
 
 
 _add(
@@ -177,6 +179,7 @@ _add(
     ),
     examples="serve shen-hdr-bridge --ambient -20 --port 4711 --units kN-m -o served",
     panel=ANALYSES,
+    laws=True,
 )
 def _serve(
     bearing: Annotated[

@@ -61,7 +61,7 @@ def _list() -> Answer:
     }
 
 
-@command(app, "check", examples="check bearing.toml", panel=FILES)
+@command(app, "check", examples="check bearing.toml", panel=FILES, laws=True)
 def _check(
     file: Annotated[
         Path, typer.Argument(help="TOML file of a bearing, a compound, a case or any other input.")
@@ -159,7 +159,7 @@ def _rows(unmeasured: dict[str, str]) -> str:
     return "\n".join(rows)
 
 
-@command(app, "live", examples="live shen-lhdr-specimen -o bearing.html", panel=FILES)
+@command(app, "live", examples="live shen-lhdr-specimen -o bearing.html", panel=FILES, laws=True)
 def _live(
     bearing: Annotated[
         str | None,
@@ -190,7 +190,13 @@ def _live(
     return {"outcome": "completed", "exit_status": 0, "output": str(file), "bytes": size}
 
 
-@command(app, "report", examples="report pier --title number=B12-7 --title revision=B", panel=FILES)
+@command(
+    app,
+    "report",
+    examples="report pier --title number=B12-7 --title revision=B",
+    panel=FILES,
+    laws=True,
+)
 def _report(
     directory: Annotated[Path, typer.Argument(help="Result directory of an analysis.")],
     title: Title,

@@ -100,6 +100,7 @@ FIT_OPTIONS = (
     *FIT_OPTIONS,
     examples="identify cold.csv warm.csv --bearing mine.toml -o fit",
     panel=LABORATORY,
+    laws=True,
 )
 def _identify(
     tests: TESTS,
@@ -222,6 +223,7 @@ def _look_over(records: "list[TestRecord]", bearing: "Bearing | None", end: Endi
     "validate",
     examples="validate mine.toml other-test.csv --limit energy=0.2",
     panel=LABORATORY,
+    laws=True,
 )
 def _validate(
     bearing: Annotated[str, typer.Argument(help="Bearing: library name or TOML file.")],

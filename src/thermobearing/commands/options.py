@@ -97,6 +97,16 @@ COMPARE = Annotated[
         panel=MODEL,
     ),
 ]
+LAW = Annotated[
+    list[Path] | None,
+    option(
+        "--law",
+        help="Python file that registers a law of your own; it is executed, and every bearing "
+        "uses the law. May be repeated.",
+        metavar="FILE.py",
+        panel=MODEL,
+    ),
+]
 EXPOSURE = Annotated[
     list[str] | None,
     option(
@@ -139,14 +149,19 @@ def fields(place: str, names: str, panel: str | None = None, **flags: str) -> Fi
 
 
 def command(
-    app: typer.Typer, name: str, *made: Fields, examples: str = "", panel: str | None = None
+    app: typer.Typer,
+    name: str,
+    *made: Fields,
+    examples: str = "",
+    panel: str | None = None,
+    laws: bool = False,
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
     """Add a function to a program as a command, with examples (one a line) at the end of its help.
 
     Its argument `given` takes the values of the options of `made` that were given, by name; an
     argument of the type `Ending` those of where the result goes, of `Printed` without a report.
-    The others are options written by hand. What the function returns is printed with --json; its
-    "exit_status" is that of the command.
+    The others are options written by hand. `laws` adds the option --law. What the function returns
+    is printed with --json; its "exit_status" is that of the command.
     """
 
     def _decorate(function: Callable[..., Answer]) -> Callable[..., Answer]:
@@ -154,7 +169,7 @@ def command(
             """Stand in until the command is used."""
 
         _light.__doc__ = function.__doc__
-        _light.__dict__["make"] = lambda: _whole(function, made)
+        _light.__dict__["make"] = lambda: _whole(function, made, laws=laws)
         epilog = "\n\n".join(f"Example: thermobearing {line}" for line in examples.splitlines())
         app.command(name, cls=_Lazy, rich_help_panel=panel, epilog=epilog)(_light)
         return function
@@ -180,7 +195,9 @@ class _Lazy(Command):
         return self.full.make_context(info_name, args, parent, **extra)
 
 
-def _whole(function: Callable[..., Answer], made: Sequence[Fields]) -> Callable[..., None]:
+def _whole(
+    function: Callable[..., Answer], made: Sequence[Fields], *, laws: bool
+) -> Callable[..., None]:
     """Return the function with all options as its arguments."""
     options = {name: kind for each in made for name, kind in _options_from(each)}
     own = inspect.signature(function).parameters
@@ -196,6 +213,7 @@ def _whole(function: Callable[..., Answer], made: Sequence[Fields]) -> Callable[
             kinds |= taken
         else:
             kinds[name] = kind
+    kinds |= {"law": LAW} if laws else {}
     kinds["as_json"] = AsJson
 
     @reported
@@ -213,7 +231,13 @@ def _whole(function: Callable[..., Answer], made: Sequence[Fields]) -> Callable[
             if kind is Ending:
                 taken["case"] = words.get("case")
             words[name] = kind(**taken)
-        return function(**words)
+        files = words.pop("law", None)
+        if not files:
+            return function(**words)
+        from thermobearing.laws import applied
+
+        with applied(files):
+            return function(**words)
 
     def _default_value(name: str) -> Any:
         """Return the default of the function, else that of the type of the option."""

@@ -60,6 +60,7 @@ app.add_typer(studies, name="study", rich_help_panel=ANALYSES)
         shard="|Part i/n of the study, for batch systems: every n-th chunk from the i-th.",
     ),
     examples="study run p1.toml -o p1 --jobs 8\nstudy run p1.toml --dry-run",
+    laws=True,
 )
 def _run(
     study: Annotated[Path, typer.Argument(help="Study file.", metavar="STUDY.toml")],
@@ -194,7 +195,7 @@ def _worst(
     return {"exit_status": 0, "runs": table.to_dict("records")}
 
 
-@command(studies, "repeat", examples="study repeat p1 12 -o p1-run-12")
+@command(studies, "repeat", examples="study repeat p1 12 -o p1-run-12", laws=True)
 def _repeat(
     directory: DIRECTORY,
     run: Annotated[int, typer.Argument(help="Number of the run.", metavar="RUN", min=0)],

@@ -18,7 +18,7 @@ from thermobearing.border.toml import sourced_toml, to_table, with_sources
 from thermobearing.core.records import Floats
 from thermobearing.identify.comparison import Comparison, cycles_frame, unused_columns
 from thermobearing.identify.fit.forward import Prediction
-from thermobearing.identify.fit.parameters import M_T, N_T, ParameterSet
+from thermobearing.identify.fit.parameters import LAW, M_T, N_T, ParameterSet
 from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.start import Sensitivity
 from thermobearing.identify.records.checks import CheckReport
@@ -364,15 +364,15 @@ def _bearing_table(found: "Identification") -> dict[str, Any]:
 def _range_of_law(found: "Identification") -> TemperatureLaw | None:
     """Return the temperature law with the ambient temperatures of the tests as its range.
 
-    Only if m_T or n_T were free. Tests at one temperature determine no range; the rubber was
-    warmer than the air, but no test shows by how much.
+    Only if m_T, n_T or parameters of a registered law were free. Tests at one temperature determine
+    no range; the rubber was warmer than the air, but no test shows by how much.
     """
     law = found.bearing.temperature_law
-    if not {M_T, N_T} & set(found.uncertainty.estimates):
+    if not any(key in (M_T, N_T) or key.startswith(LAW) for key in found.uncertainty.estimates):
         return law
     ambients = [record.ambient for record in found.records]
     low, high = (min(ambients), max(ambients)) if len(set(ambients)) > 1 else (None, None)
-    if law is None or law.temperatures is None:
+    if law is None or not law.has_factors:
         return TemperatureLaw(coldest=low, warmest=high) if low is not None else None
     return law.model_copy(update={"coldest": low, "warmest": high})
 

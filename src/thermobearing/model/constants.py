@@ -34,6 +34,7 @@ from thermobearing.core.types import (
     Rubber,
     Viscous,
 )
+from thermobearing.laws import find_law, tabulate
 from thermobearing.model.lead_ends import half_space, lead_network
 from thermobearing.model.outcomes import limits_of_a_step
 from thermobearing.model.stack import (
@@ -50,19 +51,26 @@ COLDER = -1e30  # lower bound of the first piece [degC]
 
 
 def _law_pieces(law: TemperatureLaw | None) -> Rows[LawPiece]:
-    """Logarithms of the table's factors as cubics in T, piece by piece (Fritsch & Carlson 1980).
+    """Logarithms of the factors as cubics in T, piece by piece.
 
-    The first and last pieces are straight lines that extrapolate the table with its end slopes.
+    Those of a table are monotone (Fritsch & Carlson 1980), those of a registered law approximate
+    its function. The first and last pieces are straight lines that extrapolate with the end slopes.
     """
-    if law is None or law.temperatures is None:
+    if law is None or not law.has_factors:
         return rows(LawPiece, 0)  # the exponential law alone
-    from scipy.interpolate import PchipInterpolator
+    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
-    at = np.array(law.temperatures)
+    if law.law is None:
+        at = np.array(law.temperatures)
+        both = [np.log(np.array(factors)) for factors in (law.elastic, law.hysteretic)]
+        cubics = [PchipInterpolator(at, values) for values in both]
+    else:
+        known = find_law(law.law, "temperature")
+        at, logs, slopes = tabulate(known, known.values(law.parameters))
+        both = list(logs.T)
+        cubics = [CubicHermiteSpline(at, *pair) for pair in zip(logs.T, slopes.T, strict=True)]
     coefficients = []
-    for factors in (law.elastic, law.hysteretic):
-        values = np.log(np.array(factors))
-        cubic = PchipInterpolator(at, values)
+    for values, cubic in zip(both, cubics, strict=True):
         ends = cubic.derivative()(at[[0, -1]])
         zero = np.zeros(2)
         lines = np.array([zero, zero, ends, values[[0, -1]]])
@@ -184,7 +192,7 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
     For identification, where only those change from one evaluation to the next. The bearing
     must have the geometry and materials that `constants` and `stack` were built from.
     """
-    rubber = constants.rubber
+    rubber, law = constants.rubber, bearing.temperature_law
     integrator: Integrator = "euler" if rubber.integrator == EULER else "exact"
     bearing = exposed(bearing)
     lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
@@ -195,6 +203,7 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
         ),
         lead=lead,
         viscous=_viscous(bearing, heats=constants.viscous.heats),
+        law=constants.law if law is None or law.law is None else _law_pieces(law),
     )
 
 

@@ -174,7 +174,11 @@ class ForwardModel:
         """Run the model's bearing, or one with other parameters; None if it ends early."""
         constants = self._constants
         if bearing is not None:
-            constants = with_parameters(constants, bearing, self._stack)
+            try:
+                constants = with_parameters(constants, bearing, self._stack)
+            except InputError as error:  # of a registered law, at these parameters
+                self.ended = str(error)
+                return None
         history = run_segments(
             constants, [self._segment], self._ambient, self._initial, groups=self._groups
         )

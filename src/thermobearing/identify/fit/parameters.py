@@ -17,10 +17,12 @@ from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.border.units import HUGEST
 from thermobearing.core.records import Floats
+from thermobearing.laws import find_law
 
 SHAPE, D_Y = "hysteresis.shape", "hysteresis.yield_displacement"
 ALPHA, K_R = "hysteresis.post_yield_ratio", "hysteresis.layer_stiffness"
 HARDENING = "hysteresis.hardening"
+LAW = "temperature_law.parameters."  # of a registered law, before the name of a parameter
 M_T = "hysteresis.elastic_temperature_coefficient"
 N_T = "hysteresis.hysteretic_temperature_coefficient"
 K_L, SIGMA_Y = "lead.stiffness", "lead.yield_stress"
@@ -179,8 +181,11 @@ class ParameterSet:
         """Return the validated bearing at a point of the unit cube, for the result."""
         data = self.base.model_dump()
         for key, value in self.values(cube).items():
-            table, name = key.split(".")
-            data[table][name] = value
+            *tables, name = key.split(".")
+            inner = data
+            for table in tables:
+                inner[table] = inner = inner[table] or {}
+            inner[name] = value
         bearing = validated(Bearing, data, "identified bearing", from_file=False)
         return bearing.with_sources(self.base.sources)
 
@@ -189,7 +194,9 @@ def dotted_value(bearing: Bearing, key: str) -> float | None:
     """Return a number of a bearing by its dotted key; None if the bearing has no such part."""
     part: Any = bearing
     for name in key.split("."):
-        part = getattr(part, name, None)
+        part = part.get(name) if isinstance(part, Mapping) else getattr(part, name, None)
+    if part is None and (kind := KINDS.get(key)) is not None:
+        return kind.blind if key.startswith(LAW) else None
     return None if part is None else float(part)
 
 
@@ -202,13 +209,39 @@ def with_values(bearing: Bearing, values: Mapping[str, float]) -> Bearing:
 
 def _replace_value(part: Any, names: Sequence[str], value: float) -> Any:
     first, *rest = names
+    if part is None or isinstance(part, dict):  # the parameters of a law
+        return (part or {}) | {first: value}
     inner = _replace_value(getattr(part, first), rest, value) if rest else value
     return part.model_copy(update={first: inner})
 
 
 def available(bearing: Bearing) -> list[Kind]:
     """Return the kinds of parameters that a bearing has."""
-    return [k for k in KINDS.values() if getattr(bearing, k.key.split(".")[0]) is not None]
+    found = [kind for kind in KINDS.values() if not kind.key.startswith(LAW)]
+    own = _law_kinds(bearing)
+    return [k for k in found if getattr(bearing, k.key.split(".")[0]) is not None] + own
+
+
+def _law_kinds(bearing: Bearing) -> list[Kind]:
+    """Return the parameters of the temperature law of a bearing, and make them known."""
+    named = bearing.temperature_law and bearing.temperature_law.law
+    if not named:
+        return []
+    law, found = find_law(named, "temperature"), []
+    for name, (low, high) in law.bounds.items():
+        kind = Kind(
+            key=f"{LAW}{name}",
+            symbol=f"{law.name}.{name}",
+            scale="log" if low > 0.0 else "linear",
+            lower=low,
+            upper=high,
+            blind=law.parameters[name],
+            group="temperature",
+        )
+        KINDS[kind.key] = kind
+        ALIASES[kind.symbol] = kind.key
+        found.append(kind)
+    return found
 
 
 def at_one_temperature(ambients: Iterable[float]) -> bool:
@@ -226,11 +259,13 @@ def split_at_one_temperature(free: Sequence[str]) -> tuple[list[str], list[str]]
 def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
     """Return the keys that are free unless the tests say nothing about them; see start.py.
 
-    Temperature coefficients need tests at two temperatures. Linear rubber (post-yield ratio 1, as
+    Temperature coefficients, or the parameters of a registered law in their place, need tests at
+    two temperatures. Linear rubber (post-yield ratio 1, as
     in an LRB) has one stiffness and one coefficient.
     """
     linear = bearing.hysteresis.post_yield_ratio == 1.0
-    held = {M_T, N_T} if at_one_temperature(ambients) else set()
+    own = [kind.key for kind in _law_kinds(bearing)]
+    held = {M_T, N_T, *own} if at_one_temperature(ambients) else {M_T, N_T} if own else set()
     kinds = (kind for kind in available(bearing) if kind.usual and kind.key not in held)
     return [kind.key for kind in kinds if not (linear and kind.of_yielding)]
 

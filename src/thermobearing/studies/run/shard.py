@@ -39,6 +39,7 @@ from thermobearing.earthquake.measures import (
     structure_traces,
 )
 from thermobearing.earthquake.run import Task, judged, lines_to_shake, run_task
+from thermobearing.laws import load_again, loaded_files
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
 from thermobearing.results.base import COMPLETED
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
@@ -359,11 +360,11 @@ _OWN = threading.local()  # threads of a Dask worker share no state
 
 
 def packed(study: Study) -> bytes:
-    """Return a study as bytes for other processes, without its weather."""
+    """Return a study and the files of its laws as bytes for other processes, without weather."""
     ambient = study.factors.ambient.model_copy()
     ambient._series = None
     factors = study.factors.model_copy(update={"ambient": ambient})
-    return pickle.dumps(study.model_copy(update={"factors": factors}))
+    return pickle.dumps((study.model_copy(update={"factors": factors}), loaded_files()))
 
 
 def compute_shard_in_process(shared: tuple[bytes, bool], work: Work) -> Done | None:
@@ -374,7 +375,9 @@ def compute_shard_in_process(shared: tuple[bytes, bool], work: Work) -> Done | N
     study, histories = shared
     mark = hashlib.sha256(study).digest()
     if getattr(_OWN, "mark", None) != mark:
-        _OWN.preparer, _OWN.mark = Preparer(pickle.loads(study)), mark
+        unpacked, files = pickle.loads(study)
+        load_again(files)
+        _OWN.preparer, _OWN.mark = Preparer(unpacked), mark
     _OWN.preparer.take(work.warm)
     return compute_shard(_OWN.preparer, work.rows, histories=histories)
 

@@ -1,0 +1,382 @@
+"""Laws of your own: functions of a file that take the place of the laws of the package.
+
+A file registers a law (`register`), a bearing names it (`temperature_law.law`), and
+`model/constants.py` puts it into the constants of the coupled step. A temperature law is tabulated:
+the step reads its table with the code that reads the tables of bearing files, so that it needs no
+compiler and is available wherever a table is.
+"""
+
+import hashlib
+import inspect
+import math
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from importlib.util import module_from_spec, spec_from_file_location
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from thermobearing.border.errors import InputError, nearest, read_bytes, shortened
+from thermobearing.core.records import Floats
+
+__all__ = ["Law", "load", "register"]
+
+MARK = "@"  # between the name of a law and the digest of its source
+LARGEST_FILE = 1_000_000  # bytes of a file with laws
+USUAL_RANGE = (-60.0, 150.0)  # in which a temperature law is tabulated by default [degC]
+COLDEST, WARMEST = -150.0, 300.0  # [degC]
+SMALLEST, LARGEST = 1e-3, 1e3  # factors on a stiffness
+FIRST_STEP, SHORTEST = 10.0, 0.02  # between temperatures of the table [K]
+TABLE_ERROR = 1e-7  # largest relative difference of the table from the function
+MOST_PIECES = 1000
+DIFFERENCE = 1e-3  # for slopes of the logarithm [K]
+BOUNDS = 10.0  # default bounds of a parameter in a calibration: its default over and times this
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """A registered law.
+
+    Attributes
+    ----------
+    name : by which bearings name it.
+    kind : what it is of: "temperature".
+    function : as registered.
+    parameters : default values by name, each in the unit that the function expects.
+    bounds : lowest and highest value in a calibration, by name, each in the same unit.
+    range : in which a temperature law is tabulated [degC].
+    file : with the source code; None where there is none.
+    digest : of the source code, 8 hexadecimal digits.
+
+    Examples
+    --------
+    >>> law = register("softer", temperature=lambda t, rate=0.01: (1.0, 2.0 ** (-rate * (t - 23))))
+    >>> law.kind, law.parameters
+    ('temperature', {'rate': 0.01})
+    """
+
+    name: str
+    kind: str
+    function: Callable[..., Any]
+    parameters: dict[str, float]
+    bounds: dict[str, tuple[float, float]]
+    range: tuple[float, float]
+    file: Path | None
+    digest: str
+
+    @property
+    def reference(self) -> str:
+        """Name and digest, as results state them."""
+        return f"{self.name}{MARK}{self.digest}"
+
+    def values(self, given: Mapping[str, float] | None) -> tuple[float, ...]:
+        """Return the parameters in the order of the function, with defaults filled in."""
+        for name in given or {}:
+            if name not in self.parameters:
+                known = f"{nearest(name, self.parameters)}" if self.parameters else "; it has none"
+                raise InputError(f'law "{self.name}": no parameter "{name}"{known}')
+        return tuple((self.parameters | dict(given or {})).values())
+
+
+_KNOWN: dict[str, Law] = {}  # by name
+_LOADED: dict[Path, list[str]] = {}  # files of `load`, and the names in them
+_APPLIED: list[str] = []  # laws that every bearing gets that is loaded; see `applied`
+
+
+def register(
+    name: str,
+    *,
+    temperature: Callable[..., tuple[float, float]],
+    bounds: Mapping[str, tuple[float, float]] | None = None,
+    range: tuple[float, float] = USUAL_RANGE,
+) -> Law:
+    """Register a law, after checks, under a name that bearings can state.
+
+    Parameters
+    ----------
+    name : letters, digits, "-", "_" and "."; a law of that name is replaced.
+    temperature : function of the temperature of a rubber layer [degC] and of parameters with
+        default values; it returns the factors on the elastic and on the hysteretic stiffness, in
+        [1e-3, 1e3]. They multiply the factors by m_T and n_T; set both to 0 for a complete law.
+    bounds : lowest and highest value of parameters in a calibration, by name, in the unit that the
+        function expects; a tenth and ten times the default for others.
+    range : of temperatures in which the function is used [degC], within -150 to 300; beyond it the
+        logarithms of the factors continue with their slopes at the ends.
+
+    Returns
+    -------
+    Law
+
+    Raises
+    ------
+    InputError : a name, bounds or range that cannot be, or a function that fails, returns other
+        than two finite positive factors, or changes too abruptly for a table.
+
+    Examples
+    --------
+    >>> import math
+    >>> import thermobearing as tb
+    >>> def arrhenius(temperature, elastic=300.0, hysteretic=900.0):
+    ...     inverse = 1.0 / (temperature + 273.15) - 1.0 / 296.15
+    ...     return math.exp(elastic * inverse), math.exp(hysteretic * inverse)
+    >>> _ = tb.laws.register("arrhenius", temperature=arrhenius)
+    >>> cold = tb.changed_bearing("shen-hdr-specimen", law="arrhenius")
+    >>> result = tb.run(cold, tb.cyclic_test(strain=[0.5], cycles=1), ambient=-20)
+    >>> result.outcome
+    'completed'
+    """
+    where = f'laws.register("{shortened(str(name))}")'
+    if not isinstance(name, str) or not name.replace("-", "").replace(".", "").isidentifier():
+        raise InputError('the name must consist of letters, digits, "-", "_" and "."', where)
+    if not callable(temperature):
+        raise InputError("temperature: must be a function", where)
+    low, high = map(float, range)
+    if not COLDEST <= low < high <= WARMEST:
+        raise InputError(
+            f"range = {low:g} to {high:g} degC: must be within {COLDEST:g} to {WARMEST:g}", where
+        )
+    parameters = _parameters(temperature, 1, where)
+    file, digest = _source(temperature)
+    law = Law(
+        name=name,
+        kind="temperature",
+        function=temperature,
+        parameters=parameters,
+        bounds=_all_bounds(parameters, bounds or {}, where),
+        range=(low, high),
+        file=file,
+        digest=digest,
+    )
+    tabulate(law, law.values(None))
+    _KNOWN[name] = law
+    return law
+
+
+def _parameters(function: Callable[..., Any], arguments: int, where: str) -> dict[str, float]:
+    """Return the defaults of the arguments of a function after the first ones."""
+    plain = getattr(function, "py_func", function)  # of one that numba compiles
+    try:
+        found = list(inspect.signature(plain).parameters.values())
+    except (TypeError, ValueError):
+        raise InputError("the function must be written in Python", where) from None
+    if len(found) < arguments:
+        raise InputError(f"the function needs {arguments} arguments at least", where)
+    for one in found[arguments:]:
+        if isinstance(one.default, bool) or not isinstance(one.default, int | float):
+            raise InputError(
+                f"the parameter {one.name} of the function needs a number as default value", where
+            )
+    return {one.name: float(one.default) for one in found[arguments:]}
+
+
+def _all_bounds(
+    parameters: Mapping[str, float], given: Mapping[str, tuple[float, float]], where: str
+) -> dict[str, tuple[float, float]]:
+    """Return the bounds of parameters; those of one with default 0 must be given."""
+    found = {}
+    for name in given:
+        if name not in parameters:
+            raise InputError(f'bounds: no parameter "{name}"{nearest(name, parameters)}', where)
+    for name, value in parameters.items():
+        if name not in given and value == 0.0:
+            continue  # it can be set, but not be calibrated
+        ends = given.get(name) or sorted((value / BOUNDS, value * BOUNDS))
+        low, high = map(float, ends)
+        if not low < high or not low <= value <= high:
+            raise InputError(
+                f"bounds of {name} = {low:g} to {high:g}: must contain its default {value:g}", where
+            )
+        found[name] = (low, high)
+    return found
+
+
+def _source(function: Callable[..., Any]) -> tuple[Path | None, str]:
+    """Return the file of a function, and a digest of the file, or of the function alone."""
+    plain: Any = getattr(function, "py_func", function)
+    file = Path(plain.__code__.co_filename)
+    if file.is_file():
+        content = file.read_bytes().replace(b"\r\n", b"\n")
+        return file.absolute(), hashlib.sha256(content).hexdigest()[:8]
+    try:
+        text = inspect.getsource(plain)
+    except OSError:
+        text = repr((plain.__code__.co_code, plain.__code__.co_consts))
+    return None, hashlib.sha256(text.encode()).hexdigest()[:8]
+
+
+def load(file: str | Path) -> list[str]:
+    r"""Run a Python file that registers laws, and return their names.
+
+    Parameters
+    ----------
+    file : ending in ".py". It is executed: load files only that you trust.
+
+    Returns
+    -------
+    list of str : names of the laws, in the order of their registration.
+
+    Raises
+    ------
+    InputError : the file cannot be read, fails, or registers no law.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> text = "import thermobearing as tb\n"
+    >>> text += "tb.laws.register('flat', temperature=lambda t: (1.0, 1.0))\n"
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "my_law.py"
+    ...     _ = path.write_text(text)
+    ...     load(path)
+    ['flat']
+    """
+    path = Path(file).absolute()
+    if path.suffix != ".py":
+        raise InputError("must be a Python file, ending in .py", str(file))
+    digest = hashlib.sha256(read_bytes(path, LARGEST_FILE)).hexdigest()[:8]
+    before = dict(_KNOWN)
+    module_name = f"thermobearing_law_{path.stem}_{digest}"
+    spec = spec_from_file_location(module_name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    sys.modules[module_name] = module
+    try:
+        spec.loader.exec_module(module)
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:
+        sys.modules.pop(module_name, None)
+        about = shortened(str(error) or type(error).__name__)
+        raise InputError(f"cannot be run: {type(error).__name__}: {about}", str(file)) from error
+    names = [name for name, law in _KNOWN.items() if before.get(name) is not law]
+    if not names:
+        raise InputError("registers no law; call tb.laws.register in it", str(file))
+    _LOADED[path] = names
+    return names
+
+
+def loaded_files() -> list[str]:
+    """Return the files of all registered laws, for other processes to load."""
+    return sorted({str(law.file) for law in _KNOWN.values() if law.file is not None})
+
+
+def load_again(files: Sequence[str]) -> None:
+    """Load files in another process, unless its own program has registered their laws."""
+    known = {law.file for law in _KNOWN.values()}
+    for file in files:
+        if Path(file) not in known:
+            load(file)
+
+
+@contextmanager
+def applied(files: Sequence[str | Path]) -> Iterator[None]:
+    """Load files, and use their laws in every bearing that is loaded meanwhile.
+
+    Of several laws of one kind the bearing must name one itself.
+    """
+    names = [name for file in files for name in load(file)]
+    kinds = [_KNOWN[name].kind for name in names]
+    _APPLIED[:] = [n for n, kind in zip(names, kinds, strict=True) if kinds.count(kind) == 1]
+    try:
+        yield
+    finally:
+        _APPLIED.clear()
+
+
+def laws_to_apply() -> list[str]:
+    """Return the laws of `applied`, empty outside of it."""
+    return list(_APPLIED)
+
+
+def find_law(reference: str, kind: str = "") -> Law:
+    """Return a registered law by its name, or by name and digest."""
+    name, _, digest = reference.partition(MARK)
+    law = _KNOWN.get(name)
+    if law is None:
+        known = nearest(name, _KNOWN) if _KNOWN else "; no law is registered"
+        raise InputError(
+            f'law = "{reference}": is not registered{known}. Give the file that registers it: '
+            "--law FILE, or tb.laws.load(FILE) in Python"
+        )
+    if kind and law.kind != kind:
+        raise InputError(f'law = "{reference}": is a {law.kind} law, not a {kind} law')
+    if digest and digest != law.digest:
+        raise InputError(
+            f'law = "{reference}": the registered law differs ("{law.reference}"). Give the '
+            f'original file, or write law = "{name}" to use the law as it is now'
+        )
+    return law
+
+
+def with_digest(reference: str) -> str:
+    """Return name and digest of a law that is registered; the text itself for others."""
+    law = _KNOWN.get(reference)
+    return reference if law is None else law.reference
+
+
+@lru_cache(maxsize=256)
+def tabulate(law: Law, values: tuple[float, ...]) -> tuple[Floats, Floats, Floats]:
+    """Return temperatures [n], logarithms of the two factors there [n, 2], and their slopes.
+
+    A cubic through values and slopes differs from the function by TABLE_ERROR at most, or is
+    shorter than SHORTEST, where the function jumps.
+    """
+    low, high = law.range
+
+    @cache
+    def _at(t: float) -> tuple[Floats, Floats]:
+        after, before = min(t + DIFFERENCE, high), max(t - DIFFERENCE, low)
+        rise = _log_factors(law, values, after) - _log_factors(law, values, before)
+        return _log_factors(law, values, t), rise / (after - before)
+
+    def _fits(a: float, b: float) -> bool:
+        (fa, sa), (fb, sb), h = _at(a), _at(b), b - a
+        for s in (0.25, 0.5, 0.75):
+            left, right = s * (1.0 - s) ** 2 * h * sa, s * s * (1.0 - s) * h * sb
+            cubic = fa + s * s * (3.0 - 2.0 * s) * (fb - fa) + left - right
+            if np.abs(cubic - _log_factors(law, values, a + s * h)).max() > TABLE_ERROR:
+                return False
+        return True
+
+    def _nodes(a: float, b: float) -> list[float]:
+        """Return the nodes in [a, b)."""
+        if b - a < 2.0 * SHORTEST or _fits(a, b):
+            return [a]
+        middle = 0.5 * (a + b)
+        return _nodes(a, middle) + _nodes(middle, b)
+
+    coarse = np.linspace(low, high, math.ceil((high - low) / FIRST_STEP) + 1).tolist()
+    found: list[float] = []
+    for a, b in pairwise(coarse):
+        found += _nodes(a, b)
+        if len(found) > MOST_PIECES:
+            raise InputError(
+                f'law "{law.name}": changes too abruptly between {low:g} and {b:.4g} degC for a '
+                f"table of {MOST_PIECES} pieces; give another range, or a smoother function"
+            )
+    found.append(high)
+    logs, slopes = np.array([_at(t) for t in found]).transpose(1, 0, 2)
+    return np.array(found), logs, slopes
+
+
+def _log_factors(law: Law, values: tuple[float, ...], temperature: float) -> Floats:
+    """Return the logarithms of both factors at a temperature [degC]."""
+    shown = ", ".join(f"{n} = {v:g}" for n, v in zip(law.parameters, values, strict=True))
+    where = f'law "{law.name}" at {temperature:.4g} degC' + (f" with {shown}" if shown else "")
+    try:
+        elastic, hysteretic = map(float, law.function(temperature, *values))
+    except Exception as error:
+        about = shortened(str(error) or type(error).__name__)
+        raise InputError(f"{where}: {type(error).__name__}: {about}") from None
+    for name, factor in (("elastic", elastic), ("hysteretic", hysteretic)):
+        if not SMALLEST <= factor <= LARGEST:
+            raise InputError(
+                f"{where}: the {name} factor is {factor:g}: must be {SMALLEST:g} to {LARGEST:g}"
+            )
+    return np.log([elastic, hysteretic])
