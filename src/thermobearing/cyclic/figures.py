@@ -40,6 +40,7 @@ KJ = 1e-3  # kN mm -> kN m = kJ
 STRAIN, STRESS = "shear strain [%]", "shear stress [MPa]"
 PEAK = "peak stress"
 IN_PLANE = "the bearing moves in a plane; see orbit"
+ORBITS = (("displacement", "mm"), ("force", "kN"))
 COMPONENT_LOOKS = ("-", ":")  # of x and y
 Line = tuple[Floats, drawing.Look]  # values by run and time, and how they are drawn
 # Variable, label, colour: safe for colour-blind readers.
@@ -286,16 +287,10 @@ class Figures(drawing.Figures):
         One colour for each ambient temperature; rests are left out.
         """
         self._require("orbit")
-        moving, data = TimeAxis(self._result), self._data
         figure, axes = drawing.panels(1, 2, (9.6, 5.2), self._title("paths in the plane"))
-        names = (("displacement", "mm"), ("force", "kN"))
-        for ax, (name, unit) in zip(axes, names, strict=True):
-            values, spans = data[name].values, 2.0 * float(np.nanmax(self._result.magnitude(name)))
+        for ax, (name, unit) in zip(axes, ORBITS, strict=True):
             for run, colour in enumerate(self._colours):
-                for rows in moving._moving_rows(run):
-                    x, y = values[run, rows].T
-                    kept = drawing.thin_loops(x, y, spans, spans)
-                    ax.plot(x[kept], y[kept], color=colour, linewidth=0.8)
+                ax.plot(*self.plane_path(run, name), color=colour, linewidth=0.8)
             for line in (ax.axhline, ax.axvline):
                 line(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
             ax.set_aspect("equal", adjustable="datalim")
@@ -348,9 +343,20 @@ class Figures(drawing.Figures):
         """Return strain [%] and stress [MPa] where the bearing moves, thinned."""
         strain, stress = 100.0 * self._data["strain"].values, self._data["stress"].values
         spans = [max(float(np.nanmax(v) - np.nanmin(v)), 1e-9) for v in (strain, stress)]
+        return self._thinned(run, strain, stress, spans[0], spans[1])
+
+    def plane_path(self, run: int, name: str) -> tuple[Floats, Floats]:
+        """Return both components of a displacement or force where the bearing moves, thinned."""
+        x, y = np.moveaxis(self._data[name].values, -1, 0)
+        span = 2.0 * float(np.nanmax(self._result.magnitude(name)))
+        return self._thinned(run, x, y, span, span)
+
+    def _thinned(
+        self, run: int, x: Floats, y: Floats, span_x: float, span_y: float
+    ) -> tuple[Floats, Floats]:
         moving = TimeAxis(self._result)._moving_rows(run)
-        paths = [(strain[run, rows], stress[run, rows]) for rows in moving]
-        kept = [drawing.thin_loops(x, y, spans[0], spans[1]) for x, y in paths]
+        paths = [(x[run, rows], y[run, rows]) for rows in moving]
+        kept = [drawing.thin_loops(a, b, span_x, span_y) for a, b in paths]
         return _joined([(x[k], y[k]) for (x, y), k in zip(paths, kept, strict=True)])
 
     def measures(self) -> Figure:

@@ -14,7 +14,7 @@ from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import RIGS, Analysis, Rig
 from thermobearing.cyclic.dataset import written_part
-from thermobearing.cyclic.figures import TimeAxis, drawn_layers
+from thermobearing.cyclic.figures import ORBITS, TimeAxis, drawn_layers
 from thermobearing.cyclic.reported import (
     analysis_table,
     bearing_tables,
@@ -303,9 +303,9 @@ def _checks(result: Result, case: Case) -> list[Check]:
 
 
 def _figures(result: Result) -> dict[str, ReportFigure]:
-    """Return the figures that the result holds data for; loops and temperatures can be zoomed."""
+    """Return the figures that the result holds data for; most can be zoomed."""
     absent, captions = result.plot.absent(), read_toml(data_path("reports", "cyclic_figures.toml"))
-    plots = {"loops": _loops_plot, "layer_temperatures": _temperature_plot}
+    plots = {"loops": _loops_plot, "orbit": _orbit_plot, "layer_temperatures": _temperature_plot}
     plots["profiles"] = _profile_plot
     peaks = "; ".join(
         f"at {degrees([float(ambient)])} up to {np.nanmax(np.abs(stress)):.2f} MPa and {strain:.0%}"
@@ -344,6 +344,16 @@ def _loops_plot(result: Result) -> Plot:
     sides = ((end, 1.05 * reach), (-1.05 * reach, -end)) if end < reach else ()
     bands = [(*side, "outside calibration range") for side in sides]
     return Plot("shear strain [%]", "shear stress [MPa]", {"all": traces}, bands=bands)
+
+
+def _orbit_plot(result: Result) -> Plot:
+    """Return the paths in the plane, a menu entry for the displacement and one for the force."""
+    choices: dict[str, list[Trace]] = {}
+    for name, unit in ORBITS:
+        for run, title, colour in _runs(result):
+            x, y = result.plot.plane_path(run, name)
+            choices.setdefault(f"{name} [{unit}]", []).append(Trace(title, x, y, colour))
+    return Plot("component along x", "component across (y)", choices, equal=True)
 
 
 def _temperature_plot(result: Result) -> Plot:
