@@ -11,8 +11,10 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN
 from thermobearing.climate import generator
+from thermobearing.climate.site import find_cold
 from thermobearing.cyclic.case import make_case
 from thermobearing.cyclic.run import run_case
+from thermobearing.design.run import run_factors
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_tasks
 
@@ -387,3 +389,69 @@ def test_run_begins_at_the_start_of_the_series_and_follows_it() -> None:
 def test_unusable_series(time: list[float], temperature: list[float], words: str) -> None:
     with pytest.raises(tb.InputError, match=words):
         tb.Ambient.series(np.array(time), np.array(temperature))
+
+
+def _winters(lowest: list[float]) -> tb.Hourly:
+    """Return years of 10 degC with one cold day each, on 1 January."""
+    ends = [np.datetime64(f"{2001 + k}-07-01") for k in range(len(lowest) + 1)]
+    days = np.full((int((ends[-1] - ends[0]).astype(int)), 24), 10.0)
+    for end, cold in zip(ends, lowest, strict=False):
+        days[int((end - ends[0]).astype(int)) + 184] = cold
+    return tb.Hourly(days.ravel(), begins=ends[0])
+
+
+def test_design_temperature_of_a_gumbel_distribution() -> None:
+    """Quantiles of a Gumbel distribution (-20 degC, scale 3 K) come back, and their order."""
+    place, scale, count = -20.0, 3.0, 400
+    shares = (np.arange(count) + 0.5) / count
+    lowest = place + scale * np.log(-np.log(shares))
+    found = find_cold(_winters(lowest.tolist()), return_period=50)
+    exact = place + scale * np.log(-np.log(1.0 - 1.0 / 50.0))
+    assert found.winters == count
+    assert_allclose(found.design_temperature, exact, atol=0.05)
+    assert found.stiffening["daily_mean_degC"].iloc[0] == lowest.min()
+    rows = found.stiffening.iloc[1:]
+    assert rows["return_period_years"].tolist() == [2.0, 10.0, 50.0]
+    assert (np.diff(rows["daily_mean_degC"]) < 0.0).all()
+    assert (rows["daily_mean_low_degC"] < rows["daily_mean_degC"]).all()
+    assert (rows["daily_mean_degC"] < rows["daily_mean_high_degC"]).all()
+
+
+def test_consecutive_cold_days() -> None:
+    """A run counts by daily means, "all day" by highest temperatures; winters are not cut."""
+    days = np.full((365, 24), 10.0)
+    days[100:103] = -7.0  # three days, of which the second has a mild hour
+    days[101, 14] = 1.0
+    days[200] = -7.0
+    series = tb.Hourly(np.tile(days.ravel(), 2))
+    found = find_cold(series).cold_days.set_index("limit_degC")
+    assert found.index.tolist() == [0.0, -5.0]
+    assert found.loc[-5.0, ["days_per_year", "run_mean_days"]].tolist() == [4.0, 3.0]
+    assert found.loc[-5.0, ["run_longest_days", "run_all_day_days"]].tolist() == [3, 1]
+    assert np.isnan(found["run_10_years_days"]).all()  # two winters
+    ten = find_cold(tb.Hourly(np.tile(days.ravel(), 10))).cold_days
+    assert ten["run_10_years_days"].tolist() == [3.0, 3.0]
+
+
+def test_a_typical_year_has_one_winter_and_no_return_period() -> None:
+    days = np.full((365, 24), 10.0)
+    days[:2] = days[-3:] = -12.0  # a cold spell over the turn of the year
+    year = tb.Hourly(days.ravel(), begins=np.datetime64("2001-01-01T00"), recurs=True)
+    found = find_cold(year)
+    assert (found.winters, found.return_period, found.design_temperature) == (1, None, -12.0)
+    assert found.cold_days["run_longest_days"].tolist() == [5, 5, 5]
+    with pytest.raises(tb.InputError, match="needs a complete year"):
+        find_cold(tb.Hourly(days[:200].ravel(), begins=np.datetime64("2001-01-01T00")))
+    with pytest.raises(tb.InputError, match="from 2 to 1000 years"):
+        find_cold(year, return_period=1)
+
+
+def test_factors_at_the_design_temperature_of_a_site() -> None:
+    report = run_factors(
+        ["shen-hdr-bridge"], temperatures=[0], strains=[1.0], weather=_winters([-18.0, -22.5])
+    )
+    assert -22.5 in report.table["ambient_degC"].to_numpy()
+    assert {"compared", "site_stiffening", "site_cold_days"} <= set(report.tables())
+    assert "-22.5" in "".join(report.tables()["site_stiffening"].note).replace(
+        "\N{MINUS SIGN}", "-"
+    )

@@ -18,7 +18,7 @@ from thermobearing.cyclic.case import LIMITS, Case, Rig, load_case, load_rig
 from thermobearing.cyclic.comparison import REFERENCE, TOLERABLE, cells_error
 from thermobearing.cyclic.history import build_segments
 from thermobearing.design.case import DesignCase, bearing_weight, load_design_case
-from thermobearing.design.factors import Published
+from thermobearing.design.codes import Published
 from thermobearing.design.peaks import Rules
 from thermobearing.design.sizing import Curves
 from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case

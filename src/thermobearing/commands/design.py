@@ -117,7 +117,7 @@ def _bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> Answe
     "lambda",
     fields(
         "design.run:run_factors",
-        "reference temperatures strains period speed",
+        "reference temperatures strains period speed weather return_period",
         temperatures="--temperature|Ambient temperature [degC], in [-60, 60]; -40 to 40 in steps "
         "of 10 by default.",
         strains="--strain|Shear strain, in [0.1, 3]; 1 and 1.75 by default.",
@@ -125,6 +125,10 @@ def _bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> Answe
         "bearing's rubber by default.",
         period="|Period of the sinusoidal test [s], in [0.2, 1000]; 2 by default.",
         speed="|Mean speed [mm/s], instead of the period.",
+        weather="|Hourly weather of the site: a file or a climate; adds its cold, and "
+        "factors at its design temperature.",
+        return_period="|Return period of the design temperature [year], in [2, 1000]; 50 by "
+        "default.",
     ),
     examples="lambda shen-hdr-bridge --strain 1.75 -o factors",
     panel=OFFICE,

@@ -1,21 +1,16 @@
 """Temperature factors of a bearing, and the effect of its size."""
 
 from collections.abc import Sequence
-from functools import cache
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from pydantic import Field
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import resized
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.library import data_path
-from thermobearing.border.schema import Strict, validated
-from thermobearing.border.toml import read_toml
 from thermobearing.border.units import is_number, one_or_several
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result, run_name
@@ -328,82 +323,3 @@ def scale_study(
         stress = result.cycles["stress_max_MPa"].to_numpy()
         rows[-1]["stress_cycle_5_over_1"] = float(stress[-1] / stress[0])
     return pd.DataFrame(rows), results
-
-
-# Factors of other sources.
-FOOTNOTE = "*: chosen, or not checked against the published text"
-
-
-def marked(item: Any) -> str:
-    """Return the mark of the footnote where `unverified`: no printed source was read."""
-    return "*" if item.unverified else ""
-
-
-class _PublishedTable(Strict):
-    """Factors from elsewhere; `unverified` ones are from memory."""
-
-    name: str
-    quantity: str
-    reference_temperature: float
-    temperatures: Annotated[list[float], Field(min_length=2)]
-    factors: Annotated[list[float], Field(min_length=2)]
-    source: str
-    unverified: bool
-
-    @property
-    def label(self) -> str:
-        """Name for a legend, with the mark of `FOOTNOTE`."""
-        return f"{self.name}{marked(self)}"
-
-
-class _PublishedCode(Strict):
-    """What a code asks about temperature; `unverified`: its text was not read."""
-
-    code: str
-    says: str
-    source: str
-    unverified: bool
-
-
-class Published(Strict):
-    """Content of data/factors/published.toml."""
-
-    tables: list[_PublishedTable]
-    codes: list[_PublishedCode]
-
-
-@cache
-def published() -> Published:
-    """Return factors of other sources and codes, with citation and whether it was verified."""
-    path = data_path("factors", "published.toml")
-    return validated(Published, read_toml(path), str(path))
-
-
-def coldest_factors(table: pd.DataFrame, strain: float) -> list[str]:
-    """Return the factors of the coldest day, the largest of all, published ones, in words."""
-    said = []
-    for quantity in ("K_eq", "Q_d", "K_d"):
-        rows = table[(table["strain"] == strain) & (table["quantity"] == quantity)]
-        if rows.empty:
-            continue
-        coldest = float(rows["ambient_degC"].min())
-        cold = rows[rows["ambient_degC"] == coldest]
-        mine = ", ".join(
-            f"{row['basis']} x {row['factor']:.2f}"
-            for row in cold.to_dict("records")
-            if row["basis"] != "mean"
-        )
-        worst = max(rows.to_dict("records"), key=lambda row: row["factor"])
-        others = [
-            f"{item.label} x {np.interp(coldest, item.temperatures, item.factors):.2f}"
-            f"{'' if coldest in item.temperatures else ' (between its values)'}"
-            for item in published().tables
-            if item.quantity == quantity
-            and item.temperatures[0] <= coldest <= item.temperatures[-1]
-        ]
-        compared = f"; in addition {', '.join(others)}" if others else ""
-        said.append(
-            f"{quantity} on the coldest day, {coldest:g} degC: {mine}; largest of all "
-            f"x {worst['factor']:.2f} at {worst['ambient_degC']:g} degC{compared}"
-        )
-    return said

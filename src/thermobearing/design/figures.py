@@ -19,7 +19,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bounds import DEMANDS, least_safe
-from thermobearing.design.factors import FOOTNOTE, published
+from thermobearing.design.codes import code_factors, tables_for
 from thermobearing.design.result import BoundsReport, Design, FactorReport
 from thermobearing.results import drawing
 
@@ -39,7 +39,8 @@ LOOKS = {
 }
 OTHERS = ("#333333", "#777777")  # greys of other sources; markers tell them apart
 DOTTED = {"markerfacecolor": "white", "markersize": 4.0, "linestyle": ":", "linewidth": 1.0}
-OTHER_SOURCES = "other sources, at their own reference:"
+CODES = "codes (their texts were not at hand; K_eq, h_eq from Q_d and K_d):"
+MAKERS = "makers:"
 LEGEND_WIDTH = 26  # letters of a line of the legend of factors
 ACROSS = 3  # panels of factors side by side
 PARTS: dict[str, Any] = {"inner layer": "-", "outer layer": "--", "lead": ":"}
@@ -118,8 +119,8 @@ class FactorFigures(drawing.Figures):
     def factors(self) -> Figure:
         """Draw one panel per quantity at the largest strain, the legend in a free one.
 
-        Bands where the table has them; published factors dotted, at their own reference
-        temperature; a footnote marks those of which no source was read.
+        Bands where the table has them; factors of codes and makers dotted, over their factor at
+        the same reference temperature.
         """
         report = self._result
         what = f"temperature factors, {report.motion}, strain {report.strain:.0%}"
@@ -128,7 +129,8 @@ class FactorFigures(drawing.Figures):
         down = -(-(len(quantities) + 1) // ACROSS)  # with room for the legend
         size = (3.5 * ACROSS, 0.5 + 3.1 * down)
         figure, axes = drawing.panels(down, ACROSS, size, f"{report.name}: {what}")
-        names = dict.fromkeys(p.label for p in published().tables if p.quantity in quantities)
+        others = _other_sources(report)
+        names = [name for group in others.values() for name in group]
         marks = drawing.MARKERS
         looks: dict[str, dict[str, Any]] = {
             name: {"color": OTHERS[k % len(OTHERS)], "marker": marks[k % len(marks)], **DOTTED}
@@ -137,9 +139,9 @@ class FactorFigures(drawing.Figures):
         shown, free = axes[: len(quantities)], axes[len(quantities) :]
         for ax, quantity in zip(shown, quantities, strict=True):
             _draw_factors(ax, rows[rows["quantity"] == quantity])
-            for item in published().tables:
-                if item.quantity == quantity:
-                    ax.plot(item.temperatures, item.factors, **looks[item.label])
+            for name, curves in (pair for group in others.values() for pair in group.items()):
+                if quantity in curves:
+                    ax.plot(*curves[quantity], **looks[name])
             ax.axvline(report.reference, color=drawing.GREY, linewidth=0.7)
             ax.axhline(1.0, color=drawing.GREY, linewidth=0.7)
             at = drawing.degrees(report.reference)
@@ -157,11 +159,9 @@ class FactorFigures(drawing.Figures):
         ]
         if shaded:  # in the panels the note would lie on the lines
             handles.append(Patch(color=drawing.UNTESTED, label="outside calibration range"))
-        if looks:
-            handles.append(Line2D([], [], linestyle="none", label=_wrapped(OTHER_SOURCES)))
-        handles += [Line2D([], [], label=_wrapped(label), **look) for label, look in looks.items()]
-        if any(label.endswith("*") for label in looks):
-            handles.append(Line2D([], [], linestyle="none", label=_wrapped(FOOTNOTE)))
+        for head, group in others.items():
+            handles.append(Line2D([], [], linestyle="none", label=_wrapped(head)))
+            handles += [Line2D([], [], label=_wrapped(name), **looks[name]) for name in group]
         free[0].legend(handles=handles, loc="center left", fontsize=drawing.SMALL, frameon=False)
         return figure
 
@@ -237,6 +237,20 @@ def _draw_demand(
     ax.set_ylim(0.0, 1.15 * highest or 1.0)  # a dot on the frame is cut, and numbers need room
     ax.set_xlim(-0.8, len(rows) - 0.2)
     ax.grid(False, axis="x")
+
+
+def _other_sources(report: FactorReport) -> dict[str, dict[str, dict[str, tuple[Any, Any]]]]:
+    """Return temperatures and factors by heading of the legend, source and quantity."""
+    found: dict[str, dict[str, dict[str, tuple[Any, Any]]]] = {}
+    for item in tables_for(report.bearings[0].kind):
+        at = np.array(item.temperatures)
+        curves = found.setdefault(CODES if item.code else MAKERS, {}).setdefault(item.name, {})
+        if item.code:
+            codes = code_factors(item.kinds[0], report.reference, at, report.strength_share)
+            curves |= {name: (at, y) for name, y in codes[item.code, item.rubber].items()}
+        else:
+            curves[item.quantity] = (at, item.relative_to(report.reference, at))
+    return found
 
 
 def _wrapped(label: str) -> str:

@@ -14,14 +14,17 @@ from thermobearing.cyclic.reported import (
     model_assumptions,
     sheet_checks,
 )
-from thermobearing.design.factors import FOOTNOTE
+from thermobearing.design.codes import FOOTNOTE
 from thermobearing.design.peaks import of_group
 from thermobearing.design.result import USABLE
 from thermobearing.design.tables import (
+    UNCHECKED,
     bounds_sentences,
+    code_sentences,
     demands_table,
     design_tables,
     factor_tables,
+    site_sentence,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis
 from thermobearing.earthquake.report import given_motions_table
@@ -141,7 +144,7 @@ def _factors_pieces(saved: SavedResult) -> Pieces:
         f"{summary['cycles']}).",
         _factors_answer(summary),
         inputs=bearing_tables(table, summary["inputs"]["sources"]),
-        tables=factor_tables(summary) | _published_tables(summary),
+        tables=factor_tables(summary) | _codes_table(summary["codes"]),
         figures=content.saved_figures(saved, FACTORS_CAPTIONS),
         checks=content.limit_checks(rows, content.TESTS, f"{content.TESTED_RANGE} of {name}"),
         assumptions=[
@@ -174,29 +177,21 @@ def _factors_answer(summary: Mapping[str, Any]) -> list[str]:
     return [
         f"At {degrees([coldest])} and {percent(most)} shear strain: {'; '.join(parts)}.",
         f"Bilinear bounds that follow: {joined(bounds)}.",
+        *([site_sentence(summary["site"])] if summary.get("site") else []),
     ]
 
 
-def _published_tables(summary: Summary) -> dict[str, Table]:
-    """Return the coldest day compared with published factors, and the provisions of codes."""
-    tables = {}
-    if summary.get("coldest_day"):
-        words = [[tidy(text)] for text in summary["coldest_day"]]
-        note = f"{FOOTNOTE}." if any("*" in text for (text,) in words) else ""
-        caption = "The coldest day, compared with published factors"
-        tables["coldest"] = Table(caption, [Quantity("Factors")], words, note=note)
-    if summary["codes"]:
-        codes = pd.DataFrame(summary["codes"])
-        names = [Quantity(name.capitalize(), name=name) for name in ("code", "provision", "source")]
-        unverified = codes["unverified"]
-        note = f"{FOOTNOTE}."
-        if not unverified.all():
-            codes["code"] += np.where(unverified, "*", "")
-        elif len(codes):
-            note = "None of these provisions was verified against the text of the code."
-        codes = codes.rename(columns={"says": "provision"})
-        tables["codes"] = make_table(codes, names, "Provisions of codes", note=note)
-    return tables
+def _codes_table(codes: list[Summary]) -> dict[str, Table]:
+    """Return the provisions of codes, if the summary has any."""
+    if not codes:
+        return {}
+    heads = {"code": "Code", "clause": "Clause", "says": "Provision", "origin": "Origin"}
+    names = [Quantity(head, name=name) for name, head in heads.items()]
+    frame = pd.DataFrame(codes)
+    note = f"{code_sentences(codes)[-1]}"
+    if not note.startswith(UNCHECKED):
+        frame["code"] += np.where(frame["unverified"], "*", "")
+    return {"codes": make_table(frame, names, "Provisions of codes", note=note)}
 
 
 CAPTIONS = {

@@ -1,7 +1,7 @@
 """Results: a design, a comparison of bounds with the model, factors of temperature."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -15,10 +15,11 @@ from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.library import data_path
 from thermobearing.border.text_file import file_names
 from thermobearing.border.toml import read_toml, to_table, to_toml
+from thermobearing.climate.site import Site
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.cyclic.result import Result as CyclicResult
-from thermobearing.design import factors
+from thermobearing.design import codes
 from thermobearing.design.bounds import BOUNDS_NOTE, bound_models, opensees_text
 from thermobearing.design.case import DesignCase, make_design_case
 from thermobearing.design.peaks import (
@@ -30,6 +31,7 @@ from thermobearing.design.peaks import (
 from thermobearing.design.sizing import EqualBearing, Round, third_cycle
 from thermobearing.design.tables import (
     bounds_sentences,
+    code_sentences,
     demands_table,
     design_checks_table,
     design_tables,
@@ -177,7 +179,7 @@ class Design(Result):
     def notes(self) -> list[str]:
         """Return the verdict, the rule for peaks, the published design, and the coldest day."""
         rule, found = peak_rule(self.case.peaks), [self.sentence]
-        found.append(f"Peaks are {rule.says}; {rule.source}{factors.marked(rule)}.")
+        found.append(f"Peaks are {rule.says}; {rule.source}{codes.marked(rule)}.")
         if self.first_within is not None:
             found.append(f"Round {self.first_within} was the first within {ENOUGH:.0%}.")
         printed = make_design_case({}, "default")
@@ -186,7 +188,7 @@ class Design(Result):
             found.append(_published_design())
         found += coldest_sentences(self.temperatures)
         starred = rule.unverified or any(check.unverified for check in self.checks)
-        return [*found, factors.FOOTNOTE] if starred else found
+        return [*found, codes.FOOTNOTE] if starred else found
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
@@ -322,13 +324,22 @@ class BoundsReport(Result):
         write_csv(folder / files.TABLE, self.table)
 
 
+def _site_summary(site: Site) -> dict[str, Any]:
+    """Return the statistics of a site, with their tables as records."""
+    values = {one.name: getattr(site, one.name) for one in fields(site)}
+    return {
+        name: value.to_dict("records") if isinstance(value, pd.DataFrame) else value
+        for name, value in values.items()
+    }
+
+
 @dataclass(frozen=True, repr=False)
 class FactorReport(Result):
     """Temperature factors of a bearing, and what follows from them.
 
     The first of `bearings` gives the values of `table` (see `temperature_factors`), all of them the
     bands; `reference` [degC]; `motion` and `cycles` say how it was tested; `sizes` holds table and
-    results of `scale_study`, if it was wanted.
+    results of `scale_study`, and `site` the cold of a site, if they were wanted.
     """
 
     title: ClassVar[str] = "Temperature factors"
@@ -340,6 +351,7 @@ class FactorReport(Result):
     motion: str
     cycles: str
     sizes: tuple[pd.DataFrame, dict[float, CyclicResult]] | None = None
+    site: Site | None = None
 
     @property
     def name(self) -> str:
@@ -350,6 +362,12 @@ class FactorReport(Result):
     def strain(self) -> float:
         """The largest strain, that of the bounds and the figure."""
         return float(self.table["strain"].max())
+
+    @property
+    def strength_share(self) -> float:
+        """The share of Q_d in the peak force Q_d + K_d D, at the reference temperature."""
+        displacement = self.strain * self.bearings[0].total_rubber_thickness
+        return codes.strength_share(self.table, self.strain, self.reference, displacement)
 
     @property
     def tested_range(self) -> pd.DataFrame:
@@ -369,19 +387,19 @@ class FactorReport(Result):
         return bound_models(self.table, self.strain, first.total_rubber_thickness, first.kind)
 
     def tables(self) -> dict[str, Table]:
-        """Return factors and bounds."""
+        """Return factors, their comparison with codes, and bounds."""
         return factor_tables(self.summary())
 
     def notes(self) -> list[str]:
-        """Return the coldest day compared with published factors, and provisions of codes."""
-        found = factors.coldest_factors(self.table, self.strain)
-        codes = factors.published().codes
-        found += [f"{code.code}: {code.says}{factors.marked(code)}" for code in codes]
-        return [*found, factors.FOOTNOTE]
+        """Return the provisions of codes and their origin."""
+        return code_sentences(self.summary()["codes"])
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
         first = self.bearings[0]
+        compared = codes.compare_with_codes(
+            self.table, self.strain, first.kind, self.reference, self.strength_share
+        )
         return {
             "command": "lambda",
             "bearing": self.name,
@@ -401,10 +419,12 @@ class FactorReport(Result):
             "bounds": self._bounds.to_dict("records"),
             "bounds_note": BOUNDS_NOTE,
             "stiffness_ratio": post_yield_ratio(first.kind).model_dump(),
-            "coldest_day": factors.coldest_factors(self.table, self.strain),
-            "codes": [item.model_dump() for item in factors.published().codes],
+            "compared": compared,
+            "codes": [item.model_dump() for item in codes.published().codes],
+            "reasons": codes.reasons(compared, self.strength_share),
             "factors": self.table.to_dict("records"),
-            "published": [item.model_dump() for item in factors.published().tables],
+            "site": None if self.site is None else _site_summary(self.site),
+            "published": [item.model_dump() for item in codes.tables_for(first.kind)],
         }
 
     def _write(self, folder: Path) -> None:

@@ -20,6 +20,9 @@ from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.border.cases import made_case
 from thermobearing.border.errors import InputError
+from thermobearing.border.units import one_or_several
+from thermobearing.climate.hourly import Hourly
+from thermobearing.climate.site import find_cold
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN
 from thermobearing.design.bounds import AIR, BEARINGS, bounds_study, first_motions
 from thermobearing.design.case import (
@@ -335,13 +338,20 @@ def run_factors(
     speed: float | None = None,
     cycles: str | Sequence[int] = "1-3",
     scale: bool = False,
+    weather: str | Path | Hourly | None = None,
+    return_period: int = 50,
 ) -> FactorReport:
     """Return temperature factors of a bearing, its bounds, and the size effect if wanted.
 
     The first bearing gives the values, several (samples of a posterior) make bands. Temperatures
     are [degC] in [-60, 60], strains in [0.1, 3]; `period` of the sine [s] or its mean `speed`
-    [mm/s]; `cycles` a name of `PRESETS` or numbers from 1 to 100.
+    [mm/s]; `cycles` a name of `PRESETS` or numbers from 1 to 100. `weather` (hourly, a file of it,
+    or a climate) adds the cold of a site, and its design temperature of `return_period` [year] to
+    the temperatures.
     """
+    site = None if weather is None else find_cold(weather, return_period)
+    if site is not None:
+        temperatures = [*one_or_several(temperatures), round(site.design_temperature, 1)]
     chosen = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
     first = chosen[0]
     at = first.hysteresis.reference_temperature if reference is None else reference
@@ -356,4 +366,4 @@ def run_factors(
         motion = f"sine at a mean speed of {speed:g} mm/s"
     numbers = cycles if isinstance(cycles, str) else ",".join(str(number) for number in cycles)
     sizes = scale_study(first) if scale else None
-    return FactorReport(chosen, table, at, motion, numbers, sizes)
+    return FactorReport(chosen, table, at, motion, numbers, sizes, site)

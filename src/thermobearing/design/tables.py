@@ -1,6 +1,6 @@
 """Tables of designs, bounds and temperature factors from their summaries, live or read again."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -8,6 +8,7 @@ import pandas as pd
 
 from thermobearing.cyclic.reported import checks_table
 from thermobearing.design.bounds import BOUNDS_NOTE
+from thermobearing.design.codes import FOOTNOTE
 from thermobearing.design.peaks import JUDGED
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
@@ -111,21 +112,104 @@ def factor_tables(summary: Summary) -> dict[str, Table]:
     names += [Quantity("Cycle", name="basis"), "ambient_degC"]
     names += ["Q_d_kN", "K_1_kN_mm", "K_2_kN_mm", "Q_y_kN"]
     bounds = pd.DataFrame(summary["bounds"])
-    tables = {
-        "factors": Table(caption, columns, cells, 4, frozenset(marked), note),
-        "bounds": make_table(
-            bounds, names, "Lower and upper bilinear model", keys=4, note=bounds_note
-        ),
+    tables = {"factors": Table(caption, columns, cells, 4, frozenset(marked), note)}
+    if summary.get("compared"):
+        tables["compared"] = _compared_table(summary)
+    tables["bounds"] = make_table(
+        bounds, names, "Lower and upper bilinear model", keys=4, note=bounds_note
+    )
+    return tables | (_site_tables(summary["site"]) if summary.get("site") else {})
+
+
+def site_sentence(site: Summary) -> str:
+    """Return the design temperature of a site, and what it is."""
+    period = site["return_period"]
+    what = f"once in {period} years" if period else "the lowest on record, of too few winters"
+    return (
+        f"Design temperature for instantaneous stiffening at {site['name']}: "
+        f"{degrees([round(site['design_temperature'], 1)])}, daily mean, {what} "
+        f"({counted(site['winters'], 'winter')})."
+    )
+
+
+def _site_tables(site: Summary) -> dict[str, Table]:
+    """Return the coldest days of a site by return period, and its cold days in a row."""
+    stiffening = pd.DataFrame(site["stiffening"])
+    found = {
+        "site_stiffening": make_table(
+            stiffening,
+            caption=f"Instantaneous stiffening: coldest days of {site['name']}",
+            note=f"{site_sentence(site)} Gumbel distribution; low and high: 90 % interval. The row "
+            "without a return period is the record.",
+        )
     }
-    return tables
+    if site["cold_days"]:
+        found["site_cold_days"] = make_table(
+            pd.DataFrame(site["cold_days"]),
+            caption=f"Crystallization: consecutive cold days of {site['name']}",
+            note="Days whose daily mean is below the temperature; last column: whose highest "
+            "temperature is.",
+        )
+    return found
 
 
-def _cell(row: Mapping[str, Any]) -> Any:
+def _cell(row: Mapping[str, Any], name: str = "factor") -> Any:
     """Return a factor, with its band where there is one."""
-    low, high = row.get("factor_low"), row.get("factor_high")
+    low, high = row.get(f"{name}_low"), row.get(f"{name}_high")
     if low is None or high is None or not np.isfinite([low, high]).all():
-        return row["factor"]
-    return f"{row['factor']:.2f} ({low:.2f}–{high:.2f})"
+        return row[name]
+    return f"{row[name]:.2f} ({low:.2f}–{high:.2f})"
+
+
+UNCHECKED = "None of these provisions was checked against the text of the code"
+
+
+def _compared_table(summary: Summary) -> Table:
+    """Compare the factors of a bearing with those of codes."""
+    rows, codes = summary["compared"], summary["codes"]
+    columns = [Quantity("Quantity"), Quantity("First cycle", form=".2f")]
+    columns.append(Quantity("With self-heating", form=".2f"))
+    cells = [[row["quantity"], _cell(row, "first"), _cell(row, "heated")] for row in rows]
+    for code in codes:
+        rubbers = list(rows[0]["codes"].get(code["name"], {}))
+        columns += [Quantity(f"{code['name']} {rubber}", form=".2f") for rubber in rubbers]
+        for cell, row in zip(cells, rows, strict=True):
+            cell += [row["codes"][code["name"]][rubber] for rubber in rubbers]
+        if not rubbers:
+            columns.append(Quantity(code["name"]))
+            text = f"as {code['same_as']}" if code["same_as"] in rows[0]["codes"] else "none"
+            for cell in cells:
+                cell.append(text)
+    columns.append(Quantity("Difference"))
+    for cell, row in zip(cells, rows, strict=True):
+        cell.append(row["difference"])
+    band = summary["samples"] > 1
+    note = (
+        f"{'In brackets: 5 to 95 % of the samples' if band else 'One bearing has no interval'}. "
+        "Difference: first cycle from the nearest factor of a code. Codes: divided by their factor "
+        "at the reference temperature and linear between their temperatures; K_eq and h_eq of the "
+        "bilinear loop with their factors of Q_d and K_d. "
+    )
+    note += f"{'. '.join(summary['reasons'])}."
+    note += f" {UNCHECKED}." * _all_unverified(codes)
+    at = degrees([rows[0]["ambient_degC"]])
+    caption = f"Factors of {summary['bearing']} at {at} compared with codes"
+    return Table(caption, columns, cells, 1, note=note)
+
+
+def _all_unverified(codes: Sequence[Summary]) -> bool:
+    return all(code["unverified"] for code in codes)
+
+
+def code_sentences(codes: Sequence[Summary]) -> list[str]:
+    """Return the clause, the provision and the origin of each code."""
+    some = not _all_unverified(codes)
+    found = [
+        f"{one['code']}{'*' * (some and one['unverified'])}, clause: {one['clause']}: "
+        f"{one['says']}; origin: {one['origin']}."
+        for one in codes
+    ]
+    return [*found, f"{FOOTNOTE}." if some else f"{UNCHECKED}."]
 
 
 ROUNDS = (

@@ -16,9 +16,9 @@ from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.text_file import write_file
 from thermobearing.border.toml import read_toml, to_table
 from thermobearing.border.units import parse_quantity, with_unit
-from thermobearing.climate.generator import generate_weather, list_climates
+from thermobearing.climate.generator import list_climates
 from thermobearing.climate.hourly import Hourly
-from thermobearing.climate.readers import read_weather
+from thermobearing.climate.site import as_weather
 from thermobearing.earthquake.run import bearing_weather
 from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.tables import Table
@@ -128,16 +128,8 @@ class Question(Strict):
     def temperatures(self) -> Any:
         """Hourly weather of the site, read once; None without a climate."""
         if self._temperatures is None and self.weather is not None:
-            self._temperatures = _site_temperatures(self.weather)
+            self._temperatures = as_weather(self.weather)
         return self._temperatures
-
-
-def _site_temperatures(weather: str) -> Hourly:
-    if weather in list_climates() or weather.endswith(".toml"):
-        return generate_weather(weather)
-    if not is_file(Path(weather)):
-        raise InputError(f'no file "{weather}", and no climate{nearest(weather, list_climates())}')
-    return read_weather(weather)
 
 
 def _make_question(table: Mapping[str, Any], where: str, folder: Path = Path()) -> Question:
