@@ -16,6 +16,7 @@ from benchmarks.rows import Row, failed
 ITEMS = {
     "coupled_step": "Speed",
     "whole_test": "Speed",
+    "scalar_c": "Speed",
     "numpy_stepper": "Speed",
     "opensees": "Speed",
     "structure": "Speed",

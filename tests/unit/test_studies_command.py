@@ -44,7 +44,16 @@ def test_a_study_again_does_nothing(done: Path) -> None:
     files = {path: path.read_bytes() for path in (done / "out" / "shards").iterdir()}
     told = last(["study", str(done / "small.toml"), "-o", str(done / "out"), "--jobs", "1"])
     assert (told["outcome"], told["runs"], told["done"]) == ("completed", 8, 8)
+    assert "seconds" not in told  # nothing was computed
     assert {path: path.read_bytes() for path in files} == files
+
+
+def test_a_start_reports_time_and_memory(done: Path) -> None:
+    study = ["study", str(done / "small.toml"), "-o", str(done / "timed"), "--jobs", "1"]
+    found = last(study)
+    assert found["computed_runs"] == 8
+    assert 0.0 < float(str(found["seconds"])) < 600.0
+    assert 10.0 < float(str(found["peak_memory_MB"])) < 10_000.0
 
 
 def test_a_dry_run_writes_nothing(done: Path) -> None:

@@ -13,12 +13,13 @@ not on the executor, the number of workers or the order.
 
 import os
 import re
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -55,6 +56,22 @@ if TYPE_CHECKING:
     from thermobearing.studies.result import StudyResult
 
 
+class Effort(NamedTuple):
+    """What one start of a study took."""
+
+    computed_runs: int
+    seconds: float
+    peak_memory_MB: float | None  # of the largest process; None on Windows
+
+    def __str__(self) -> str:
+        """Return text such as "4 s, 61.2 runs per second, 310 MB in the largest process"."""
+        speed = self.computed_runs / max(self.seconds, 1e-9)
+        text = f"{say_duration(self.seconds)}, {speed:.3g} runs per second"
+        if self.peak_memory_MB is None:
+            return text
+        return f"{text}, {self.peak_memory_MB:.0f} MB in the largest process"
+
+
 @dataclass(frozen=True)
 class Status:
     """Progress of a study; `failures` is from `count_failures`."""
@@ -67,6 +84,7 @@ class Status:
     shards_done: int
     failures: pd.DataFrame
     interrupted: bool = False  # by Ctrl-C
+    effort: "Effort | None" = None  # of this start; None where nothing was computed
 
     @property
     def failed(self) -> int:
@@ -96,6 +114,7 @@ class Status:
         """Return the status as data."""
         names = ("name", "outcome", "runs", "done", "failed", "shards", "shards_done")
         found = {name: getattr(self, name) for name in names}
+        found |= {} if self.effort is None else self.effort._asdict()
         return found | {"failures": self.failures.to_dict("records")}
 
     def show(self, *, part: bool = False) -> None:
@@ -105,6 +124,8 @@ class Status:
             "shards": f"{self.shards_done} of {self.shards}",
             "failed": str(self.failed),
         }
+        if self.effort is not None:
+            facts["effort"] = str(self.effort)
         print_facts(f"{self.directory}: {self.name}, {self.outcome}", facts)
         if self.failed:
             show_table(failures_table(self.failures.drop(columns="sentence")))
@@ -114,7 +135,9 @@ class Status:
             say("Run the same command again to resume the study.")
 
 
-def study_status(directory: str | Path, *, interrupted: bool = False) -> Status:
+def study_status(
+    directory: str | Path, *, interrupted: bool = False, effort: Effort | None = None
+) -> Status:
     """Return the progress of the study in a directory, also while another process writes it."""
     store = Store(Path(directory))
     shards = store.done()
@@ -128,7 +151,19 @@ def study_status(directory: str | Path, *, interrupted: bool = False) -> Status:
         shards_done=len(shards),
         failures=count_failures(table),
         interrupted=interrupted,
+        effort=effort,
     )
+
+
+def _peak_memory() -> float | None:
+    """Return the largest memory of this process and of those that it started [MB]."""
+    if sys.platform == "win32":
+        return None
+    import resource
+
+    unit = 1 if sys.platform == "darwin" else 1024  # [bytes]
+    everyone = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    return 1e-6 * unit * max(resource.getrusage(who).ru_maxrss for who in everyone)
 
 
 def count_failures(table: pd.DataFrame) -> pd.DataFrame:
@@ -227,13 +262,23 @@ class Pace:
         self.done, self.total = done, total
         self._first, self._began = done, time.monotonic()
 
+    @property
+    def computed(self) -> int:
+        """Number of runs since the start."""
+        return self.done - self._first
+
+    @property
+    def passed(self) -> float:
+        """Time since the start [s]."""
+        return time.monotonic() - self._began
+
     def __str__(self) -> str:
         """Return text such as "192 of 256 runs, 61.2 per second, 1 s left"."""
-        passed = time.monotonic() - self._began
+        passed = self.passed
         text = f"{self.done} of {self.total} runs"
-        if self.done == self._first or passed <= 0.0:
+        if not self.computed or passed <= 0.0:
             return text
-        rate = (self.done - self._first) / passed
+        rate = self.computed / passed
         return (
             f"{text}, {rate:.3g} per second, {say_duration((self.total - self.done) / rate)} left"
         )
@@ -286,14 +331,16 @@ def run_study(
     study, runs, store = _opened(study, directory, size, jobs)
     with _only_writer(directory, "" if part is None else f"{part[0]}-of-{part[1]}"):
         try:
-            _do_missing(store, study, runs, part, (executor, jobs, address), progress)
+            pace = _do_missing(store, study, runs, part, (executor, jobs, address), progress)
         except KeyboardInterrupt:
             store.log("interrupted")
             return study_status(directory, interrupted=True)
         except BrokenError as error:
             store.log(f"broken: {error}")
             raise OutputError(f"{directory}: all runs of a shard raised: {error}") from error
-    return study_status(directory)
+    computed = pace.computed
+    effort = Effort(computed, pace.passed, _peak_memory()) if computed else None
+    return study_status(directory, effort=effort)
 
 
 def check_start(
@@ -350,7 +397,7 @@ def _do_missing(
     part: tuple[int, int] | None,
     how: tuple[str, int | None, Any],
     progress: Progress | None,
-) -> None:
+) -> Pace:
     """Compute shards without a file, and write the histories of the worst runs."""
     done = set(store.done())
     mine = [k for k in range(store.shards) if part is None or k % part[1] == part[0] - 1]
@@ -378,6 +425,7 @@ def _do_missing(
             if progress:
                 progress(pace.done, pace.total)
     _keep_worst(store, study, runs)
+    return pace
 
 
 def _works(study: Study, runs: pd.DataFrame, shards: Sequence[tuple[int, slice]]) -> Iterator[Work]:
