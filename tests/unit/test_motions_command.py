@@ -5,6 +5,7 @@ import struct
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
@@ -160,3 +161,40 @@ def test_a_name_that_is_no_text_is_written_as_json(tmp_path: Path) -> None:
     text = (tmp_path / "summary.json").read_text(encoding="utf-8")
     assert "地震" in text
     assert json.loads(text) == {"motion": name, "misfit": None}
+
+
+def test_a_pair_has_measures_of_both_records_and_of_rotation(tmp_path: Path) -> None:
+    paths = []
+    for end, direction in (("NS2", "4"), ("EW2", "5")):
+        paths.append(files.write(tmp_path / f"ABCH01.{end}", files.knet_text(direction=direction)))
+    out = tmp_path / "out"
+    words = ["motions", "show", paths[0], "--across", paths[1], "-o", out, "--no-figures"]
+    done = command(*words, "--report")
+    assert done.exit_code == 0
+    told = summary(out)
+    assert told["motion"] == "ABCH01"
+    assert told["records"] == ["NS", "EW"]
+    assert told["across"]["pga_gal"] == pytest.approx(told["pga_gal"])
+    table = pd.read_csv(out / "spectrum.csv")
+    assert_allclose(table["across_acceleration_gal"], table["acceleration_gal"], rtol=1e-5)
+    # Equal records are a motion along the line between them, sqrt(2) as large as each.
+    assert_allclose(table["rotd100_gal"], np.sqrt(2.0) * table["acceleration_gal"], rtol=1e-5)
+    assert_allclose(table["rotd50_gal"], table["acceleration_gal"], rtol=1e-5)
+    assert_allclose(
+        table["rotd100_pseudo_gal"], np.sqrt(2.0) * table["pseudo_acceleration_gal"], rtol=1e-5
+    )
+    assert_allclose(table["rotd100_cm"], np.sqrt(2.0) * table["displacement_cm"], rtol=1e-5)
+    both = [load_motion(out / "motion.csv", component=name) for name in ("acc", "across")]
+    assert_allclose(both[0].acceleration, both[1].acceleration)
+
+
+def test_bad_pairs_of_the_command(tmp_path: Path) -> None:
+    pair = ["motions", "spectrum", "jra-ii-i-1", "--across"]
+    for words, piece in (
+        ([*pair, "jra-i-i-1"], "11001 samples"),
+        ([*pair, "jra-ii-i-9"], "jra-ii-i-9"),
+        ([*pair, "jra-ii-i-2", "--unit", "gal"], "unit"),
+    ):
+        done = command(*words)
+        assert (done.exit_code, piece in done.stderr) == (2, True)
+    assert command(*pair, "jra-i-i-1", "--resample").exit_code == 0

@@ -22,6 +22,13 @@ READ = fields(
     component="|Component, by name (NS) or number from 1, if the file has several.",
     trust_unit="|Accept a peak acceleration that is implausible for the unit.",
 )
+ACROSS = fields(
+    "earthquake.motions:Motion",
+    "across across_component resample",
+    across="|File or built-in name of the second record of a pair.|NAME/FILE",
+    across_component="|Component of the second record; makes a pair with the same file.",
+    resample="|Bring the second record to the time step and the length of the first.",
+)
 EXAMINED = fields(
     "motions.run:examine_motion",
     "kind ground baseline high_pass",
@@ -48,14 +55,25 @@ def _list() -> Answer:
 def _examine(file: str, given: dict[str, Any], end: Ending, command: str) -> Answer:
     """Examine a motion, and save the result where an output directory is given."""
     from thermobearing.motions.library import load_motion
+    from thermobearing.motions.pair import MotionPair, make_pair
+    from thermobearing.motions.record import GroundMotion
     from thermobearing.motions.run import examine_motion
 
     end.check()
     read = {name: given.pop(name) for name in READING.split() if name in given}
-    return end.save_if_asked(examine_motion(load_motion(file, **read), command=command, **given))
+    second, component = given.pop("across", None), given.pop("across_component", None)
+    resample = bool(given.pop("resample", False))
+    first = load_motion(file, **read)
+    motion: GroundMotion | MotionPair = first
+    if second is not None or component is not None:
+        across = load_motion(second or file, **read | {"component": component})
+        motion = make_pair(first, across, resample=resample)
+    return end.save_if_asked(examine_motion(motion, command=command, **given))
 
 
-@command(motions, "show", READ, EXAMINED, examples="motions show record.csv --unit gal -o record")
+@command(
+    motions, "show", READ, ACROSS, EXAMINED, examples="motions show record.csv --unit gal -o record"
+)
 def _show(file: RECORD, given: dict[str, Any], end: Ending) -> Answer:
     """Show the measures of a motion; with -o also write histories, spectra and figures."""
     return _examine(file, given, end, "motions show")
@@ -65,6 +83,7 @@ def _show(file: RECORD, given: dict[str, Any], end: Ending) -> Answer:
     motions,
     "spectrum",
     READ,
+    ACROSS,
     EXAMINED,
     fields(
         "motions.run:examine_motion",

@@ -1,21 +1,43 @@
 """Figures of ground motions: histories and response spectra."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from thermobearing.motions.measures import significant_interval
-from thermobearing.motions.record import MM_S2_PER_GAL
+from thermobearing.motions.record import MM_S2_PER_GAL, GroundMotion
 from thermobearing.motions.run import MM_PER_CM, MotionResult, Reference
 from thermobearing.results import drawing
 
 BINS = 2000
-MOTION_COLOUR = "#0077BB"
+MOTION_COLOUR, ACROSS_COLOUR = "#0077BB", "#009988"
 REFERENCE_LOOKS = (("#CC3311", "--"), ("#EE7733", "-."))
 BOTH_TYPES = (Reference("I", "I"), Reference("II", "I"))  # for a motion without a target
+
+
+def _draw_histories(axes: Sequence[Axes], motion: GroundMotion, name: str, *, labels: bool) -> None:
+    """Draw acceleration, velocity and displacement, the significant part shaded."""
+    histories = (
+        ("acceleration [gal]", "largest {:.0f} gal", motion.acceleration / MM_S2_PER_GAL),
+        ("velocity [cm/s]", "largest {:.1f} cm/s", motion.velocity / MM_PER_CM),
+        ("displacement [cm]", "largest {:.1f} cm", motion.displacement / MM_PER_CM),
+    )
+    time, strong = motion.time, significant_interval(motion)
+    for ax, (label, title, values) in zip(axes, histories, strict=True):
+        ax.axvspan(*strong, color=drawing.PALE, zorder=0, linewidth=0)
+        kept = drawing.thin(values, BINS)
+        ax.plot(time[kept], values[kept], color=MOTION_COLOUR, linewidth=0.8)
+        peak = int(np.abs(values).argmax())
+        ax.plot(time[peak], values[peak], "o", color=drawing.INK, markersize=3.5)
+        ax.set_xlim(0.0, time[-1])
+        size = name + title.format(abs(values[peak]))
+        drawing.name_axes(ax, y=label if labels else "", title=size)
+    drawing.name_axes(axes[-1], "time [s]")
 
 
 class MotionFigures(drawing.Figures):
@@ -30,23 +52,15 @@ class MotionFigures(drawing.Figures):
 
     def motion(self) -> Figure:
         """Acceleration, velocity and displacement of the ground, the significant part shaded."""
-        motion = self._result.motion
-        histories = (
-            ("acceleration [gal]", "largest {:.0f} gal", motion.acceleration / MM_S2_PER_GAL),
-            ("velocity [cm/s]", "largest {:.1f} cm/s", motion.velocity / MM_PER_CM),
-            ("displacement [cm]", "largest {:.1f} cm", motion.displacement / MM_PER_CM),
-        )
-        figure, axes = drawing.panels(3, 1, (9.0, 6.2), motion.name)
-        time, strong = motion.time, significant_interval(motion)
-        for ax, (label, title, values) in zip(axes, histories, strict=True):
-            ax.axvspan(*strong, color=drawing.PALE, zorder=0, linewidth=0)
-            kept = drawing.thin(values, BINS)
-            ax.plot(time[kept], values[kept], color=MOTION_COLOUR, linewidth=0.8)
-            peak = int(np.abs(values).argmax())
-            ax.plot(time[peak], values[peak], "o", color=drawing.INK, markersize=3.5)
-            ax.set_xlim(0.0, time[-1])
-            drawing.name_axes(ax, y=label, title=title.format(abs(values[peak])))
-        drawing.name_axes(axes[-1], "time [s]")
+        result = self._result
+        records = [(result.motion, "")]
+        if result.across is not None:
+            both = zip([result.motion, result.across.motion], result.records, strict=True)
+            records = [(motion, f"{name}: ") for motion, name in both]
+        count = len(records)
+        figure, axes = drawing.panels(3, count, (9.0, 6.2), result.headline, share="row")
+        for column, (motion, name) in enumerate(records):
+            _draw_histories(axes[column::count], motion, name, labels=column == 0)
         label = "5 to 95 % of Arias intensity"
         drawing.legend_below(figure, [Line2D([], [], color="#d5dae2", linewidth=7.0, label=label)])
         return figure
@@ -55,8 +69,9 @@ class MotionFigures(drawing.Figures):
         """Response spectra of acceleration and displacement, with standard ones."""
         result, found = self._result, self._result.spectrum
         periods = found.periods
-        figure, (left, right) = drawing.panels(1, 2, (10.0, 4.6), result.motion.name)
-        handles = [Line2D([], [], color=MOTION_COLOUR, linewidth=1.2, label="this motion")]
+        figure, (left, right) = drawing.panels(1, 2, (10.0, 4.6), result.headline)
+        spectra = self._spectra()
+        handles = [Line2D([], [], label=label, **look) for label, _, _, look in spectra]
         references = [result.reference] if result.reference else BOTH_TYPES
         for reference, (colour, line) in zip(references, REFERENCE_LOOKS, strict=False):
             look: drawing.Look = {"color": colour, "linestyle": line, "linewidth": 1.6}
@@ -65,8 +80,9 @@ class MotionFigures(drawing.Figures):
             right.plot(periods, values * (periods / (2.0 * np.pi)) ** 2 / MM_PER_CM, **look)
             name = f"standard, Level 2 Type {reference.kind}, ground {reference.ground}, 5 %"
             handles.append(Line2D([], [], label=name, **look))
-        left.plot(periods, found.acceleration / MM_S2_PER_GAL, color=MOTION_COLOUR, linewidth=1.2)
-        right.plot(periods, found.displacement / MM_PER_CM, color=MOTION_COLOUR, linewidth=1.2)
+        for _, acceleration, displacement, look in spectra:
+            left.plot(periods, acceleration, **look)
+            right.plot(periods, displacement, **look)
         left.set_yscale("log")
         plain = FuncFormatter(lambda value, _: f"{value:g}")
         left.yaxis.set_major_formatter(plain)
@@ -83,3 +99,26 @@ class MotionFigures(drawing.Figures):
             drawing.name_axes(ax, "period [s]", label, f"{what}, {percent}")
         drawing.legend_below(figure, handles)
         return figure
+
+    def _spectra(self) -> list[tuple[str, Any, Any, drawing.Look]]:
+        """Return label, acceleration [gal], displacement [cm] and look of each spectrum."""
+        result, found, table = self._result, self._result.spectrum, self._result.table
+        own = found.acceleration / MM_S2_PER_GAL, found.displacement / MM_PER_CM
+        look: drawing.Look = {"color": MOTION_COLOUR, "linewidth": 1.2}
+        if result.across is None:
+            return [("this motion", *own, look)]
+        across = result.across.spectrum
+        other = across.acceleration / MM_S2_PER_GAL, across.displacement / MM_PER_CM
+        first, second = result.records
+        rotated = [
+            (name, table[f"{key}_gal"], table[f"{key}_cm"], {"color": drawing.INK, **line})
+            for name, key, line in (
+                ("RotD50", "rotd50", {"linewidth": 1.4}),
+                ("RotD100", "rotd100", {"linewidth": 1.4, "linestyle": ":"}),
+            )
+        ]
+        return [
+            (first, *own, look),
+            (second, *other, {"color": ACROSS_COLOUR, "linewidth": 1.2}),
+            *rotated,
+        ]

@@ -7,7 +7,13 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.motions.matching import LARGEST_MISFIT
-from thermobearing.motions.run import SPECTRA, measures_table, spectrum_table, standard_words
+from thermobearing.motions.run import (
+    PAIR_SPECTRA,
+    SPECTRA,
+    measures_table,
+    spectrum_table,
+    standard_words,
+)
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.report.content import saved_figures, with_plot
@@ -21,6 +27,12 @@ CAPTIONS = {
     "motion": "Acceleration, velocity and displacement of the ground.",
     "spectrum": "Response spectrum of the motion compared with the standard one.",
 }
+ROTATED = (
+    "RotD50 and RotD100 are the median and the largest of the largest responses along a horizontal "
+    "axis at 180 angles to the records, 1 deg apart, at each period on its own (Boore, Bulletin of "
+    "the Seismological Society of America 100, 2010)."
+)
+RECORDS = (("acc_gal", "across_gal"), ("#0077BB", "#009988"))  # columns and colours
 PERIODS = (0.1, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0)  # listed periods of a spectrum [s]
 
 
@@ -49,6 +61,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
         assumptions=[
             f"Response spectra are those of linear oscillators with a damping of "
             f"{100.0 * float(summary['damping']):g} %, solved exactly between samples.",
+            *([ROTATED] if summary.get("across") else []),
         ],
         warnings=[tidy(text) for text in saved.warnings],
         identity=identity_rows(
@@ -74,8 +87,16 @@ def _answer(summary: Mapping[str, Any]) -> list[str]:
             f"Its spectrum is {100.0 * standard['misfit_rms']:.1f} % rms different from that of "
             f"{standard_words(standard)}, over 0.1 to 3 s."
         )
-    else:
+    elif not standard:
         found.append("It was not compared with a standard spectrum.")
+    if across := summary.get("across"):
+        first, second = summary["records"]
+        found.insert(
+            0,
+            f"The motion is a pair of two horizontal components, {first} and {second}; the numbers "
+            f"below are those of {first}. The peak acceleration of {second} is "
+            f"{across['pga_gal']:.0f} gal.",
+        )
     if summary["outcome"] != "completed":
         found.insert(0, f"The motion does not fit its spectrum ({summary['outcome']}).")
     return found
@@ -88,7 +109,7 @@ def _spectrum(saved: SavedResult) -> dict[str, Table]:
     table = saved["spectrum"].astype(float)
     periods = table["period_s"].to_numpy()
     chosen = [t for t in PERIODS if periods[0] <= t <= periods[-1] * 1.0001]
-    names = [name for name in SPECTRA if name in table]
+    names = [name for name in dict.fromkeys(SPECTRA + PAIR_SPECTRA) if name in table]
     frame = pd.DataFrame({name: np.interp(chosen, periods, table[name]) for name in names})
     return {"spectrum": spectrum_table(frame.assign(period_s=chosen), saved.summary["damping"])}
 
@@ -98,17 +119,25 @@ def _figures(saved: SavedResult) -> dict[str, ReportFigure]:
     found = saved_figures(saved, CAPTIONS)
     if "motion" in saved.tables:
         table = saved["motion"].astype(float)
-        drawn = table["t_s"].to_numpy(), table["acc_gal"].to_numpy()
-        trace = Trace(str(saved.summary["motion"]), *drawn, "#0077BB")
-        plot = Plot("time [s]", "acceleration [gal]", {"all": [trace]})
+        time = table["t_s"].to_numpy()
+        names = saved.summary.get("records") or [str(saved.summary["motion"])]
+        traces = [
+            Trace(name, time, table[column].to_numpy(), colour)
+            for name, column, colour in zip(names, *RECORDS, strict=False)
+        ]
+        plot = Plot("time [s]", "acceleration [gal]", {"all": traces})
         found = with_plot(found, "motion", plot, CAPTIONS)
     if "spectrum" in saved.tables:
         table = saved["spectrum"].astype(float)
         x = table["period_s"].to_numpy()
+        first, second = saved.summary.get("records") or ("motion", "")
         traces = [
             Trace(words, x, table[name].to_numpy(), colour, look)
             for name, words, colour, look in (
-                ("acceleration_gal", "motion", "#0077BB", "line"),
+                ("acceleration_gal", first, "#0077BB", "line"),
+                ("across_acceleration_gal", second, "#009988", "line"),
+                ("rotd50_gal", "RotD50", "#1a1a1a", "line"),
+                ("rotd100_gal", "RotD100", "#1a1a1a", "dashed"),
                 ("standard_gal", "standard", "#CC3311", "dashed"),
             )
             if name in table

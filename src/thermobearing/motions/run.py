@@ -6,7 +6,7 @@ a standard spectrum and phases .... MotionCase  -> `run_motion`     -> MotionRes
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,6 +19,7 @@ from thermobearing.core.types import Floats
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import LARGEST_MISFIT, Progress, misfit
 from thermobearing.motions.measures import MotionMeasures, measure_motion
+from thermobearing.motions.pair import MotionPair, rotation_measures
 from thermobearing.motions.process import baseline_corrected, resampled
 from thermobearing.motions.record import MM_S2_PER_GAL, GroundMotion
 from thermobearing.motions.spectrum import (
@@ -26,6 +27,7 @@ from thermobearing.motions.spectrum import (
     ResponseSpectrum,
     check_damping,
     response_spectrum,
+    rotated_spectrum,
 )
 from thermobearing.motions.synthesis import make_motion, match_spectrum
 from thermobearing.motions.targets import kind_and_ground, standard_spectrum
@@ -45,6 +47,10 @@ MEASURES = (
     *("end_velocity_cm_s", "end_displacement_cm"),
 )
 SPECTRA = ("period_s", "acceleration_gal", "velocity_cm_s", "displacement_cm", "standard_gal")
+PAIR_SPECTRA = (
+    *("period_s", "acceleration_gal", "across_acceleration_gal", "rotd50_gal", "rotd100_gal"),
+    *("rotd50_cm", "rotd100_cm", "standard_gal"),
+)
 
 
 class Reference(NamedTuple):
@@ -61,11 +67,12 @@ class Reference(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class MotionResult(Result):
-    """The result of one ground motion: measures and spectra.
+    """The result of one ground motion, or of the first record of a pair: measures and spectra.
 
-    `damping` is that of `spectrum`, a ratio of critical damping; `misfit` the root mean square of
-    spectrum / reference - 1 over 0.1 to 3 s, 5 % damping. The outcome is "completed", or "poor_fit"
-    for a generated motion that does not fit.
+    `across` is the result of the second record. `damping` is that of `spectrum`, a ratio of
+    critical damping; `misfit` the root mean square of spectrum / reference - 1 over 0.1 to 3 s, 5 %
+    damping, None of a pair. The outcome is "completed", or "poor_fit" for a generated motion that
+    does not fit.
     """
 
     _figures = "MotionFigures"
@@ -77,11 +84,26 @@ class MotionResult(Result):
     reference: Reference | None
     misfit: float | None
     outcome: str = COMPLETED
+    across: "MotionResult | None" = field(default=None, kw_only=True)
 
     @property
     def headline(self) -> str:
-        """Name of the motion."""
-        return self.motion.name
+        """Name of the motion or of the pair."""
+        return self.motion.name if self.pair is None else self.pair.name
+
+    @property
+    def pair(self) -> MotionPair | None:
+        """Both records of a pair."""
+        return None if self.across is None else MotionPair(self.motion, self.across.motion)
+
+    @property
+    def records(self) -> list[str]:
+        """What tells the records of a pair apart: components, names, or their order."""
+        if self.across is None:
+            return []
+        both = [self.motion, self.across.motion]
+        ways = [[one.component for one in both], [one.name for one in both], ["first", "second"]]
+        return next(found for found in ways if all(found) and found[0] != found[1])
 
     @property
     def sentence(self) -> str:
@@ -104,6 +126,7 @@ class MotionResult(Result):
         return self._spectrum_frame(self.spectrum)
 
     def _spectrum_frame(self, found: ResponseSpectrum) -> pd.DataFrame:
+        """Return the spectrum, that of the second record, RotD50 and RotD100 at its periods."""
         columns = {
             "period_s": found.periods,
             "acceleration_gal": found.acceleration / MM_S2_PER_GAL,
@@ -111,6 +134,8 @@ class MotionResult(Result):
             "velocity_cm_s": found.velocity / MM_PER_CM,
             "displacement_cm": found.displacement / MM_PER_CM,
         }
+        if self.pair is not None:
+            columns |= _rotated_columns(self.pair, found)
         if self.reference is not None:
             columns["standard_gal"] = self.reference.at(found.periods) / MM_S2_PER_GAL
         return pd.DataFrame(columns)
@@ -135,6 +160,7 @@ class MotionResult(Result):
     def summary(self) -> dict[str, Any]:
         """Content of summary.json."""
         motion, measures, reference = self.motion, self.measures, self.reference
+        across = None if self.across is None else self.across.summary()
         standard = None
         if reference is not None:
             kind, ground, factor = reference
@@ -142,7 +168,7 @@ class MotionResult(Result):
             standard["misfit_rms"] = self.misfit
         return {
             "command": self.command,
-            "motion": motion.name,
+            "motion": self.headline,
             "description": motion.description,
             "citation": motion.citation,
             "version": thermobearing.__version__,
@@ -161,14 +187,32 @@ class MotionResult(Result):
             "cumulative_absolute_velocity_m_s": measures.cumulative_absolute_velocity / MM_PER_M,
             "damping": self.damping,
             "standard_spectrum": standard,
-        }
+        } | ({} if self.across is None else {"records": self.records, "across": across})
 
     def _write(self, folder: Path) -> None:
         acceleration = self.motion.acceleration / MM_S2_PER_GAL
         motion = pd.DataFrame({"t_s": self.motion.time, "acc_gal": acceleration})
+        if self.across is not None:
+            motion["across_gal"] = self.across.motion.acceleration / MM_S2_PER_GAL
         for file, frame, form in ((MOTION, motion, "%.6f"), (SPECTRUM, self.table, "%.6g")):
             look: dict[str, Any] = {"fmt": form, "delimiter": ",", "comments": ""}
             np.savetxt(folder / file, frame, header=",".join(frame.columns), **look)
+
+
+def _rotated_columns(pair: MotionPair, found: ResponseSpectrum) -> dict[str, Floats]:
+    """Return the spectrum of the second record, RotD50 and RotD100 at the periods of the first."""
+    turned = rotated_spectrum(pair, found.periods, found.damping)
+    second = int(np.flatnonzero(turned.angles == 90.0)[0])
+    sizes = {
+        "gal": turned.acceleration / MM_S2_PER_GAL,
+        "pseudo_gal": turned.pseudo_acceleration / MM_S2_PER_GAL,
+        "cm": turned.displacement / MM_PER_CM,
+    }
+    return {"across_acceleration_gal": turned.acceleration[second] / MM_S2_PER_GAL} | {
+        f"{measure}_{unit}": values
+        for unit, responses in sizes.items()
+        for measure, values in rotation_measures(responses)._asdict().items()
+    }
 
 
 def standard_words(standard: Mapping[str, Any]) -> str:
@@ -181,18 +225,25 @@ def standard_words(standard: Mapping[str, Any]) -> str:
 def measures_table(summary: Mapping[str, Any]) -> Table:
     """Return the measures of a summary, a row each; rounding errors of the ends are zeros."""
     known = [quantity(name) for name in MEASURES if summary.get(name) is not None]
-    rows = [(one.head, one.text(round(summary[one.name], 6)), one.unit) for one in known]
-    columns = [Quantity("Measure"), Quantity("Value"), Quantity("Unit")]
+    records, heads = [summary], ["Value"]
+    if across := summary.get("across"):
+        records, heads = [summary, across], list(summary["records"])
+    rows = [
+        (one.head, *(one.text(round(each[one.name], 6)) for each in records), one.unit)
+        for one in known
+    ]
+    columns = [Quantity("Measure"), *map(Quantity, heads), Quantity("Unit")]
     return Table("Measures of the motion", columns, rows)
 
 
 def spectrum_table(frame: pd.DataFrame, damping: float) -> Table:
     """Return a response spectrum as a table."""
-    return make_table(frame, SPECTRA, f"Response spectrum, damping {100.0 * damping:g} %")
+    names = PAIR_SPECTRA if "rotd50_gal" in frame else SPECTRA
+    return make_table(frame, names, f"Response spectrum, damping {100.0 * damping:g} %")
 
 
 def examine_motion(
-    motion: GroundMotion,
+    motion: GroundMotion | MotionPair,
     kind: str | None = None,
     ground: str | None = None,
     *,
@@ -203,10 +254,19 @@ def examine_motion(
 ) -> MotionResult:
     """Return size, duration, ends and spectrum of a ground motion, with a standard spectrum.
 
+    Of a pair, they are those of both records, with RotD50 and RotD100 of their responses.
+
     If neither `kind` nor `ground` of the standard spectrum is given, they are those that a built-in
     motion was made for; there is none for others. `baseline` or a corner `high_pass` [Hz] corrects
     the base line first; see `baseline_corrected`.
     """
+    if isinstance(motion, MotionPair):
+        options = {"damping": damping, "baseline": baseline, "high_pass": high_pass}
+        first, second = (
+            examine_motion(one, kind, ground, command=command, **options)  # type: ignore[arg-type]
+            for one in (motion.first, motion.second)
+        )
+        return replace(first, misfit=None, across=second)
     if baseline or high_pass is not None:
         motion = baseline_corrected(motion, high_pass=high_pass)
     return _measured(command, motion, _reference(motion, kind, ground), damping)
