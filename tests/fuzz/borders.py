@@ -1,7 +1,7 @@
 """Every function that takes what a user gives, and examples of what it may be given. No tests."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -27,10 +27,11 @@ from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.record import TestRecord, load_test, record_from_arrays
 from thermobearing.motions import process
 from thermobearing.motions.measures import measure_motion
+from thermobearing.motions.pair import make_pair
 from thermobearing.motions.readers import read_motion
 from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.run import make_motion_case
-from thermobearing.motions.spectrum import response_spectrum
+from thermobearing.motions.spectrum import response_spectrum, rotated_spectrum
 from thermobearing.motions.targets import standard_spectrum
 from thermobearing.results.metrics import measure_history
 from thermobearing.sequences.case import load_sequence_case
@@ -183,14 +184,17 @@ def _motion_arithmetic(draw: st.DrawFn) -> Example:
     values = size * np.sin(0.3 * np.arange(count) + draw(st.sampled_from([0.0, 1.0])))
     motion = GroundMotion("made", dt, values)
     a, b = draw(plain_numbers()), draw(plain_numbers())
-    name = draw(st.sampled_from(["corrected", "resampled", "padded", "spectrum", "standard"]))
+    across = replace(motion, dt=draw(st.sampled_from([dt, 0.02])), name="across")
     calls: dict[str, Callable[[], Any]] = {
         "corrected": lambda: process.baseline_corrected(motion, high_pass=a),
         "resampled": lambda: process.resampled(motion, a),
         "padded": lambda: process.padded(motion, a, b),
         "spectrum": lambda: response_spectrum(motion, [min(a, 1e6), 1.0], b),
         "standard": lambda: standard_spectrum("II", "I", [a], zone_factor=b),
+        "pair": lambda: make_pair(motion, across, a, resample=b > 0.0).along("y"),
+        "rotated": lambda: rotated_spectrum(make_pair(motion, across), [min(a, 1e6), 1.0], b),
     }
+    name = draw(st.sampled_from(list(calls)))
 
     def call(_: Path) -> None:
         made = calls[name]()
