@@ -1,6 +1,7 @@
 """The kernels that Python calls, found by running a little of everything that calls one."""
 
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from thermobearing.results import loop
 from thermobearing.structure import forces, newmark, predictor
 from thermobearing.structure.lanes import Run, run_lanes, run_peaks
 from thermobearing.structure.model import load_structure
-from thermobearing.structure.run import Line, prepare_structure
+from thermobearing.structure.run import Line, prepare_structure, run_structure
 
 BEARING = "shen-lhdr-bridge"
 MODULES = (
@@ -59,15 +60,21 @@ def _run_everything() -> None:
         constants, [pair], Ambient.constant(-20.0), np.full(len(constants.cells.capacity), -20.0)
     )
     line = Line(constants, np.full(len(constants.cells.capacity), -20.0))
-    prepared = prepare_structure(load_structure("pier-p1"))
-    run = Run(prepared, [line], np.array([0.0, 1.0, 0.0]), 0.01, -20.0)
+    prepared, ground = prepare_structure(load_structure("pier-p1")), np.array([0.0, 1.0, 0.0])
+    run = Run(prepared, [line], ground, 0.01, -20.0)
     run_peaks(run)
-    run_lanes([run])
+    with suppress(Recorded):
+        run_lanes([run])
+    along = prepared.matrices
+    both = {name: np.stack([getattr(along, name)] * 2, axis=-1) for name in ("load", "line_rows")}
+    plan = replace(prepared, matrices=replace(along, **both))
+    with suppress(Recorded):
+        run_structure(plan, [line], np.stack([ground] * 2, axis=-1), 0.01, np.zeros(2))
 
 
 def record() -> dict[str, tuple[Any, ...]]:
     """Return the numba types of the arguments of each kernel that Python calls."""
-    with recorded(all_kernels()) as found, suppress(Recorded):
+    with recorded(all_kernels()) as found:
         _run_everything()
     return dict(sorted(found.items()))
 

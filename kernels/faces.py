@@ -38,18 +38,13 @@ class Listed(types.Type):
     Kernels are compiled by numba for tuples of each length; a face serves all lengths.
     """
 
-    def __init__(self, item: Any, width: int = 0) -> None:
-        self.item, self.width = item, width
-        super().__init__(f"Listed({item}, {width})")
+    def __init__(self, item: Any, found: Any = None) -> None:
+        self.item, self.found = item, found or item  # in the table, and what a kernel gets
+        super().__init__(f"Listed({item}, {self.found})")
 
-    @property
-    def found(self) -> Any:
-        """The type of what a kernel gets at a place."""
-        return views.lane_kind(self.item, self.width) if self.width else self.item
-
-    def in_lanes(self, width: int) -> "Listed":
-        """The type that `as_lanes` gives to it."""
-        return Listed(self.item, width)
+    def viewed(self, view: Callable[[Any], Any]) -> "Listed":
+        """The type that `as_lanes` or `as_plane` gives to it."""
+        return Listed(self.item, view(self.found))
 
 
 @register_model(Listed)
@@ -87,9 +82,7 @@ def _lower_entry(context: Any, builder: Any, called: Any, values: Any) -> Any:
     size = ir.Constant(SLOT, count_slots(listed.item))
     start = builder.gep(table, [builder.mul(values[1], size)], inbounds=True)
     value, _ = _load(context, builder, listed.item, start, 0)
-    if listed.width:
-        return views.converted(context, builder, listed.item, value, listed.found)
-    return value
+    return views.converted(context, builder, listed.item, value, listed.found)
 
 
 def face_type(kind: Any) -> Any:
@@ -257,10 +250,11 @@ def recorded(kernels: list[Kernel]) -> Iterator[dict[str, tuple[Any, ...]]]:
         def call(*given: Any) -> Any:
             if not depth[0]:
                 found.setdefault(kernel.name, tuple(numba.typeof(one) for one in given))
-            if is_lockstep(kernel):
+            of_core = ".core." in kernel.__module__
+            if not (of_core or is_for_pages(kernel)):
                 raise Recorded(kernel.name)
             depth[0] += 1
-            run = kernel.dispatcher if ".core." in kernel.__module__ else kernel.py_func
+            run = kernel.dispatcher if of_core else kernel.py_func
             try:
                 return run(*given)
             finally:

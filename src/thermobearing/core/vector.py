@@ -15,11 +15,13 @@ from typing import Annotated, Any, TypeAlias, TypeVar, cast
 from thermobearing.core.compiled.kernel import Kernel, compiled
 from thermobearing.core.lanes.choose import select
 
-VECTOR, MATRIX = (2,), (2, 2)  # numbers of each in a plane
+VECTOR, MATRIX, PEAK = (2,), (2, 2), (3,)  # numbers of each in a plane
 Vector: TypeAlias = Annotated[float, VECTOR]
 Matrix: TypeAlias = Annotated[float, MATRIX]
+Peak: TypeAlias = Annotated[float, PEAK]  # the largest of x, of y and of the resultant
 Pair: TypeAlias = Any  # (x, y)
 Square: TypeAlias = Any  # two rows of pairs
+Triple: TypeAlias = Any  # of a peak
 F = TypeVar("F", bound=Callable[..., Any])
 
 
@@ -193,6 +195,37 @@ def _dot_pair(a: Pair, b: Pair) -> float:
 
 
 @compiled
+def _each_times_pair(a: Pair, b: Pair) -> Pair:
+    return a[0] * b[0], a[1] * b[1]
+
+
+@compiled
+def _is_given(a: float) -> bool:
+    return a != 0.0
+
+
+@compiled
+def _is_given_pair(a: Pair) -> bool:
+    found: bool = (a[0] != 0.0) | (a[1] != 0.0)
+    return found
+
+
+@compiled
+def _no_peak_pair(a: Pair) -> Triple:
+    return 0.0, 0.0, 0.0
+
+
+@compiled
+def _farther(seen: float, a: float) -> float:
+    return max(seen, abs(a))
+
+
+@compiled
+def _farther_pair(seen: Triple, a: Pair) -> Triple:
+    return _farther(seen[0], a[0]), _farther(seen[1], a[1]), max(seen[2], _norm_pair(a))
+
+
+@compiled
 def _outer_pair(a: Pair, b: Pair) -> Square:
     return _scaled_pair(b, a[0]), _scaled_pair(b, a[1])
 
@@ -205,6 +238,16 @@ def _times_pair(a: Square, b: Pair) -> Pair:
 @compiled
 def _transposed_times_pair(a: Square, b: Pair) -> Pair:
     return a[0][0] * b[0] + a[1][0] * b[1], a[0][1] * b[0] + a[1][1] * b[1]
+
+
+@compiled
+def _between(a: float, k: float, b: float) -> float:
+    return a * b * k
+
+
+@compiled
+def _between_pairs(a: Pair, k: Square, b: Pair) -> float:
+    return _dot_pair(_times_pair(k, b), a)
 
 
 @compiled
@@ -261,6 +304,11 @@ direction = choice(_direction, _direction_pair)  # of unit length, positive for 
 zero = choice(_zero, _zero_pair)  # the zero vector, like a vector
 no_slope = choice(_zero, _no_slope_pair)  # the zero matrix, like a vector
 isotropic = choice(_isotropic, _isotropic_pair)  # a multiple of the unit matrix, like a vector
+no_peak = choice(_zero, _no_peak_pair)  # a peak before anything is seen, like a vector
+farther = choice(_farther, _farther_pair, at=1)  # a peak after a vector is seen
+is_given = choice(_is_given, _is_given_pair)  # whether a vector has a component
+each_times = choice(_dot, _each_times_pair)  # the products of the components
+between = choice(_between, _between_pairs)  # a vector times a matrix times a vector
 dot = choice(_dot, _dot_pair)
 outer = choice(_dot, _outer_pair)
 times = choice(_dot, _times_pair, at=1)  # a matrix times a vector

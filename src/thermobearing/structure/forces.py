@@ -20,9 +20,22 @@ from thermobearing.core.types import (
     Constants,
     LayerWork,
     State,
+    Vectors,
     Workspace,
     new_state,
     new_workspace,
+)
+from thermobearing.core.vector import (
+    Matrix,
+    Vector,
+    between,
+    dot,
+    is_given,
+    minus,
+    norm,
+    plus,
+    scaled,
+    zero,
 )
 from thermobearing.structure.takeda import takeda
 from thermobearing.structure.types import Coordinate, LineFactors, Motion, MotionRows, System
@@ -145,15 +158,16 @@ def build_bearings(
     temperatures: Sequence[Floats],
     leads: Sequence[float | None],
     begun: Sequence[State | None] | None = None,
+    components: int = 1,
 ) -> Bearings:
     """Bearings of all lines: where they were left, or virgin at temperatures of cells and lead."""
     found = []
-    states = start_states(constants, temperatures, leads, begun)
+    states = start_states(constants, temperatures, leads, begun, components)
     for numbers, start in zip(line_kinds(constants), states, strict=True):
         one = constants[numbers[0]]
         trials = State(*[array.copy() for array in start])
         elastic, hysteretic = np.zeros((2, len(numbers), len(one.multiplicity)))
-        work = new_workspace(one)
+        work = new_workspace(one, components)
         lines, durations = np.array(numbers), np.zeros(len(numbers))
         found.append(Kind(one, lines, durations, work, elastic, hysteretic, start, trials))
     return tuple(found)
@@ -164,10 +178,11 @@ def start_states(
     temperatures: Sequence[Floats],
     leads: Sequence[float | None],
     begun: Sequence[State | None] | None = None,
+    components: int = 1,
 ) -> tuple[Any, ...]:
     """States of each kind, as `Kind` has them; arguments as of `build_bearings`."""
     starts = [
-        new_state(one, temperatures[b], leads[b]) if left is None else left
+        new_state(one, temperatures[b], leads[b], components) if left is None else left
         for b, (one, left) in enumerate(
             zip(constants, begun or [None] * len(constants), strict=True)
         )
@@ -179,31 +194,31 @@ SHORTEST = 1e-6  # s: step of a bearing that is on its own clock and does not mo
 
 
 @compiled
-def along(rows: Floats, row: int, points: Rows[Coordinate]) -> float:
+def along(rows: Vectors, row: int, points: Rows[Coordinate]) -> Vector:
     """Stretch or rotation of one connection at the trial coordinates."""
-    total = 0.0
+    total = zero(rows[row, 0])
     for i in range(rows.shape[1]):
-        total += rows[row, i] * points[i].trial
+        total = plus(total, scaled(rows[row, i], points[i].trial))
     return total
 
 
 @compiled
-def spread(rows: Floats, row: int, force: float, stiffness: float, motion: Motion) -> None:
+def spread(rows: Vectors, row: int, force: Vector, stiffness: Matrix, motion: Motion) -> None:
     """Add the force and stiffness of one connection to those of the coordinates."""
     for i in range(rows.shape[1]):
-        if any_lane(rows[row, i] != 0.0):
-            motion.points[i].trial_restoring += rows[row, i] * force
+        if any_lane(is_given(rows[row, i])):
+            motion.points[i].trial_restoring += dot(rows[row, i], force)
             for j in range(rows.shape[1]):
-                motion.tangent[i, j] += rows[row, i] * rows[row, j] * stiffness
+                motion.tangent[i, j] += between(rows[row, i], stiffness, rows[row, j])
 
 
 @compiled
-def _bearing_dt(line: LineFactors, dt: float, dx: float) -> float:
+def _bearing_dt(line: LineFactors, dt: float, dx: Vector) -> float:
     """Return the time in which the bearing moves by dx [mm]: in the earthquake or its actuator."""
     quake = line.speed == 0.0
     if all_lanes(quake):
         return dt
-    return select(quake, dt, max(abs(dx) / line.speed, SHORTEST))
+    return select(quake, dt, max(norm(dx) / line.speed, SHORTEST))
 
 
 @compiled
@@ -245,7 +260,7 @@ def settle_bearings(system: System, bearings: Bearings, ambient: float) -> int:
 
 @compiled
 def _move_bearings(
-    system: System, bearings: Bearings, motion: Motion, dt: float, noise: float
+    system: System, bearings: Bearings, motion: Motion, dt: float, noise: Vector
 ) -> int:
     """Forces of the bearing lines at `motion.stretches`, and their tangent, added."""
     outcome = COMPLETED
@@ -255,21 +270,21 @@ def _move_bearings(
             state, work = line_state(kind.states, m), _line_workspace(kind, m)
             trial = line_state(kind.trials, m)
             line, b = system.lines[kind.lines[m]], kind.lines[m]
-            x = line.start + line.length_factor * motion.stretches[b]
-            own_dt = _bearing_dt(line, dt, x - state.books[0].displacement)
+            x = plus(line.start, scaled(motion.stretches[b], line.length_factor))
+            own_dt = _bearing_dt(line, dt, minus(x, state.books[0].displacement))
             kind.durations[m] = own_dt
             force, slope, moved = move(kind.constants, work, state, x, own_dt, trial)
             outcome = select((outcome == COMPLETED) & has_failed(moved), moved, outcome)
             if all_lanes(outcome != COMPLETED):
                 return outcome
-            slope *= line.force_factor * line.length_factor
-            felt = line.force_factor * (force - line.at_rest + noise)
+            slope = scaled(slope, line.force_factor * line.length_factor)
+            felt = scaled(plus(minus(force, line.at_rest), noise), line.force_factor)
             spread(system.line_rows, b, felt, slope, motion)
     return outcome
 
 
 @compiled
-def restoring(system: System, bearings: Bearings, motion: Motion, dt: float, noise: float) -> int:
+def restoring(system: System, bearings: Bearings, motion: Motion, dt: float, noise: Vector) -> int:
     """Restoring forces at the trial coordinates, and their tangent; after `begin_bearings`.
 
     The bearing lines are at the stretches `motion.stretches`, which an actuator may delay.
@@ -290,7 +305,7 @@ def restoring(system: System, bearings: Bearings, motion: Motion, dt: float, noi
 
 
 @compiled
-def add_books(system: System, motion: Motion, before: float, after: float) -> None:
+def add_books(system: System, motion: Motion, before: Vector, after: Vector) -> None:
     """Work of one step to the trial, trapezoidal.
 
     `before` and `after` are ground accelerations [mm/s2]. The work of the bearings comes from
@@ -303,7 +318,7 @@ def add_books(system: System, motion: Motion, before: float, after: float) -> No
     stored = 0.0
     for i in range(n):
         dq = points[i].trial - points[i].q
-        given += 0.5 * (before + after) * system.load[i] * dq
+        given += dot(scaled(plus(before, after), 0.5), system.load[i]) * dq
         for j in range(n):
             mean = 0.5 * (points[j].v + points[j].predicted_v)
             damped += dq * system.damping[i, j] * mean
@@ -341,7 +356,7 @@ def commit(system: System, bearings: Bearings, motion: Motion, dt: float) -> Non
             state, line = line_state(kind.states, m), system.lines[kind.lines[m]]
             copy_state(line_state(kind.trials, m), state)
             bearing = state.books[0]
-            felt = bearing.work_in - line.at_rest * (bearing.displacement - line.start)
+            felt = bearing.work_in - dot(line.at_rest, minus(bearing.displacement, line.start))
             books.bearings += line.force_factor / line.length_factor * felt
     books.clock += dt
 

@@ -18,6 +18,19 @@ from thermobearing.core.lanes.memory import WIDTH, as_lanes
 from thermobearing.core.records import Floats
 from thermobearing.core.step import layer_temperature
 from thermobearing.core.types import COMPLETED, TEMPERATURE_RUNAWAY
+from thermobearing.core.vector import (
+    Peak,
+    Vector,
+    as_plane,
+    dot,
+    each_times,
+    farther,
+    minus,
+    no_peak,
+    plus,
+    scaled,
+    zero,
+)
 from thermobearing.structure.forces import (
     Bearings,
     add_books,
@@ -43,17 +56,17 @@ from thermobearing.structure.types import (
 
 
 @compiled
-def _note_watches(motion: Motion, ground: float, peaks: Peaks) -> None:
+def _note_watches(motion: Motion, ground: Vector, peaks: Peaks) -> None:
     """Update the displacements and accelerations; `ground` is that of the ground [mm/s2]."""
     for p in range(len(peaks.watches)):
         seen = peaks.watches[p]
-        displacement, acceleration = 0.0, peaks.carried[p] * ground
+        displacement, acceleration = zero(ground), scaled(ground, peaks.carried[p])
         for i in range(motion.tangent.shape[0]):
-            displacement += peaks.places[p, i] * motion.points[i].q
-            acceleration += peaks.places[p, i] * motion.points[i].a
-        seen.displacement = max(seen.displacement, abs(displacement))
+            displacement = plus(displacement, scaled(peaks.places[p, i], motion.points[i].q))
+            acceleration = plus(acceleration, scaled(peaks.places[p, i], motion.points[i].a))
+        seen.displacement = farther(seen.displacement, displacement)
         seen.residual = displacement
-        seen.acceleration = max(seen.acceleration, abs(acceleration))
+        seen.acceleration = farther(seen.acceleration, acceleration)
 
 
 @compiled
@@ -64,8 +77,8 @@ def _note_lines(bearings: Bearings, peaks: Peaks) -> None:
         cells = kind.constants.layer_cells
         for m in range(len(kind.lines)):
             seen, books = peaks.lines[kind.lines[m]], kind.states.books[m, 0]
-            seen.displacement = max(seen.displacement, abs(books.displacement))
-            seen.force = max(seen.force, abs(books.force))
+            seen.displacement = farther(seen.displacement, books.displacement)
+            seen.force = farther(seen.force, books.force)
             seen.mismatch = max(seen.mismatch, books.layer_force_mismatch)
             lead = kind.states.branches[m, 0].lead_temperature
             seen.lead_temperature = max(seen.lead_temperature, lead)
@@ -77,7 +90,7 @@ def _note_lines(bearings: Bearings, peaks: Peaks) -> None:
 
 @compiled
 def _note_peaks(
-    system: System, bearings: Bearings, motion: Motion, ground: float, peaks: Peaks
+    system: System, bearings: Bearings, motion: Motion, ground: Vector, peaks: Peaks
 ) -> None:
     """Update the peaks of the structure, the hinges and the bearings."""
     _note_watches(motion, ground, peaks)
@@ -93,11 +106,11 @@ MOST_ITERATIONS, GRACE = 100, 1000  # a step on average, after so many steps; us
 
 
 @compiled
-def start_motion(system: System, motion: Motion, ground: float) -> bool:
+def start_motion(system: System, motion: Motion, ground: Vector) -> bool:
     """Set the acceleration at rest under the first ground acceleration."""
     points, n = motion.points, motion.tangent.shape[0]
     for i in range(n):
-        motion.unknowns[i] = system.load[i] * ground
+        motion.unknowns[i] = dot(system.load[i], ground)
         for j in range(n):
             motion.matrix[i, j] = system.mass[i, j]
     solved = solve_dense(motion.matrix, motion.unknowns)
@@ -108,7 +121,7 @@ def start_motion(system: System, motion: Motion, ground: float) -> bool:
 
 @compiled
 def residual(
-    system: System, motion: Motion, scheme: Scheme, dt: float, ground: float, scale: float
+    system: System, motion: Motion, scheme: Scheme, dt: float, ground: Vector, scale: Peak
 ) -> bool:
     """Compute the unbalanced forces at the trial coordinates, and the effective tangent.
 
@@ -127,7 +140,7 @@ def residual(
         )
     left, limit = 0.0, 0.0
     for i in range(n):
-        r = system.load[i] * ground - points[i].trial_restoring
+        r = dot(system.load[i], ground) - points[i].trial_restoring
         for j in range(n):
             r -= system.mass[i, j] * points[j].predicted_a
             r -= system.damping[i, j] * points[j].predicted_v
@@ -135,10 +148,10 @@ def residual(
                 motion.tangent[i, j] + by_a * system.mass[i, j] + by_v * system.damping[i, j]
             )
         unknowns[i] = r
-        force = scheme.tolerance * system.load[i] * scale
+        force = each_times(scaled(system.load[i], scheme.tolerance), scale)
         flexibility = 1.0 / abs(motion.matrix[i, i])
         left += r * r * flexibility
-        limit += force * force * flexibility
+        limit += dot(force, force) * flexibility
     return left <= limit
 
 
@@ -156,9 +169,9 @@ def _newmark_step(
     motion: Motion,
     scheme: Scheme,
     dt: float,
-    ground: float,
+    ground: Vector,
     ambient: float,
-    scale: float,
+    scale: Peak,
 ) -> int:
     """Take one step of dt to the ground acceleration `ground`, without committing it.
 
@@ -171,7 +184,7 @@ def _newmark_step(
     outcome, rests = COMPLETED, False
     for _ in range(scheme.iterations):
         set_stretches(system, motion)
-        moved = restoring(system, bearings, motion, dt, 0.0)
+        moved = restoring(system, bearings, motion, dt, zero(ground))
         outcome = select(outcome == COMPLETED, moved, outcome)
         failed = outcome != COMPLETED
         if all_lanes(failed):
@@ -219,9 +232,9 @@ def newmark_march(
     steps done, rows written, outcome. `motion` and `bearings` hold the last good state.
     """
     ground = shaking.ground
-    scale = 0.0
+    scale = no_peak(ground[0])
     for k in range(len(ground)):
-        scale = max(scale, abs(ground[k]))
+        scale = farther(scale, ground[k])
     outcome, broken = COMPLETED, COMPLETED
     kept = 0
     for k in range(len(ground) - 1):
@@ -231,13 +244,14 @@ def newmark_march(
         part = whole
         while done < whole:
             share = (done + part) / whole
-            target = ground[k] + share * (ground[k + 1] - ground[k])
+            change = minus(ground[k + 1], ground[k])
+            target = plus(ground[k], scaled(change, share))
             sub = shaking.dt * part / whole
             air = shaking.ambient[k]
             outcome = _newmark_step(system, bearings, motion, scheme, sub, target, air, scale)
             failed = outcome != COMPLETED
             if not all_lanes(failed | (broken != COMPLETED)):
-                before = ground[k] + done / whole * (ground[k + 1] - ground[k])
+                before = plus(ground[k], scaled(change, done / whole))
                 add_books(system, motion, before, target)
                 commit(system, bearings, motion, sub)
                 broken = select(broken == COMPLETED, outcome, broken)
@@ -274,6 +288,28 @@ def peaks_march(
     start_motion(system, motion, shaking.ground[0])
     _note_peaks(system, bearings, motion, shaking.ground[0], peaks)
     return newmark_march(system, bearings, motion, scheme, shaking, rows, peaks)
+
+
+@compiled
+def plane_march(
+    system: System,
+    bearings: Bearings,
+    motion: Motion,
+    scheme: Scheme,
+    shaking: Shaking,
+    rows: MotionRows,
+    peaks: Peaks,
+) -> tuple[int, int, int]:
+    """`peaks_march` of a structure in plan, in two horizontal directions."""
+    return peaks_march(
+        as_plane(system),
+        as_plane(bearings),
+        as_plane(motion),
+        scheme,
+        as_plane(shaking),
+        as_plane(rows),
+        as_plane(peaks),
+    )
 
 
 @compiled

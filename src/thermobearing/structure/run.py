@@ -39,7 +39,7 @@ from thermobearing.structure.model import (
     list_hinges,
     list_piers,
 )
-from thermobearing.structure.newmark import newmark_march, start_motion
+from thermobearing.structure.newmark import newmark_march, plane_march, start_motion
 from thermobearing.structure.predictor import predictor_march
 from thermobearing.structure.takeda import straight_hinges
 from thermobearing.structure.types import (
@@ -266,7 +266,7 @@ def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
         hinges[h].yield_rotation = hinge.yield_rotation
         hinges[h].hardening = hinge.hardening_ratio
         hinges[h].unloading = hinge.unloading_exponent
-    factors = rows(LineFactors, len(lines))
+    factors = rows(LineFactors, len(lines), components=matrices.load.ndim)
     for b, (given, line) in enumerate(zip(structure.bearings, lines, strict=True)):
         factors[b].force_factor = given.count / given.scale**2
         factors[b].length_factor = given.scale
@@ -279,7 +279,7 @@ def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
         mass=np.ascontiguousarray(matrices.mass),
         damping=np.ascontiguousarray(prepared.damping),
         stiffness=np.ascontiguousarray(matrices.springs),
-        load=matrices.load,
+        load=np.ascontiguousarray(matrices.load),
         hinge_rows=np.ascontiguousarray(matrices.hinge_rows),
         hinges=hinges,
         line_rows=np.ascontiguousarray(matrices.line_rows),
@@ -297,7 +297,7 @@ def new_motion(system: System) -> Motion:
         tangent=np.zeros((n, n)),
         hinges=straight_hinges(system.hinges),
         trial_hinges=straight_hinges(system.hinges),
-        stretches=np.zeros(len(system.lines)),
+        stretches=np.zeros((len(system.lines), *system.load.shape[1:])),
         books=rows(MotionBooks, 1),
     )
 
@@ -305,10 +305,10 @@ def new_motion(system: System) -> Motion:
 def _no_peaks(system: System) -> Peaks:
     """Return no room for peaks: the rows are kept."""
     return Peaks(
-        places=np.zeros((0, len(system.load))),
+        places=np.zeros((0, *system.load.shape)),
         carried=np.zeros(0),
-        watches=rows(Watch, 0),
-        lines=rows(LinePeak, 0),
+        watches=rows(Watch, 0, components=system.load.ndim),
+        lines=rows(LinePeak, 0, components=system.load.ndim),
         hinges=rows(HingePeak, 0),
     )
 
@@ -317,14 +317,14 @@ def room_for(
     system: System, bearings: Bearings, count: int, *, keep_cells: bool = False
 ) -> MotionRows:
     """Return rows for states of a structure and its bearings, not filled."""
-    n = len(system.load)
+    n, components = len(system.load), system.load.ndim
     return MotionRows(
         books=unset(MotionBooks, count),
         q=np.empty((count, n)),
         v=np.empty((count, n)),
         a=np.empty((count, n)),
         hinges=unset(Bend, count, len(system.hinges)),
-        bearings=unset(Books, count, len(system.lines)),
+        bearings=unset(Books, count, len(system.lines), components=components),
         layers=tuple(
             np.empty((count, len(kind.lines), len(kind.constants.multiplicity)))
             for kind in bearings
@@ -484,11 +484,13 @@ def run_structure(
     ----------
     prepared : from `prepare_structure`.
     lines : one per bearing line of the structure.
-    ground : [steps + 1] ground acceleration at the ends of steps [mm/s2], linear between.
+    ground : [steps + 1] ground acceleration at the ends of steps [mm/s2], linear between. Of a
+        structure in plan [steps + 1, 2], in the directions x and y.
     dt : of the steps [s].
     ambient : [steps] mean ambient temperature of each step [degC].
     method : Newmark with constant mean or linear acceleration, or the predictor-corrector of
-        Shen (2023), Eq. 3.8-3.16, which alone takes the four of a laboratory.
+        Shen (2023), Eq. 3.8-3.16, which alone takes the four of a laboratory, and no structure
+        in plan.
     noise : [steps] error of the measured force of the modelled bearing [kN].
     delay : of the actuator [s].
     compensation : order of the polynomial that extrapolates the command by the delay.
@@ -498,23 +500,32 @@ def run_structure(
     keep_cells : keep the temperatures of the cells too, in single precision.
     """
     system = build_system(prepared, lines)
+    if method == "predictor-corrector" and system.load.ndim > 1:
+        raise ValueError("predictor-corrector: not for a structure in plan")
     motion = new_motion(system)
     bearings = build_bearings(
         [line.constants for line in lines],
         [line.temperature for line in lines],
         [line.lead for line in lines],
         [line.begun for line in lines],
+        system.load.ndim,
     )
     steps = len(ground) - 1
     keep = np.zeros(steps, dtype=np.bool_)
     keep[keep_every - 1 :: keep_every] = True
     keep[-1] = True
     kept_rows = room_for(system, bearings, 1 + int(keep.sum()), keep_cells=keep_cells)
-    start_motion(system, motion, ground[0])
-    keep_motion(bearings, motion, kept_rows, 0)
     scheme = Scheme(BETA[method], GAMMA, TOLERANCE, ITERATIONS, HALVINGS)
-    shaking = Shaking(ground, dt, ambient, keep)
-    after = kept_rows.part(1, len(keep) + 1)
+    shaking = Shaking(np.ascontiguousarray(ground), dt, ambient, keep)
+    after, no_peaks = kept_rows.part(1, len(keep) + 1), _no_peaks(system)
+    march, keep_start = newmark_march, keep_motion
+    if system.load.ndim == 1:
+        start_motion(system, motion, ground[0])
+    else:
+        march, keep_start = plane_march, getattr(keep_motion, "py_func", keep_motion)
+        at_start = shaking._replace(ground=shaking.ground[:1])  # no step
+        plane_march(system, bearings, motion, scheme, at_start, after, no_peaks)
+    keep_start(bearings, motion, kept_rows, 0)
     if method == "predictor-corrector":
         outside = None if specimen is None else specimen.line
         noise = np.zeros(steps) if noise is None else noise
@@ -526,9 +537,7 @@ def run_structure(
             done, kept, outcome = predictor_march(*given, -1, 0)
             named = OUTCOMES[int(outcome)]
     else:
-        done, kept, outcome = newmark_march(
-            system, bearings, motion, scheme, shaking, after, _no_peaks(system)
-        )
+        done, kept, outcome = march(system, bearings, motion, scheme, shaking, after, no_peaks)
         named = OUTCOMES[int(outcome)]
     if named == "completed" and not all_physical(bearings, kept_rows.bearings["recoverable"][0]):
         named = NOT_PHYSICAL

@@ -1,7 +1,7 @@
 """The plain records that the compiled time integration reads and writes.
 
 Units: kN, mm, s; mass in kN s2/mm, rotations in rad, moments in kN mm. `n` coordinates, `h`
-hinges, `b` bearing lines.
+hinges, `b` bearing lines. In plan, vectors have two components.
 """
 
 from typing import Annotated, Final, NamedTuple
@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.core.records import Floats, Rows
-from thermobearing.core.types import Books
+from thermobearing.core.types import Books, Vectors
+from thermobearing.core.vector import Peak, Vector
 
 # Outcomes in addition to those of the coupled step (core/types.py).
 NO_EQUILIBRIUM: Final = 20
@@ -54,8 +55,8 @@ class LineFactors:
     force_factor: float  # force in the structure over force of the modelled bearing
     length_factor: float  # displacement of the modelled bearing over that in the structure
     speed: float  # of a bearing that lives on its own clock [mm/s]; 0: earthquake time
-    start: float  # displacement of the modelled bearing when the structure is straight [mm]
-    at_rest: float  # its force then, in balance with something that stays [kN]
+    start: Vector  # displacement of the modelled bearing when the structure is straight [mm]
+    at_rest: Vector  # its force then, in balance with something that stays [kN]
     warmer: float  # the air around it than that of the run [K]
 
 
@@ -93,10 +94,10 @@ class System(NamedTuple):
     mass: Floats  # [n, n]
     damping: Floats  # [n, n]
     stiffness: Floats  # [n, n] of the linear springs
-    load: Floats  # [n] force on each coordinate per ground acceleration, with its sign
+    load: Vectors  # [n] force on each coordinate per ground acceleration, with its sign
     hinge_rows: Floats  # [h, n] rotation of a hinge per coordinate
     hinges: Rows[Hinge]  # [h]
-    line_rows: Floats  # [b, n] stretch of a bearing line per coordinate
+    line_rows: Vectors  # [b, n] stretch of a bearing line per coordinate
     lines: Rows[LineFactors]  # [b]
 
 
@@ -116,7 +117,7 @@ class Motion(NamedTuple):
     tangent: Floats  # [n, n]
     hinges: HingeState
     trial_hinges: HingeState
-    stretches: Floats  # [b] of the bearing lines at the trial [mm]
+    stretches: Vectors  # [b] of the bearing lines at the trial [mm]
     books: Rows[MotionBooks]  # [1]
 
 
@@ -133,7 +134,7 @@ class Scheme(NamedTuple):
 class Shaking(NamedTuple):
     """The loads of a structure."""
 
-    ground: Floats  # [steps + 1] acceleration at the ends of steps [mm/s2], linear between
+    ground: Vectors  # [steps + 1] acceleration at the ends of steps [mm/s2], linear between
     dt: float  # of the steps [s]
     ambient: Floats  # [steps] mean ambient temperature [degC]
     keep: NDArray[np.bool_]  # [steps] whether the end of the step is kept
@@ -155,16 +156,16 @@ class Actuators(NamedTuple):
 class Watch:
     """Displacement somewhere, as a sum of coordinates: the largest of a run, and its last."""
 
-    displacement: float  # largest, either way [mm], or [rad] of a rotation
-    residual: float  # at the end
-    acceleration: float  # largest, either way, with that of the ground [mm/s2]
+    displacement: Peak  # largest, either way [mm], or [rad] of a rotation
+    residual: Vector  # at the end
+    acceleration: Peak  # largest, either way, with that of the ground [mm/s2]
 
 
 class LinePeak:
     """Largest numbers of a modelled bearing, either way, and warmest ones."""
 
-    displacement: float  # [mm]
-    force: float  # [kN]
+    displacement: Peak  # [mm]
+    force: Peak  # [kN]
     mismatch: float  # of layer forces [kN]
     rubber_temperature: float  # of any layer, at mid-thickness [degC]
     lead_temperature: float  # [degC]; 0 without lead
@@ -180,7 +181,7 @@ class HingePeak:
 class Peaks(NamedTuple):
     """Quantities noted at the end of every step in place of rows; all may be empty."""
 
-    places: Floats  # [p, n] displacement that is watched, per coordinate
+    places: Vectors  # [p, n] displacement that is watched, per coordinate
     carried: Floats  # [p] 1 where the ground moves what is watched, 0 for a difference
     watches: Rows[Watch]  # [p]
     lines: Rows[LinePeak]  # [b]

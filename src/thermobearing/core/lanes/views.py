@@ -54,8 +54,8 @@ def lane_kind(kind: Any, width: int) -> Any:
         columns: Any = kind
         inner = [lane_kind(one, width) for one in columns.types]
         return types.BaseTuple.from_types(inner, getattr(kind, "instance_class", None))
-    if hasattr(kind, "in_lanes"):  # what stands in a table
-        return kind.in_lanes(width)
+    if hasattr(kind, "viewed"):  # what stands in a table
+        return kind.viewed(lambda one: lane_kind(one, width))
     if not isinstance(kind, types.Array):
         return kind
     if isinstance(kind.dtype, types.Record):
@@ -88,9 +88,13 @@ def plane_kind(kind: Any, shape: tuple[int, ...] = ()) -> Any:
             for name, one in zip(names, columns.types, strict=True)
         ]
         return types.BaseTuple.from_types(inner, made)
+    if hasattr(kind, "viewed"):
+        return kind.viewed(plane_kind)
     if not isinstance(kind, types.Array):
         return kind
     if isinstance(kind.dtype, types.Record):
+        if not any(isinstance(one.type, types.NestedArray) for one in kind.dtype.fields.values()):
+            return kind
         record = _viewed_record(kind.dtype, lambda one: _nested(one.shape), aligned=True)
         return types.Array(record, kind.ndim, kind.layout)
     return types.Array(_nested(shape), kind.ndim - len(shape), "C") if shape else kind
