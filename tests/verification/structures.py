@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from scipy.signal import lsim
 
 import thermobearing as tb
 from thermobearing.core.types import Constants, Floats
@@ -62,6 +63,27 @@ def shaken(
     lines = [line] * len(structure.bearings)
     air = np.full(len(ground) - 1, ambient, dtype=float)
     return prepared, run.run_structure(prepared, lines, ground, dt, air, method=method, **options)
+
+
+def exact_linear(prepared: run.Prepared, stiffness: Floats, ground: Floats, dt: float) -> Floats:
+    """Coordinates of a linear structure, ground acceleration linear between its samples."""
+    matrices, damping = prepared.matrices, prepared.damping
+    n = len(matrices.load)
+    inverse = np.linalg.inv(matrices.mass)
+    zero, one = np.zeros((n, n)), np.eye(n)
+    a = np.block([[zero, one], [-inverse @ stiffness, -inverse @ damping]])
+    push = (inverse @ matrices.load).reshape(n, -1)  # in one direction, or two
+    b = np.concatenate([np.zeros_like(push), push])
+    time = dt * np.arange(len(ground))
+    _, q, _ = lsim((a, b, np.hstack([one, zero]), np.zeros_like(push)), ground, time)
+    return np.asarray(q)
+
+
+def energy_residual(history: run.StructureHistory) -> float:
+    """What the energy balance of a run lacks, of the input."""
+    books = history.rows.books[-1]
+    spent = books.kinetic + books.damping + books.springs + books.hinges + books.bearings
+    return abs((books.input - spent) / books.input)
 
 
 def rayleigh_factors(prepared: run.Prepared) -> tuple[float, float]:

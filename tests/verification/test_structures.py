@@ -3,25 +3,25 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from scipy.signal import lsim
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.verification.models import numbers
-from tests.verification.structures import AMBIENT, ground_of, linear_bearing, real_bearing, shaken
-from thermobearing.core.types import Floats
+from tests.verification.structures import (
+    AMBIENT,
+    energy_residual,
+    exact_linear,
+    ground_of,
+    linear_bearing,
+    real_bearing,
+    shaken,
+)
 from thermobearing.structure.matrices import build_matrices
 from thermobearing.structure.model import DampingKind, load_structure
-from thermobearing.structure.run import Method, StructureHistory, prepare_structure
+from thermobearing.structure.run import Method, prepare_structure
 
 DT = 0.005
 METHODS: tuple[Method, ...] = ("average-acceleration", "linear-acceleration", "predictor-corrector")
-
-
-def residual(history: StructureHistory) -> float:
-    books = history.rows.books[-1]
-    spent = books.kinetic + books.damping + books.springs + books.hinges + books.bearings
-    return abs((books.input - spent) / books.input)
 
 
 @pytest.mark.parametrize(
@@ -60,19 +60,6 @@ def test_mass_matrix_is_the_kinetic_energy() -> None:
     assert np.count_nonzero(published.mass - np.diag(np.diag(published.mass))) == 0
     inertia = 140e-3 * 8900.0**2 + 206.3e-3 * 3750.0**2
     assert_allclose(np.diag(published.mass)[3], inertia, rtol=tol.LOOP)
-
-
-def exact_linear(prepared: object, stiffness: Floats, ground: Floats, dt: float) -> Floats:
-    """Coordinates of the linear structure, ground acceleration linear between samples."""
-    matrices, damping = prepared.matrices, prepared.damping  # type: ignore[attr-defined]
-    n = len(matrices.load)
-    inverse = np.linalg.inv(matrices.mass)
-    zero, one = np.zeros((n, n)), np.eye(n)
-    a = np.block([[zero, one], [-inverse @ stiffness, -inverse @ damping]])
-    b = np.concatenate([np.zeros(n), inverse @ matrices.load])[:, None]
-    time = dt * np.arange(len(ground))
-    _, q, _ = lsim((a, b, np.hstack([one, zero]), np.zeros((n, 1))), ground, time)
-    return np.asarray(q)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -118,7 +105,7 @@ def test_energy_books(name: str, method: Method, measured: Recorder) -> None:
     assert history.outcome == "completed"
     yielded = prepared.structure.hinges[0].yield_rotation
     assert np.abs(history.hinge()["rotation"]).max() > yielded
-    left = residual(history)
+    left = energy_residual(history)
     measured(
         f"energy books of pier P1, {name}, {method}, of the input",
         f"{left:.1e}",
@@ -259,7 +246,7 @@ def test_a_step_without_equilibrium_is_cut() -> None:
     _, history = shaken("pier-p1", real_bearing("shen-hdr-bridge"), ground, 0.05, ambient=-40.0)
     assert history.outcome == "completed"
     assert history.substeps > 0
-    assert residual(history) < tol.STRUCTURE_BOOKS
+    assert energy_residual(history) < tol.STRUCTURE_BOOKS
 
 
 def test_failure_is_a_typed_outcome() -> None:
