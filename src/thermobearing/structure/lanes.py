@@ -33,6 +33,7 @@ from thermobearing.structure.run import (
     build_system,
     new_motion,
     room_for,
+    start_arguments,
 )
 from thermobearing.structure.types import (
     HingePeak,
@@ -96,17 +97,6 @@ def _no_rows(system: System, bearings: Bearings, count: int = 0) -> MotionRows:
     none = room_for(system, bearings, count)
     cells: Any = tuple(np.zeros((count, len(kind.lines), 0)) for kind in bearings)
     return none._replace(cells=cells)
-
-
-def _start_arguments(run: Run) -> tuple[Any, ...]:
-    """Return the arguments of `build_bearings` and `start_states`."""
-    lines = run.lines
-    return (
-        [line.constants for line in lines],
-        [line.temperature for line in lines],
-        [line.lead for line in lines],
-        [line.begun for line in lines],
-    )
 
 
 def _watched(run: Run) -> tuple[Floats, Floats]:
@@ -192,7 +182,7 @@ def run_peaks(run: Run) -> RunPeaks:
         return found
     books, ended = (
         rows(MotionBooks, 1),
-        _modelled_books(build_bearings(*_start_arguments(run)), len(run.lines)),
+        _modelled_books(build_bearings(*start_arguments(run.prepared, run.lines)), len(run.lines)),
     )
     if done > 0:
         kept = _marched(run, done)[-1]
@@ -204,7 +194,10 @@ def run_peaks(run: Run) -> RunPeaks:
 
 def _marched(run: Run, kept: int) -> tuple[Left, Floats, int, int, MotionRows]:
     """Return the end of a run, the energy stored at its start, steps, outcome, row of `kept`."""
-    system, bearings = build_system(run.prepared, run.lines), build_bearings(*_start_arguments(run))
+    system, bearings = (
+        build_system(run.prepared, run.lines),
+        build_bearings(*start_arguments(run.prepared, run.lines)),
+    )
     motion, peaks = new_motion(system), _empty_peaks(run, system)
     air = np.full(len(run.ground) - 1, run.ambient)
     shaking = Shaking(run.ground, float(run.dt), air, _none_kept(run))
@@ -320,7 +313,10 @@ class Company:
 
     def __init__(self, run: Run) -> None:
         system = build_system(run.prepared, run.lines)
-        self.keep, self.bearings = _none_kept(run), build_bearings(*_start_arguments(run))
+        self.keep, self.bearings = (
+            _none_kept(run),
+            build_bearings(*start_arguments(run.prepared, run.lines)),
+        )
         self.motion, self.peaks = new_motion(system), _empty_peaks(run, system)
         work = tuple(
             (one.durations, one.work, one.elastic, one.hysteretic) for one in self.bearings
@@ -333,7 +329,7 @@ class Company:
     def shake(self, runs: Sequence[Run]) -> list[RunPeaks]:
         """Return the peaks of at most WIDTH runs; empty lanes repeat the last."""
         filled = [*runs, *[runs[-1]] * (WIDTH - len(runs))]
-        starts = [start_states(*_start_arguments(run)) for run in filled]
+        starts = [start_states(*start_arguments(run.prepared, run.lines)) for run in filled]
         work, motion, peaks = twin(self.scratch)
         places, carried = side_by_side([_watched(run) for run in filled])
         bearings = self._bearings(filled, starts, work)

@@ -1,6 +1,6 @@
 """One structure, one ground motion, bearings with their heat: from matrices to histories."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import ceil
@@ -287,6 +287,17 @@ def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
     )
 
 
+def start_arguments(prepared: Prepared, lines: Sequence[Line]) -> tuple[Any, ...]:
+    """Return the arguments of `build_bearings` and `start_states`."""
+    return (
+        [line.constants for line in lines],
+        [line.temperature for line in lines],
+        [line.lead for line in lines],
+        [line.begun for line in lines],
+        prepared.matrices.load.ndim,
+    )
+
+
 def new_motion(system: System) -> Motion:
     """Return a structure at rest, its hinges never bent."""
     n = len(system.load)
@@ -463,6 +474,21 @@ def _march_with(specimen: Specimen, given: _Given, rows: MotionRows) -> tuple[in
     return max(done, 0), kept, named
 
 
+def _start(
+    given: tuple[System, Bearings, Motion, Scheme, Shaking], kept: MotionRows
+) -> Callable[..., tuple[int, int, int]]:
+    """Keep the structure at rest under the first ground acceleration; return Newmark's march."""
+    system, bearings, motion, _, shaking = given
+    if system.load.ndim == 1:
+        start_motion(system, motion, shaking.ground[0])
+        keep_motion(bearings, motion, kept, 0)
+        return newmark_march
+    at_rest = shaking._replace(ground=shaking.ground[:1])  # no step
+    plane_march(*given[:4], at_rest, kept, _no_peaks(system))
+    getattr(keep_motion, "py_func", keep_motion)(bearings, motion, kept, 0)
+    return plane_march
+
+
 def run_structure(
     prepared: Prepared,
     lines: Sequence[Line],
@@ -503,13 +529,7 @@ def run_structure(
     if method == "predictor-corrector" and system.load.ndim > 1:
         raise ValueError("predictor-corrector: not for a structure in plan")
     motion = new_motion(system)
-    bearings = build_bearings(
-        [line.constants for line in lines],
-        [line.temperature for line in lines],
-        [line.lead for line in lines],
-        [line.begun for line in lines],
-        system.load.ndim,
-    )
+    bearings = build_bearings(*start_arguments(prepared, lines))
     steps = len(ground) - 1
     keep = np.zeros(steps, dtype=np.bool_)
     keep[keep_every - 1 :: keep_every] = True
@@ -517,15 +537,8 @@ def run_structure(
     kept_rows = room_for(system, bearings, 1 + int(keep.sum()), keep_cells=keep_cells)
     scheme = Scheme(BETA[method], GAMMA, TOLERANCE, ITERATIONS, HALVINGS)
     shaking = Shaking(np.ascontiguousarray(ground), dt, ambient, keep)
-    after, no_peaks = kept_rows.part(1, len(keep) + 1), _no_peaks(system)
-    march, keep_start = newmark_march, keep_motion
-    if system.load.ndim == 1:
-        start_motion(system, motion, ground[0])
-    else:
-        march, keep_start = plane_march, getattr(keep_motion, "py_func", keep_motion)
-        at_start = shaking._replace(ground=shaking.ground[:1])  # no step
-        plane_march(system, bearings, motion, scheme, at_start, after, no_peaks)
-    keep_start(bearings, motion, kept_rows, 0)
+    after = kept_rows.part(1, len(keep) + 1)
+    march = _start((system, bearings, motion, scheme, shaking), kept_rows)
     if method == "predictor-corrector":
         outside = None if specimen is None else specimen.line
         noise = np.zeros(steps) if noise is None else noise
@@ -537,7 +550,9 @@ def run_structure(
             done, kept, outcome = predictor_march(*given, -1, 0)
             named = OUTCOMES[int(outcome)]
     else:
-        done, kept, outcome = march(system, bearings, motion, scheme, shaking, after, no_peaks)
+        done, kept, outcome = march(
+            system, bearings, motion, scheme, shaking, after, _no_peaks(system)
+        )
         named = OUTCOMES[int(outcome)]
     if named == "completed" and not all_physical(bearings, kept_rows.bearings["recoverable"][0]):
         named = NOT_PHYSICAL
