@@ -27,6 +27,7 @@ from .cyclic.run import run as run
 from .cyclic.run import run_case as run_case
 from .design.bounds import bounds_study as bounds_study
 from .design.factors import temperature_factors as temperature_factors
+from .design.provisions import check_bearings as check_bearings
 from .design.result import Design as Design
 from .design.run import run_design as run_design
 from .design.sizing import equal_bearing as equal_bearing

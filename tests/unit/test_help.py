@@ -88,7 +88,7 @@ def test_every_option_with_a_unit_shows_it(words: tuple[str, ...]) -> None:
     for line in done.output.splitlines():
         option = re.search(NUMBER, line)
         if option and option[1] not in PURE:
-            assert re.search(r"\[(s|mm|kN|mm/s|degC|Hz)\]", line), line
+            assert re.search(r"\[(s|mm|kN|mm/s|degC|Hz|rad)\]", line), line
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)

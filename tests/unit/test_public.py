@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from thermobearing.cli import app
 
-MOST = 76  # names that are promised; two are modules, which keep their own names apart
+MOST = 77  # names that are promised; two are modules, which keep their own names apart
 MODULES = {"laws", "opensees"}
 PUBLIC = sorted(
     [getattr(tb, name) for name in tb.__all__ if name not in MODULES]

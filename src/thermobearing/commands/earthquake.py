@@ -118,6 +118,7 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
         )
         from thermobearing.earthquake.run import run_earthquake
 
+        checks = {key: given.pop(key) for key in ("codes", "rotation", "zone") if key in given}
         laboratory = {key: given.pop(key) for key in Laboratory.model_fields if key in given}
         given["laboratory"] = overridden({}, laboratory, Laboratory) or None
         given["motions"] = _with_pairs(given.get("motions"), across, angle)
@@ -126,6 +127,10 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
             loaded = make_earthquake_case({"command": name}, "command line", **given)
         else:
             loaded = load_earthquake_case(case, command=name, **given)
+        if "codes" in checks:
+            from thermobearing.design.provisions import check_bearings, load_codes
+
+            load_codes(**checks)  # refuses before the analysis
         target = end.target(f"{loaded.command}-{loaded.structure.name}")
         if compare:
             refuse_incomparable(loaded)
@@ -138,6 +143,8 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
         )
         if compare and result.outcome == "completed":
             result.compared = compare_models(loaded)
+        if "codes" in checks and result.outcome == "completed":
+            result = check_bearings(result, **checks)
         return end.save(result, target)
 
     _analyse.__doc__ = purpose
@@ -149,7 +156,16 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
 _add(
     "bridge",
     "Analyse a structure on isolation bearings in earthquakes, at several temperatures.",
-    examples="bridge --motion jra-ii-i-1 --ambient -20 -o pier",
+    fields(
+        "design.provisions:check_bearings",
+        "codes rotation zone",
+        "Checks",
+        codes="--checks|Check the bearings after a code: jra or aashto.",
+        rotation="|Design rotation of the bearings in these checks [rad]; 0 by default.",
+        zone="|Seismic zone of AASHTO in these checks, 1 to 4; 4 by default.",
+    ),
+    examples="bridge --motion jra-ii-i-1 --ambient -20 -o pier\n"
+    "bridge --axial-force 800 --checks jra --checks aashto -o checked",
 )
 _add(
     "hybrid",

@@ -17,12 +17,12 @@ from thermobearing.cyclic.dataset import written_part
 from thermobearing.cyclic.figures import ORBITS, TimeAxis, drawn_layers
 from thermobearing.cyclic.reported import (
     analysis_table,
+    bearing_sheet,
     bearing_tables,
     bearing_words,
     early_end,
     model_assumptions,
     residual_rows,
-    vertical_sheet,
 )
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.tables import (
@@ -296,7 +296,7 @@ def _start(case: Case) -> list[str]:
 
 def _checks(result: Result, case: Case) -> list[Check]:
     rig = str(case.get("rig", {}).get("name", "rig"))
-    found = vertical_sheet(result)
+    found = bearing_sheet(result)
     found += limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
     source = f"{TESTED_RANGE} of {result.dataset.attrs['bearing']}"
     return found + limit_checks(result.tested_range.to_dict("records"), TESTS, source)

@@ -20,7 +20,7 @@ from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import BOOKS_CLOSE, input_table
 from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Check
-from thermobearing.report.words import number, printed_unit, quantity, tidy
+from thermobearing.report.words import number, plain, printed_unit, quantity, tidy
 from thermobearing.results.base import Result
 
 Inputs = Mapping[str, Any]  # a table of a resolved case
@@ -209,10 +209,12 @@ def checks_table(rows: pd.DataFrame, caption: str = "Checks", note: str = "") ->
     frame = rows.assign(
         limit=[f"{sign} {limit:g}" if limit == limit else "" for sign, limit in pairs],
         unit=rows["unit"].replace("1", ""),
-        source=rows["source"] + np.where(rows["unverified"], "*", ""),
+        source=rows["source"].map(plain) + np.where(rows["unverified"], "*", ""),
     )
+    if "run" in frame:
+        frame["run"] = frame["run"].map(plain)
     heads = {"what": "Check", "part": "Of", "value": "Value", "limit": "Limit", "unit": "Unit"}
-    heads |= {"verdict": "Verdict", "source": "Source of the limit"}
+    heads |= {"verdict": "Verdict", "source": "Source of the limit", "run": "At"}
     columns = [Quantity(head, name=name) for name, head in heads.items()]
     marked = {"verdict": frame["verdict"].isin([checks.FAILED, checks.NOT_MODELLED]).tolist()}
     keys = 1 + ("part" in frame)
@@ -220,31 +222,39 @@ def checks_table(rows: pd.DataFrame, caption: str = "Checks", note: str = "") ->
 
 
 VERTICAL = "Bearings under the axial force"
-VERTICAL_NOTE = (
-    "The largest use of each limit in all runs. Compression is positive. *: not checked against "
-    "the published text."
+CHECKS_NOTE = (
+    "The largest use of each limit, and where. Compression is positive. *: not checked against the "
+    "published text."
 )
 
 
 def governing_checks(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the checks that use most of their limits, or have the largest value without one.
 
-    One of each bearing, part and check; `part` has the bearing too where there are several.
+    One of each code, bearing, part and check; `part` has the bearing too where there are several.
     """
-    size = rows["used"].where(rows["limit"].notna(), rows["value"]).astype(float)
-    groups = size.groupby([rows[name] for name in ("bearing", "part", "what")], sort=False)
-    found = rows.loc[[values.idxmax() for _, values in groups]]
+    size = rows["used"].where(rows["limit"].notna(), rows["value"]).astype(float).fillna(-np.inf)
+    keys = [rows[name] for name in ("code", "bearing", "part", "what")]
+    found = rows.loc[[values.idxmax() for _, values in size.groupby(keys, sort=False)]]
+    pairs = zip(found["run"], found["bearing"], strict=True)
+    found["run"] = [run.removeprefix(f"{bearing}, ") for run, bearing in pairs]
     parts = found[["bearing", "part"]] if found["bearing"].nunique() > 1 else found[["part"]]
     found["part"] = [", ".join(filter(None, row)) for row in parts.itertuples(index=False)]
     return found if found["part"].any() else found.drop(columns="part")
 
 
-def vertical_table(result: Result) -> dict[str, Table]:
-    """Return the governing checks of the vertical load as a table; nothing without a load."""
-    rows = result.bearing_checks
-    if not len(rows):
-        return {}
-    return {"bearing_checks": checks_table(governing_checks(rows), VERTICAL, VERTICAL_NOTE)}
+def bearing_check_tables(result: Result) -> dict[str, Table]:
+    """Return the governing checks of bearings as tables, one of each code; nothing without any."""
+    rows, found = result.bearing_checks, {}
+    for code in dict.fromkeys(rows["code"]) if len(rows) else ():
+        mine = rows[rows["code"] == code]
+        name = f"checks_{code.split()[0].lower()}" if code else "bearing_checks"
+        caption = f"Checks of the bearings after {code}" if code else VERTICAL
+        found[name] = checks_table(governing_checks(mine), caption, CHECKS_NOTE)
+    return found
+
+
+VERDICTS = dict.fromkeys((checks.NO_LIMIT, checks.NO_VALUE), NOT_JUDGED) | {checks.PASSED: PASSED}
 
 
 def sheet_checks(rows: Iterable[Mapping[Any, Any]]) -> list[Check]:
@@ -254,16 +264,16 @@ def sheet_checks(rows: Iterable[Mapping[Any, Any]]) -> list[Check]:
         unit, factor = printed_unit(str(one["unit"]))
         if one["what"].endswith("strain"):
             unit, factor = "%", 100.0
-        limit = one["limit"] if one["limit"] is not None else math.nan
-        source = f"{one['source']}{'*' if one.get('unverified') else ''}"
-        verdict = {checks.PASSED: PASSED, checks.NO_LIMIT: NOT_JUDGED}.get(one["verdict"], EXCEEDED)
+        value, limit = (math.nan if one[n] is None else factor * one[n] for n in ("value", "limit"))
+        source = f"{plain(one['source'])}{'*' if one.get('unverified') else ''}"
+        verdict = VERDICTS.get(one["verdict"], EXCEEDED)
         what = f"{one['what']}, {one['part']}" if one.get("part") else one["what"]
-        numbers = factor * float(one["value"]), factor * float(limit)
-        found.append(Check(what, *numbers, unit, source, verdict, bool(one["least"])))
+        what = f"{one['code']}: {what}" if one.get("code") else what
+        found.append(Check(what, value, limit, unit, source, verdict, bool(one["least"])))
     return found
 
 
-def vertical_sheet(result: Result) -> list[Check]:
-    """Return the governing checks of the vertical load for a report; none without a load."""
+def bearing_sheet(result: Result) -> list[Check]:
+    """Return the governing checks of bearings for a report; none without any."""
     rows = result.bearing_checks
     return sheet_checks(governing_checks(rows).to_dict("records")) if len(rows) else []

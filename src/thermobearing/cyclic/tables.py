@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.cyclic.comparison import comparison_table
-from thermobearing.cyclic.reported import vertical_table
+from thermobearing.cyclic.reported import bearing_check_tables
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
@@ -46,7 +46,7 @@ IN_PLANE = (
 def result_tables(result: Result) -> dict[str, Table]:
     """Return the tables that the console prints: cycles, energy balance, other models."""
     found = {"cycles": cycles_table(result)} if len(result.cycles) else {}
-    found |= vertical_table(result)
+    found |= bearing_check_tables(result)
     found["energy"] = energy_table(result.energy)
     if result.compared:
         errors = comparison_table(result.compared)

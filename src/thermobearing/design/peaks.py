@@ -22,7 +22,7 @@ from thermobearing.model.checks import Check
 if TYPE_CHECKING:
     from thermobearing.design.case import LineGroup
 
-PeakRule = Literal["largest", "mean"]
+PeakRule = Literal["largest", "mean", "mean of seven"]
 PARTS = {  # in a study with several lines or piers: the variable with a column for each
     "bearing_displacement_max": "line_displacement_max",
     "bearing_strain_max": "line_strain_max",
@@ -65,10 +65,10 @@ def peak_rule(name: str) -> Rule:
     for rule in validated(Rules, read_toml(path), str(path)).rules:
         if rule.name == name:
             return rule
-    raise InputError(f'peaks = "{name}": must be "largest" or "mean"')
+    raise InputError(f'peaks = "{name}": must be "largest", "mean" or "mean of seven"')
 
 
-def _mean_group(motion: Motion) -> str:
+def mean_group(motion: Motion) -> str:
     """Return what a mean is taken over with: its group, or the standard spectrum of a built-in
     motion.
     """
@@ -81,7 +81,7 @@ def _combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule
     found = np.asarray(values, dtype=float)
     if rule == "largest":
         return float(found.max())
-    groups = np.array([_mean_group(motion) for motion in motions])
+    groups = np.array([mean_group(motion) for motion in motions])
     each = [found[groups == group] for group in dict.fromkeys(groups)]
     least = peak_rule(rule).least
     return float(np.max([one.mean() if len(one) >= least else one.max() for one in each]))
@@ -90,7 +90,7 @@ def _combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule
 def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
     """Return a sentence on the groups that have fewer motions than the rule takes a mean of."""
     least = peak_rule(rule).least
-    groups = [_mean_group(motion) for motion in motions]
+    groups = [mean_group(motion) for motion in motions]
     few = [
         f"{group} ({groups.count(group)} motion{'s' if groups.count(group) > 1 else ''})"
         for group in dict.fromkeys(groups)

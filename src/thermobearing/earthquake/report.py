@@ -11,12 +11,12 @@ import pandas as pd
 from thermobearing.cyclic.report import rig_table
 from thermobearing.cyclic.reported import (
     analysis_table,
+    bearing_sheet,
     bearing_tables,
     bearing_words,
     early_end,
     model_assumptions,
     residual_rows,
-    vertical_sheet,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
 from thermobearing.earthquake.figures import EarthquakeFigures
@@ -378,7 +378,7 @@ def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
     if not result.runs:
         return []
     rig = str(case.get("rig", {}).get("name", "rig"))
-    found = _ductilities(result) + vertical_sheet(result)
+    found = _ductilities(result) + bearing_sheet(result)
     found += content.limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
     names = [str(one["name"]) for one in _list_all_bearings(case)]
     rows = result.tested_range.to_dict("records")

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.core.records import Floats
-from thermobearing.cyclic.reported import vertical_table
+from thermobearing.cyclic.reported import bearing_check_tables
 from thermobearing.earthquake.measures import (
     BEARING,
     COLUMNS,
@@ -100,7 +100,7 @@ def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
         "cold": _cold_table(result),
         "lines": _parts_table(result, "line"),
         "piers": _parts_table(result, "pier"),
-        **vertical_table(result),
+        **bearing_check_tables(result),
         "modes": make_table(ratios, compared, "Real time over pseudo-dynamic", keys=3),
         "loops": _loops_table(result),
         "periods": _periods_table(result),
@@ -123,9 +123,8 @@ def console_tables(result: "EarthquakeResult") -> list[Table]:
     peaks = [_peaks_table(one, CONSOLE, heads=SHORT) for one in each or [result]]
     note = max((table.note for table in peaks), key=len)
     shown = [replace(table, note="") for table in peaks[:-1]] + [replace(peaks[-1], note=note)]
-    shown += [
-        found[n] for n in ("modes", "lines", "piers", "governing", "bearing_checks") if n in found
-    ]
+    last = ("modes", "lines", "piers", "governing", *(name for name in found if "checks" in name))
+    shown += [found[name] for name in last if name in found]
     return [table.merged("ambient_degC") for table in shown]
 
 

@@ -19,7 +19,8 @@ from thermobearing.core.records import Floats
 from thermobearing.model.element import BearingElement
 
 PASSED, FAILED = "OK", "NG"
-NO_LIMIT, NOT_MODELLED = "limit not available", "outside the model"
+NO_LIMIT, NO_VALUE = "limit not available", "demand not available"
+NOT_MODELLED = "outside the model"
 STEPS, STEP = 200, 0.005  # of the loading to 100 % shear strain: number and length [s]
 
 
@@ -55,15 +56,20 @@ class Check:
 
     @property
     def verdict(self) -> str:
-        """OK or NG; or that there is no limit, or no model for the value."""
-        if math.isnan(self.limit):
-            return NO_LIMIT
+        """OK or NG; or that there is no value, no limit, or no model for the value."""
+        if math.isnan(self.value) or math.isnan(self.limit):
+            return NO_VALUE if math.isnan(self.value) else NO_LIMIT
         return PASSED if self.passed else NOT_MODELLED if self.of_model else FAILED
 
 
-def check_rows(run: str, bearing: str, checks: Iterable[Check]) -> list[dict[str, Any]]:
-    """Return checks of a run as rows, each with its verdict and the used share of its limit."""
-    first = {"run": run, "bearing": bearing}
+def check_rows(
+    run: str, bearing: str, checks: Iterable[Check], code: str = ""
+) -> list[dict[str, Any]]:
+    """Return checks of a run as rows, each with its verdict and the used share of its limit.
+
+    `code` is that which the limits are of, if any.
+    """
+    first = {"run": run, "bearing": bearing, "code": code}
     return [
         first | asdict(check) | {"used": check.used, "verdict": check.verdict} for check in checks
     ]
@@ -200,6 +206,14 @@ def secant_modulus(bearing: Bearing, temperature: float) -> float:
     return secant_stiffness(element, height) * height / bearing.area
 
 
+def checked_modulus(bearing: Bearing, ambient: float) -> float:
+    """Return the secant modulus that checks count on at an ambient temperature [degC, GPa].
+
+    That of the reference temperature in the cold, where the rubber is stiffer.
+    """
+    return secant_modulus(bearing, max(ambient, bearing.hysteresis.reference_temperature))
+
+
 def vertical_checks(
     bearing: Bearing | None,
     axial_force: float,
@@ -238,7 +252,7 @@ def vertical_checks(
     place = int(areas.argmin())
     least, moved = float(areas[place]), float(np.linalg.norm(displacement[place]))
     degrees = max(temperature, bearing.hysteresis.reference_temperature)
-    modulus = secant_modulus(bearing, degrees)
+    modulus = checked_modulus(bearing, temperature)
     critical = critical_load(bearing.geometry, modulus)
     given = {"modulus": f"{NEWTON_PER_KILONEWTON * modulus:.3g} MPa at {degrees:g} degC"}
     given["overlap"] = f"{100.0 * least / plan.area:.0f} % at {moved:.0f} mm"

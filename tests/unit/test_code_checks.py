@@ -1,0 +1,172 @@
+"""Checks of bearings after codes: demand of the motions, formulas, verdicts and the command."""
+
+import math
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import thermobearing as tb
+from thermobearing.bearing.model import CircularPlan
+from thermobearing.cli import app
+from thermobearing.design.peaks import counted
+from thermobearing.design.provisions import layer_strains, load_codes
+from thermobearing.earthquake.motions import Motion
+from thermobearing.model.checks import checked_modulus, critical_load
+from thermobearing.results.writing import as_attribute
+
+BEARING, LOAD, ROTATION = "shen-hdr-bridge", 800.0, 0.004
+NAMES = [f"jra-ii-i-{k}" for k in (1, 2, 3)]
+JRA, AASHTO = "JRA V (2017)", "AASHTO GSID (2014)"
+
+
+@pytest.fixture(scope="module")
+def bridge():
+    level_1 = {"name": "jra-i-i-1", "group": "level 1, soft", "factor": 0.2}
+    return tb.bridge(BEARING, [*NAMES, level_1], [23, -20], duration=8, dt=0.01, axial_force=LOAD)
+
+
+def _rows(result, code):
+    rows = result.bearing_checks
+    return rows[rows["code"] == code].set_index(["run", "what"])
+
+
+def _displacements(result, ambient):
+    table = result.sel(ambient=ambient).dataset
+    values = table["bearing_displacement_max"].values
+    return dict(zip(table["motion"].values.tolist(), values.tolist(), strict=True))
+
+
+def test_demand_is_the_mean_of_three_motions_of_a_level(bridge):
+    rows = _rows(tb.check_bearings(bridge, rotation=ROTATION), JRA)
+    rubber = tb.load_bearing(BEARING).total_rubber_thickness
+    for ambient in (23, -20):
+        moved, where = _displacements(bridge, ambient), f"{ambient} degC"
+        strain = rows.loc[(where, "Level 2 shear strain")]
+        mean = np.mean([moved[name] for name in NAMES])
+        assert strain["value"] == pytest.approx(mean / rubber, rel=1e-12)
+        assert (strain["limit"], strain["verdict"], strain["unverified"]) == (2.5, "OK", True)
+        small = rows.loc[(where, "Level 1 shear strain")]
+        assert small["value"] == pytest.approx(moved["jra-i-i-1"] / rubber, rel=1e-12)
+        assert small["limit"] == 1.5
+    assert rows.loc[("23 degC", "rotation"), "value"] == ROTATION
+    others = [name for _, name in rows.index if "shear strain" not in name or "local" in name]
+    assert {rows.loc[("23 degC", name), "verdict"] for name in others} == {"limit not available"}
+
+
+@pytest.mark.parametrize(("count", "expected"), [(6, 6.0), (7, 4.0)])
+def test_a_mean_of_aashto_needs_seven_motions(count, expected):
+    motions = [Motion(name=f"{k}.csv") for k in range(count)]
+    data = {"peak": np.arange(1.0, count + 1.0)}
+    assert counted(data, "peak", motions, "mean of seven").tolist() == [expected]
+
+
+def test_strains_of_a_layer_by_hand():
+    """D_a P / (A G S) and D_r L^2 theta / (t T_r), of a square and of a round plan."""
+    bearing = tb.load_bearing(BEARING)  # 480 mm, 6 layers of 17 mm
+    geometry = bearing.geometry
+    shape = 480.0 / (4 * 17.0)
+    pressed, turned = layer_strains(bearing, LOAD, ROTATION, 1e-3)
+    assert pressed == pytest.approx(1.4 * LOAD / 480.0**2 / (1e-3 * shape), rel=1e-12)
+    assert turned == pytest.approx(0.5 * 480.0**2 * ROTATION / (17.0 * 102.0), rel=1e-12)
+    plan = CircularPlan(shape="circular", diameter=480)
+    disc = bearing.model_copy(update={"geometry": geometry.model_copy(update={"plan": plan})})
+    pressed, turned = layer_strains(disc, LOAD, ROTATION, 1e-3)
+    assert pressed == pytest.approx(LOAD / (math.pi * 240.0**2) / (1e-3 * shape), rel=1e-12)
+    assert turned == pytest.approx(0.375 * 480.0**2 * ROTATION / (17.0 * 102.0), rel=1e-12)
+
+
+@pytest.mark.parametrize(("zone", "times", "name"), [(4, 1.5, "1.5 of"), (1, 2.0, "twice")])
+def test_rows_of_aashto(bridge, zone, times, name):
+    rows = _rows(tb.check_bearings(bridge, ["aashto"], rotation=ROTATION, zone=zone), AASHTO)
+    rows = rows.loc["23 degC"]
+    bearing = tb.load_bearing(BEARING)
+    modulus = checked_modulus(bearing, 23.0)
+    critical = critical_load(bearing.geometry, modulus)
+    largest = max(_displacements(bridge, 23).values())  # fewer than seven motions
+    pressed, turned = layer_strains(bearing, LOAD, ROTATION, modulus)
+    total = rows.loc["total shear strain"]
+    assert total["value"] == pytest.approx(pressed + largest / 102.0 + 0.5 * turned, rel=1e-12)
+    assert (total["limit"], total["verdict"]) == (5.5, "OK")
+    still = rows.loc["vertical load without displacement"]
+    assert (still["value"], still["limit"]) == (LOAD, pytest.approx(critical / 3.0, rel=1e-12))
+    (away,) = [row for what, row in rows.iterrows() if name in what]
+    assert away["value"] == pytest.approx(1.2 * LOAD, rel=1e-12)
+    share = max(0.0, 1.0 - times * largest / 480.0)
+    assert away["limit"] == pytest.approx(critical * share, rel=1e-12)
+    assert len([what for what in rows.index if what.startswith("1.2")]) == 1
+
+
+def test_exceeded_limits_are_warnings(bridge):
+    data = bridge.dataset.copy()
+    data["bearing_displacement_max"] = 10.0 * data["bearing_displacement_max"]
+    found = tb.check_bearings(tb.EarthquakeResult(data), ["jra", "aashto"])
+    strain = _rows(found, JRA).loc[("23 degC", "Level 2 shear strain")]
+    away = _rows(found, AASHTO).loc["23 degC"].iloc[3]
+    assert (strain["verdict"], away["verdict"], away["limit"]) == ("NG", "NG", 0.0)
+    said = [text for text in found.warnings if "the limit is" in text]
+    assert any(text.startswith(JRA) for text in said)
+    again = tb.check_bearings(found, ["jra", "aashto"])
+    assert again.bearing_checks.equals(found.bearing_checks)
+    assert again.warnings == found.warnings
+
+
+@pytest.mark.parametrize("axial_force", [None, -50.0])
+def test_without_compression_there_is_no_demand(bridge, axial_force):
+    text = bridge.dataset.attrs["case"].replace('axial_force = "800.0 kN"\n', "")
+    assert text != bridge.dataset.attrs["case"]
+    text = text if axial_force is None else f'axial_force = "{axial_force} kN"\n{text}'
+    data = bridge.dataset.assign_attrs(case=text, bearing_checks=as_attribute([]))
+    rows = _rows(tb.check_bearings(tb.EarthquakeResult(data), "aashto"), AASHTO).loc["23 degC"]
+    first = rows["verdict"].iloc[:-1]
+    assert set(first) == {"demand not available"}
+    missing = "demand not available" if axial_force is None else "outside the model"
+    assert rows["verdict"].iloc[-1] == missing
+
+
+def test_bilinear_bearings_have_a_strain_only():
+    result = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=4, axial_force=LOAD)
+    rows = _rows(tb.check_bearings(result), JRA).loc["23 degC"]["verdict"]
+    assert rows["Level 2 shear strain"] == "OK"
+    for name in ("Level 1 shear strain", "Level 2 local shear strain"):
+        assert rows[name] == "demand not available"
+
+
+def test_checks_are_in_files_tables_and_documents(bridge, tmp_path):
+    found = tb.check_bearings(bridge, ["jra", "aashto"])
+    place = found.save(tmp_path / "out", figures=False)
+    again = tb.load_result(place)
+    assert again.bearing_checks.equals(found.bearing_checks)
+    assert {"bearing_checks", "checks_jra", "checks_aashto"} <= set(again.tables())
+    assert len(found.summary()["bearing_checks"]) == len(found.bearing_checks)
+    tb.make_report(place, pdf=False, live=False)
+    page = (place / "report.html").read_text(encoding="utf-8")
+    assert all(text in page for text in (JRA, AASHTO, "limit not available"))
+
+
+@pytest.mark.parametrize(
+    ("codes", "options", "key"),
+    [
+        (["eurocode"], {}, "codes"),
+        (["jra", 3], {}, "codes"),
+        (["jra"], {"rotation": 0.3}, "rotation"),
+        (["jra"], {"rotation": math.nan}, "rotation"),
+        (["jra"], {"rotation": "0.01 rad"}, "rotation"),
+        (["aashto"], {"zone": 5}, "zone"),
+        (["aashto"], {"zone": True}, "zone"),
+    ],
+)
+def test_bad_input(bridge, codes, options, key):
+    with pytest.raises(tb.InputError, match=key):
+        tb.check_bearings(bridge, codes, **options)
+
+
+def test_codes_are_known_once():
+    assert [code.title for code in load_codes(["jra", "aashto", "jra"])] == [JRA, AASHTO]
+    assert [code.title for code in load_codes("jra")] == [JRA]
+
+
+def test_the_command_refuses_before_the_analysis(tmp_path):
+    done = CliRunner().invoke(app, ["bridge", "--checks", "en", "-o", str(tmp_path / "out")])
+    assert done.exit_code == 2
+    assert not (tmp_path / "out").exists()
