@@ -450,7 +450,12 @@ def draw() -> None:
 
 def draw_guides() -> None:
     """Draw the sketch of the default bridge, and the pictures of the how-tos by their blocks."""
+    import thermobearing as tb
+    from thermobearing.results.drawing import save_figure
+
     sketch.draw_pier(DOCS / "figures" / "pier_p1.png")
+    plan = tb.examine_structure("five-span-bridge").plot.plan()
+    save_figure(plan, DOCS / "figures" / "five_span_bridge_plan.png", dpi=110)
     pages = [str(path) for path in sorted((DOCS / "guide").glob("*.md"))]
     command = [sys.executable, "-m", "docs.builder.outputs", "--figures", *pages]
     subprocess.run(command, check=True, cwd=DOCS.parent)

@@ -26,6 +26,7 @@ from thermobearing.border.toml import to_toml
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.result import LARGEST_DAMPING_SHARE
+from thermobearing.results.saved import read_saved
 from thermobearing.structure import run
 from thermobearing.structure.figures import _lay_out
 from thermobearing.structure.forces import build_bearings
@@ -42,6 +43,7 @@ from thermobearing.structure.matrices import (
 )
 from thermobearing.structure.model import Damping, DampingKind, Structure, load_structure
 from thermobearing.structure.newmark import newmark_march
+from thermobearing.structure.report import build_pieces
 
 PIER = load_structure("pier-p1")
 OWN: tuple[DampingKind, ...] = ("modal", "rayleigh", "element", "none")
@@ -490,6 +492,20 @@ def test_show_writes_parts_periods_and_figures(tmp_path: Path) -> None:
     assert load_structure(out / "case.resolved.toml") == load_structure("pier-p1")
 
 
+def test_show_draws_a_structure_in_plan(tmp_path: Path) -> None:
+    """Places of all parts, effective masses per direction, and the plan; and a report of it."""
+    out = tmp_path / "bridge"
+    assert command("structures", "show", "five-span-bridge", "-o", str(out)).exit_code == 0
+    assert {path.stem for path in (out / "figures").iterdir()} == {"model", "plan", "modes"}
+    parts = pd.read_csv(out / "parts.csv").query("part == 'bearings'")
+    assert parts["x_mm"].tolist() == [0.0, 4e4, 8e4, 12e4, 16e4, 20e4]
+    modes = pd.read_csv(out / "periods.csv").filter(like="effective_mass_")
+    assert_allclose(modes.sum(), 1.0, rtol=1e-5)
+    assert load_structure(out / "case.resolved.toml") == load_structure("five-span-bridge")
+    said = " ".join(build_pieces(read_saved(out)).answer)
+    assert "across" in said
+
+
 def test_show_without_a_directory_and_a_bad_name(tmp_path: Path) -> None:
     done = command("structures", "show", "hybrid-pier", "--json")
     assert last_line(done)["modes"][0]["mode"] == 1
@@ -539,6 +555,40 @@ def test_names_of_bearing_lines_lie_apart_and_inside_the_frame() -> None:
         for k, box in enumerate(boxes):
             assert not any(box.overlaps(other) for other in boxes[k + 1 :])
             assert box.y1 < ax.get_window_extent().y1
+
+
+def test_names_in_plan_lie_apart_and_off_the_marks() -> None:
+    """Six lines along the bridge, then the same with long names, each second one 1 m aside."""
+    bridge = load_structure("five-span-bridge")
+    crowded = [
+        line.model_copy(update={"name": f"{line.name}, upstream side", "x": 2e4 * (k // 2), "y": y})
+        for k, line in enumerate(bridge.bearings)
+        for y in [1e3 * (k % 2)]
+    ]
+    for lines in (bridge.bearings, crowded):
+        plan = bridge.model_copy(update={"bearings": lines})
+        figure = tb.examine_structure(plan).plot.plan()
+        figure.draw_without_rendering()
+        (ax,) = figure.axes
+        boxes = [text.get_window_extent() for text in ax.texts if len(text.get_text()) > 1]
+        assert len(boxes) == len(lines) + 4 + 1  # lines, piers, deck
+        frame = ax.get_window_extent()
+        for k, box in enumerate(boxes):
+            assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+            assert frame.y0 < box.y0 < box.y1 < frame.y1
+            for mark in ax.lines:
+                (at,) = ax.transData.transform(mark.get_xydata())
+                assert not box.contains(*at)
+    scale = np.diff(ax.transData.transform([(0.0, 0.0), (1.0, 1.0)]), axis=0)[0]
+    assert_allclose(scale[0], scale[1])  # to scale
+
+
+def test_supports_with_coordinates_stand_to_scale() -> None:
+    layout = _lay_out(load_structure("five-span-bridge"))
+    assert list(layout.seats.values()) == [0.0, 40.0, 80.0, 120.0, 160.0, 200.0]
+    assert layout.columns["footing P2"] == layout.columns["P2"] == 80.0
+    assert layout.placed
+    assert not _lay_out(load_structure("five-span-girder")).placed
 
 
 ON_THE_GROUND = """name = "mass"

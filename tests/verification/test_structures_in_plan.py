@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.verification.structures import ground_of, real_bearing, shaken
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import to_table
@@ -253,3 +254,45 @@ def test_a_mechanism_names_what_meets_no_stiffness() -> None:
         prepare_structure(pier.model_copy(update={"springs": (*held,)}))
     assert '"footing rotation y"' in str(error.value)
     assert '"footing x"' not in str(error.value)
+
+
+def test_the_whole_bridge_moves_like_pier_p1(measured: Recorder) -> None:
+    """Without its abutments and end spans, the deck moves along as that of pier P1 does.
+
+    Periods and modal damping of pier P1 are those of the bridge then, and a motion along it moves
+    every bearing and hinge as those of pier P1. The abutments hold the bridge stiffer.
+    """
+    bridge, pier = load_structure("five-span-bridge"), load_structure("pier-p1")
+    lines = [line for line in bridge.bearings if line.base != "ground"]
+    deck = bridge.masses[0].model_copy(update={"mass": len(lines) * pier.masses[0].mass})
+    changes = {"bearings": lines, "masses": [deck, *bridge.masses[1:]]}
+    alone = along(bridge.model_copy(update=changes), "x")
+    own, whole = prepare_structure(pier), prepare_structure(alone)
+    nearest = np.abs(whole.modes.periods[:, None] / own.modes.periods - 1.0).argmin(axis=0)
+    assert_allclose(whole.modes.periods[nearest], own.modes.periods, rtol=tol.LOOP)
+    assert_allclose(whole.ratios[nearest[0]], own.ratios[0], rtol=1e-9)
+    constants, ground = real_bearing("shen-lhdr-bridge"), ground_of("jra-ii-i-1", 0.005, 9.0)
+    _, one = shaken(pier, constants, ground, 0.005)
+    _, all_piers = shaken(alone, constants, ground, 0.005)
+    worst = 0.0
+    for k in range(len(lines)):
+        for found, wanted in (
+            (all_piers.bearing(k)["force"], one.bearing()["force"]),
+            (all_piers.hinge(k)["rotation"], one.hinge()["rotation"]),
+        ):
+            worst = max(worst, float(np.abs(found - wanted).max() / np.abs(wanted).max()))
+    measured(
+        "piers of the whole bridge and pier P1, without abutments",
+        f"{worst:.1e}",
+        f"{tol.SAME_MOTION:g}",
+    )
+    assert worst < tol.SAME_MOTION
+    table = examine_structure(bridge).table
+    first = {way: table.loc[table[f"effective_mass_{way}"].idxmax()] for way in ("x", "y", "twist")}
+    periods = {way: float(row["period_s"]) for way, row in first.items()}
+    measured(
+        "first periods of the whole bridge along, across, in twist; of pier P1",
+        ", ".join(f"{period:.3f} s" for period in (*periods.values(), own.modes.periods[0])),
+        "no limit",
+    )
+    assert periods["twist"] < periods["x"] < periods["y"] < own.modes.periods[0]

@@ -1,18 +1,19 @@
-"""A structure drawn: bodies, masses, springs, hinges and bearings; its mode shapes.
+"""A structure drawn: bodies, masses, springs, hinges and bearings; its plan and its mode shapes.
 
-Heights are those of the model. Supports stand side by side in the order of the bearing lines, at
-equal distances; lines on the ground stand on an abutment of their own.
+Heights are those of the model. Supports stand where their bearing lines are, to scale; without
+coordinates side by side in the order of the lines, at equal distances. Lines on the ground stand
+on an abutment of their own.
 """
 
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Polygon, Rectangle
 from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 
@@ -20,7 +21,7 @@ from thermobearing.core.records import Floats
 from thermobearing.results import drawing
 from thermobearing.structure.matrices import displacement_row, mean_height
 from thermobearing.structure.model import GROUND, Structure
-from thermobearing.structure.result import StructureResult
+from thermobearing.structure.result import EFFECTIVE_MASSES, StructureResult
 
 M = 1e-3  # m per mm
 MOST_MODES = 6
@@ -31,6 +32,10 @@ OVERHANG = 0.09  # of a deck beyond its last line, likewise
 NAME = 0.09  # distance of the name of a body, likewise
 NAME_WIDTH = 14  # letters of a line of the name of a bearing line
 ABOVE_DECK = 8.0  # height of these names above the top of a line [pt]
+MOST_GAPS = 5  # of the size of a structure in the spacing of its supports
+ALONG, ACROSS = "along the bridge, x [m]", "across, y [m]"
+REST: drawing.Look = {"color": "#c8ccd2", "linewidth": 3.0}
+MOVED: drawing.Look = {"color": "#CC3311", "linewidth": 1.8}
 LEGEND = 105  # letters of a line of the legend
 TEXT: drawing.Look = {
     "textcoords": "offset points",
@@ -40,6 +45,34 @@ TEXT: drawing.Look = {
 }
 ON_DECK: drawing.Look = {"color": "white", "fontsize": drawing.SMALL - 1.0}
 NONE: drawing.Look = {"linestyle": "none"}
+SIDES = {  # of a point where its name may be: offset [pt] and alignment
+    "a": (0.0, 9.0, "center", "bottom"),
+    "b": (0.0, -9.0, "center", "top"),
+    "l": (-9.0, 0.0, "right", "center"),
+    "r": (9.0, 0.0, "left", "center"),
+}
+CENTRED: drawing.Look = {"ha": "center", "va": "center"}
+FRAME, ROOM = 6.3, 0.7  # width of a plan, and what it has above and below the decks [inch]
+OVERHANG_IN_PLAN = 0.03  # of a deck beyond its lines, of its size
+PLAN_MARKS: dict[str, drawing.Look] = {
+    "bearing line": {"color": BEARING, "marker": "s", "markersize": 7, "zorder": 5},
+    "pier": {"color": PIER, "marker": "s", "markersize": 13, "zorder": 3},
+    "abutment": {
+        **{"color": drawing.STEEL, "markeredgecolor": drawing.GREY, "marker": "s"},
+        **{"markersize": 13, "zorder": 2},
+    },
+    "ground spring": {
+        **{"color": "none", "markeredgecolor": SPRING, "marker": "D"},
+        **{"markersize": 11, "zorder": 2},
+    },
+    "centre of mass of a deck": {
+        **{"color": "none", "markeredgecolor": drawing.INK, "marker": "o"},
+        **{"markersize": 8, "zorder": 6},
+    },
+    "centre of stiffness of its bearing lines": {
+        **{"color": HINGE, "marker": "x", "markersize": 8, "zorder": 6},
+    },
+}
 HANDLES: dict[str, drawing.Look] = {
     "mass": {"color": drawing.INK, "marker": "o"} | NONE,
     "bearings": {"color": BEARING, "marker": "s"} | NONE,
@@ -55,8 +88,11 @@ class _Layout(NamedTuple):
     seats: dict[str, float]  # of bearing lines
     ends: dict[str, tuple[float, float]]
     decks: tuple[str, ...]
-    spacing: float
+    spacing: float  # of supports
+    rise: float  # unit of sizes in the direction of height
+    seat: float  # width of a bearing line
     scaled: bool  # heights are those of the model
+    placed: bool  # so are places along the bridge
 
 
 def _root(structure: Structure, name: str) -> str:
@@ -74,24 +110,45 @@ def _lay_out(structure: Structure) -> _Layout:
     scaled = np.ptp(list(ends.values())) > 0.0
     if not scaled:  # without heights one above the other
         ends = {name: (1.0, 1.0) if name in decks else (0.0, 1.0) for name in ends}
-    spacing = 0.8 * max(float(np.ptp(list(ends.values()))), 1e-6)
-    lift = 0.07 * spacing  # room for the bearings under a deck
+    rise = spacing = 0.8 * max(float(np.ptp(list(ends.values()))), 1e-6)
+    lift = 0.07 * rise  # room for the bearings under a deck
     ends |= {name: (ends[name][1] + lift,) * 2 for name in decks}
     supports = {
         line.name: ("ground", line.name) if line.base == GROUND else _root(structure, line.base)
         for line in structure.bearings
     }
+    at = {line.name: M * structure.point(line)[0] for line in structure.bearings}
+    placed = np.ptp(list(at.values())) > 0.0
     order = list(dict.fromkeys([*supports.values(), *(_root(structure, n) for n in upright)]))
-    columns = {name: spacing * order.index(_root(structure, name)) for name in upright}
-    seats = {}
-    for name, support in supports.items():
-        same = [other for other in supports if supports[other] == support]
-        aside = SEAT * (same.index(name) - 0.5 * (len(same) - 1))
-        seats[name] = spacing * (order.index(support) + aside)
+    own = [[name for name in supports if supports[name] == one] for one in order]
+    if placed:
+        stands = [
+            float(np.mean([at[name] for name in names]))
+            if names
+            else M * structure.place(str(one))[0]
+            for one, names in zip(order, own, strict=True)
+        ]
+        spacing = max(_gap(stands), np.ptp([*stands, *at.values()]) / MOST_GAPS)
+        seats = at
+    else:
+        stands = [spacing * k for k in range(len(order))]
+        seats = {
+            name: stands[k] + SEAT * spacing * (names.index(name) - 0.5 * (len(names) - 1))
+            for k, names in enumerate(own)
+            for name in names
+        }
+    columns = {name: stands[order.index(_root(structure, name))] for name in upright}
     for deck in decks:
         under = [seats[line.name] for line in structure.bearings if line.body == deck]
         columns[deck] = 0.5 * (min(under) + max(under))
-    return _Layout(columns, seats, ends, decks, spacing, bool(scaled))
+    seat = min(0.14 * spacing, 0.8 * (_gap(seats.values()) or spacing))
+    return _Layout(columns, seats, ends, decks, spacing, rise, seat, bool(scaled), bool(placed))
+
+
+def _gap(places: Iterable[float]) -> float:
+    """Return the smallest distance of different places; zero of one place."""
+    gaps = np.diff(np.unique(np.round(list(places), 6)))
+    return float(gaps.min()) if len(gaps) else 0.0
 
 
 def _ends(structure: Structure, name: str) -> tuple[float, float]:
@@ -111,29 +168,54 @@ def _ends(structure: Structure, name: str) -> tuple[float, float]:
     return M * min(heights, default=0.0), M * max(heights, default=0.0)
 
 
-def _separate(figure: Figure, ax: Axes, names: list[Annotation]) -> None:
-    """Raise names of bearing lines above the neighbours that they overlap, and make room for them.
+def _separate(
+    figure: Figure, names: list[Annotation], taken: Iterable[Bbox] = (), sides: str = ""
+) -> list[Bbox]:
+    """Move names off each other and off the boxes that are `taken`.
 
-    Boxes are in pixels of the figure after its layout.
+    A name goes to the first of the `sides` of its point (letters of SIDES) that is free; if none
+    is, it is raised above what it overlaps. Boxes are in pixels of the figure after its layout.
+    Sorts the names along the bridge, and returns their boxes in that order.
     """
     figure.draw_without_rendering()
     point = figure.dpi / 72.0
-    placed: list[Bbox] = []
-    names = sorted(names, key=lambda name: float(name.xy[0]))
+    placed = list(taken)
+    names.sort(key=lambda name: float(name.xy[0]))
+
+    def near(box: Bbox) -> list[Bbox]:
+        return [other for other in placed if other.padded(point).overlaps(box)]
+
     for name in names:
+        for side in (*sides, *sides[:1]):
+            across, up, horizontal, vertical = SIDES[side]
+            name.xyann = (across, up)
+            name.set(ha=horizontal, va=vertical)
+            box = name.get_window_extent()
+            if not near(box):
+                break
         box = name.get_window_extent()
-        while below := [other for other in placed if other.padded(point).overlaps(box)]:
-            rise = max(other.y1 for other in below) + 2.0 * point - box.y0
-            name.xyann = (0.0, name.xyann[1] + rise / point)
+        while found := near(box):
+            rise = max(other.y1 for other in found) + 2.0 * point - box.y0
+            name.xyann = (name.xyann[0], name.xyann[1] + rise / point)
             box = box.translated(0.0, rise)
         placed.append(box)
-    frame = ax.get_window_extent()
+    return placed[len(placed) - len(names) :]
+
+
+def _make_room(ax: Axes, names: list[Annotation], placed: list[Bbox]) -> None:
+    """Raise the upper limit of a panel above names in it."""
+    frame, point = ax.get_window_extent(), drawing.parent_figure(ax).dpi / 72.0
     low, high = ax.get_ylim()
     for name, box in zip(names, placed, strict=True):
         place = float(name.xy[1])
         above = box.y1 + 4.0 * point - ax.transData.transform((0.0, place))[1]
         high = max(high, low + (place - low) * frame.height / max(frame.height - above, 1.0))
     ax.set_ylim(low, high)
+
+
+def _mark(ax: Axes, at: Any, kind: str) -> None:
+    """Draw a mark of a plan at a place [m]."""
+    ax.plot(*at, label=kind, **PLAN_MARKS[kind] | NONE)
 
 
 class StructureFigures(drawing.Figures):
@@ -148,34 +230,168 @@ class StructureFigures(drawing.Figures):
         """Return bodies, masses, springs, hinges and bearings; the legend states their sizes."""
         layout, structure = self._layout, self._structure
         places = [*layout.columns.values(), *layout.seats.values()]
-        wide = max(6.5, 3.0 + 1.3 * len(set(places)))
+        supports = 1.0 + np.ptp(places) / layout.spacing if layout.placed else len(set(places))
+        wide = max(6.5, 3.0 + 1.3 * float(supports))
         labels = self._sizes()
         height = 4.6 + 0.16 * sum(1 + label.count("\n") for _, label in labels)
         figure, (ax,) = drawing.panels(1, 1, (wide, height), f"{structure.name}: the model")
         ax.grid(False, axis="x")
         low = min(low for low, _ in layout.ends.values())
+        alike: dict[Any, list[str]] = {}
         for body in structure.bodies:
-            self._body(ax, body.name)
+            place = layout.columns[body.name], layout.ends[body.name]
+            alike.setdefault(place, []).append(body.name)
+        for names in alike.values():
+            self._body(ax, names)
         for spring in structure.springs:
             self._spring(ax, spring)
         for hinge in structure.hinges:
             at = [layout.columns[hinge.body]], [M * structure.body(hinge.body).base_height]
             ax.plot(*at, zorder=6, markersize=9, **HANDLES["hinge"])
-        names = [self._bearings(ax, line, low) for line in structure.bearings]
+        heads = [self._bearings(ax, line, low) for line in structure.bearings]
         for mass in structure.masses:
             y = M * mass.height if layout.scaled else layout.ends[mass.body][1]
             y = float(np.clip(y, *layout.ends[mass.body]))
-            ax.plot([layout.columns[mass.body]], [y], markersize=7, zorder=7, **HANDLES["mass"])
+            x = layout.columns[mass.body]
+            if layout.placed and mass.body in layout.decks:
+                x = M * structure.point(mass)[0]
+            ax.plot([x], [y], markersize=7, zorder=7, **HANDLES["mass"])
         ax.axhline(low, color=drawing.GREY, linewidth=0.8, linestyle=(0, (6, 3)), zorder=0)
-        ax.set_xticks([])
+        if not layout.placed:
+            ax.set_xticks([])
         ax.set_xlim(min(places) - 0.6 * layout.spacing, max(places) + 0.6 * layout.spacing)
         ax.margins(y=0.12)
-        drawing.name_axes(ax, "", self._height())
+        drawing.name_axes(ax, ALONG if layout.placed else "", self._height())
         handles = [Line2D([], [], label=label, **HANDLES[part]) for part, label in labels]
         look: drawing.Look = {"loc": "outside lower center", "frameon": False}
         figure.legend(handles=handles, fontsize=drawing.SMALL, **look)
-        _separate(figure, ax, names)
+        _make_room(ax, heads, _separate(figure, heads))
         return figure
+
+    def plan(self) -> Figure:
+        """Return decks, piers and bearing lines in plan, to scale, with their coordinates."""
+        structure = self._structure
+        outlines = [self._outline(deck) for deck in self._layout.decks]
+        others = [structure.place(body.name) for body in structure.bodies]
+        others += [structure.point(spring) for spring in structure.springs]
+        corners = np.concatenate([*outlines, M * np.array(others)])
+        low, size = corners.min(axis=0), np.ptp(corners, axis=0)
+        arm = 0.07 * float(size.max())
+        origin = np.array([low[0] - 2.2 * arm, low[1] + 0.5 * size[1]])
+        ends = origin[0] - 0.5 * arm, low[0] + size[0] + arm
+        inch = (ends[1] - ends[0]) / FRAME  # in m
+        room = ROOM * inch
+        height = 1.3 + min((size[1] + 2.0 * room) / inch, FRAME)
+        title = f"{structure.name}: plan"
+        figure, (ax,) = drawing.panels(1, 1, (drawing.WIDEST, height), title)
+        ax.set(xlim=ends, ylim=(low[1] - room, low[1] + size[1] + room), aspect="equal")
+        decks = [self._deck_in_plan(ax, deck) for deck in self._layout.decks]
+        names = [self._line_in_plan(ax, line) for line in structure.bearings]
+        below = [*self._piers_in_plan(ax), *decks]
+        for spring in structure.springs:
+            if spring.stiffness is not None and spring.base == GROUND:
+                at = M * np.array(structure.point(spring))
+                _mark(ax, at, "ground spring")
+        for way, step in (("x", (arm, 0.0)), ("y", (0.0, arm))):
+            look: drawing.Look = {"arrowstyle": "->", "color": drawing.INK}
+            ax.annotate("", tuple(origin + step), tuple(origin), arrowprops=look)
+            at = origin + 1.25 * np.array(step)
+            ax.annotate(way, tuple(at), (0, 0), **TEXT | CENTRED)
+        drawing.name_axes(ax, ALONG, ACROSS)
+        handles = {str(line.get_label()): line for line in ax.lines}
+        place: drawing.Look = {
+            "loc": "outside lower center",
+            "frameon": False,
+            "ncols": 3,
+            "markerscale": 0.6,
+        }
+        figure.legend(handles=list(handles.values()), fontsize=drawing.SMALL, **place)
+        self._part_names(figure, ax, names, below, [origin, origin + 1.5 * arm])
+        return figure
+
+    def _part_names(
+        self,
+        figure: Figure,
+        ax: Axes,
+        above: list[Annotation],
+        below: list[Annotation],
+        arrows: list[Floats],
+    ) -> None:
+        """Move names apart and off marks and arrows, and make the figure high enough."""
+        for name in (*above, *below):
+            name.set_in_layout(False)
+        for _ in range(2):  # a layout with a fixed aspect moves once more
+            figure.draw_without_rendering()
+        point = figure.dpi / 72.0
+        marks = [
+            Bbox([at, at]).padded(0.5 * point * line.get_markersize())
+            for line in ax.lines
+            for at in ax.transData.transform(line.get_xydata())
+        ]
+        marks.append(Bbox(ax.transData.transform(arrows)))
+        placed = _separate(figure, above, marks, "ablr")
+        placed += _separate(figure, below, [*marks, *placed], "balr")
+        frame = ax.get_window_extent()
+        over = max(max(box.y1 - frame.y1, frame.y0 - box.y0) for box in placed) + 4.0 * point
+        over = max(over, 0.0) / frame.height
+        low, high = ax.get_ylim()
+        ax.set_ylim(low - over * (high - low), high + over * (high - low))
+        more = 2.0 * over * frame.height / figure.dpi
+        figure.set_figheight(figure.get_figheight() + more)
+
+    def _outline(self, deck: str) -> Floats:
+        """Return the corners of a deck in plan [m]: a little more than its lines and masses."""
+        structure = self._structure
+        points = [structure.point(line) for line in structure.bearings if line.body == deck]
+        points += [structure.point(mass) for mass in structure.masses if mass.body == deck]
+        low, high = M * np.min(points, axis=0), M * np.max(points, axis=0)
+        room = OVERHANG_IN_PLAN * max(float(np.max(high - low)), 1.0)
+        low, high = low - room, high + room
+        return np.array([low, (high[0], low[1]), high, (low[0], high[1])])
+
+    def _deck_in_plan(self, ax: Axes, deck: str) -> Annotation:
+        """Draw a deck, its centre of mass and that of its bearing lines; return its name."""
+        structure, corners = self._structure, self._outline(deck)
+        ax.add_patch(Polygon(corners, facecolor=drawing.STEEL, linewidth=0, alpha=0.6, zorder=1))
+        centres = {
+            "centre of mass of a deck": [
+                (structure.point(mass), mass.mass) for mass in structure.masses if mass.body == deck
+            ],
+            "centre of stiffness of its bearing lines": [
+                (structure.point(line), line.count * line.equivalent_stiffness)
+                for line in structure.bearings
+                if deck in (line.body, line.base)
+            ],
+        }
+        for kind, weighed in centres.items():
+            if weighed:
+                points, weights = zip(*weighed, strict=True)
+                _mark(ax, M * np.average(points, axis=0, weights=weights), kind)
+        return ax.annotate(deck, tuple(corners[0]), (0, -3), ha="left", va="top", **TEXT)
+
+    def _line_in_plan(self, ax: Axes, line: Any) -> Annotation:
+        """Draw a bearing line, and return its name with its coordinates."""
+        x, y = (M * place for place in self._structure.point(line))
+        if line.base == GROUND:
+            _mark(ax, (x, y), "abutment")
+        _mark(ax, (x, y), "bearing line")
+        words = f"{textwrap.fill(line.name, NAME_WIDTH)}\n({x:g}, {y:g})"
+        return ax.annotate(words, (x, y), (0, 9), ha="center", va="bottom", **TEXT)
+
+    def _piers_in_plan(self, ax: Axes) -> list[Annotation]:
+        """Draw the bodies that are no decks; return the names of those at each place."""
+        structure = self._structure
+        names: dict[tuple[float, float], list[str]] = {}
+        for body in structure.bodies:
+            if body.name not in self._layout.decks:
+                names.setdefault(structure.place(body.name), []).append(body.name)
+        found = []
+        for (x, y), who in names.items():
+            _mark(ax, (M * x, M * y), "pier")
+            words = "\n".join(textwrap.fill(name, NAME_WIDTH) for name in reversed(who))
+            look: drawing.Look = TEXT | {"ha": "center", "va": "top", "fontweight": "bold"}
+            found.append(ax.annotate(words, (M * x, M * y), (0, -9), **look))
+        return found
 
     def _sizes(self) -> list[tuple[str, str]]:
         """Return a line of the legend for each kind of part: equal ones share their size."""
@@ -189,32 +405,74 @@ class StructureFigures(drawing.Figures):
 
     def modes(self) -> Figure:
         """Return the first six mode shapes; bearings with their equivalent stiffness."""
-        table, layout = self._result.table, self._layout
+        table = self._result.table
         shapes = self._result.prepared.modes.shapes
         count = min(len(table), MOST_MODES)
         columns = min(count, 3)
         rows = -(-count // columns)
-        size = (3.2 * columns + 0.6, 3.0 * rows + 0.9)
+        plan = bool(self._structure.plan)
+        size = (3.2 * columns + 0.6, (2.0 if plan else 3.0) * rows + 0.9)
         title = f"{self._structure.name}: mode shapes"
-        figure, axes = drawing.panels(rows, columns, size, title, share=True)
+        figure, axes = drawing.panels(rows, columns, size, title, share=not plan)
         for k, ax in enumerate(axes):
-            ax.set_xticks([])
+            if not plan:
+                ax.set_xticks([])
             if k >= count:
                 ax.set_visible(False)
                 continue
-            moved = {name: self._moved(name, shapes[:, k]) for name in layout.ends}
-            largest = max(float(np.abs(values).max()) for values in moved.values())
-            factor = 0.4 * layout.spacing / max(largest, 1e-30)
-            for name, values in moved.items():
-                self._shape(ax, name, np.zeros(2), {"color": "#c8ccd2", "linewidth": 3.0})
-                look: dict[str, Any] = {"color": "#CC3311", "linewidth": 1.8}
-                self._shape(ax, name, factor * values, look)
+            (self._mode_in_plan if plan else self._mode)(ax, shapes[:, k])
             row = table.iloc[k]
             head = f"{row['period_s']:.3f} s, damping {row['damping_ratio']:.1%}, "
-            head += f"mass {row['effective_mass']:.0%}"
-            drawing.name_axes(ax, "", self._height() if k % columns == 0 else "", head)
+            masses = [
+                f"{name.removeprefix('effective_mass_')}{drawing.UNBROKEN}{row[name]:.0%}"
+                for name in EFFECTIVE_MASSES
+                if plan and np.isfinite(row[name])
+            ]
+            head += "mass " + (", ".join(masses) or f"{row['effective_mass']:.0%}")
+            side = ACROSS if plan else self._height()
+            drawing.name_axes(ax, "", side if k % columns == 0 else "", head)
             ax.title.set_fontsize(drawing.SMALL)
         return figure
+
+    def _mode(self, ax: Axes, shape: Floats) -> None:
+        """Draw bodies at rest and in a mode, seen from the side."""
+        layout = self._layout
+        moved = {name: self._moved(name, shape) for name in layout.ends}
+        largest = max(float(np.abs(values).max()) for values in moved.values())
+        factor = 0.4 * layout.spacing / max(largest, 1e-30)
+        for name, values in moved.items():
+            self._shape(ax, name, np.zeros(2), REST)
+            self._shape(ax, name, factor * values, MOVED)
+
+    def _mode_in_plan(self, ax: Axes, shape: Floats) -> None:
+        """Draw outlines of decks and tops of piers at rest and in a mode, seen from above."""
+        structure = self._structure
+        found: list[tuple[Floats, Floats]] = []  # places and displacements
+        for deck in self._layout.decks:
+            corners, height = self._outline(deck), mean_height(structure, deck)
+            found.append(self._motion(deck, height, np.vstack([corners, corners[:1]]), shape))
+        for line in structure.bearings:
+            if line.base != GROUND:
+                at = M * np.array([structure.point(line)])
+                found.append(self._motion(line.base, line.height, at, shape))
+        corners = np.concatenate([places for places, _ in found])
+        size = float(np.ptp(corners, axis=0).max())
+        largest = max(float(np.abs(moved).max()) for _, moved in found)
+        for places, moved in found:
+            ends = places + 0.12 * size / max(largest, 1e-30) * moved
+            for points, look in ((places, REST), (ends, MOVED)):
+                ax.plot(*points.T, **look, marker="o" if len(points) == 1 else "", markersize=4)
+        ax.set_aspect("equal", adjustable="datalim")
+        ax.margins(0.1)
+
+    def _motion(
+        self, name: str, height: float, places: Floats, shape: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return places in plan [m] and the displacements of a body there in a mode."""
+        moved = [
+            displacement_row(self._structure, name, height, *at / M).T @ shape for at in places
+        ]
+        return places, np.array(moved)
 
     def _height(self) -> str:
         return "height [m]" if self._layout.scaled else "no heights given: not to scale"
@@ -242,8 +500,9 @@ class StructureFigures(drawing.Figures):
         beyond = OVERHANG * self._layout.spacing * (1.0 if len(lines) > 1 else 3.0)
         return np.array([min(under) - beyond, max(under) + beyond])
 
-    def _body(self, ax: Axes, name: str) -> None:
-        """Draw a deck across, anything else upright."""
+    def _body(self, ax: Axes, names: list[str]) -> None:
+        """Draw a deck across, anything else upright; `names` are of bodies at one place."""
+        name = names[0]
         layout, (low, high) = self._layout, self._layout.ends[name]
         x = layout.columns[name]
         look: drawing.Look = {"solid_capstyle": "butt", "zorder": 1}
@@ -252,8 +511,9 @@ class StructureFigures(drawing.Figures):
             ax.plot(span, [high, high], color=DECK, linewidth=11, **look)
             seats = sorted(layout.seats[b.name] for b in self._structure.bearings if b.body == name)
             free = seats if len(seats) > 1 else [span[0], x]  # of bearings and of the mass
-            at = (free[0] + 0.37 * (free[1] - free[0]), high)
-            ax.annotate(name, at, (0, 0), ha="center", va="center", **TEXT | ON_DECK)
+            widest = int(np.argmax(np.round(np.diff(free), 6)))
+            at = (free[widest] + 0.37 * (free[widest + 1] - free[widest]), high)
+            ax.annotate(", ".join(names), at, (0, 0), ha="center", va="center", **TEXT | ON_DECK)
             return
         if low == high:
             across = [x - 0.15 * layout.spacing, x + 0.15 * layout.spacing]
@@ -261,7 +521,7 @@ class StructureFigures(drawing.Figures):
         else:
             width = 12.5 if self._structure.body(name).moves else 10.0
             ax.plot([x, x], [low, high], color=PIER, alpha=0.45, linewidth=width, **look)
-        words = textwrap.fill(name, 10)
+        words = "\n".join(textwrap.fill(name, 10) for name in names)
         at = (x - NAME * layout.spacing, 0.5 * (low + high))
         ax.annotate(words, at, (0, 0), ha="right", va="center", fontweight="bold", **TEXT)
 
@@ -269,16 +529,18 @@ class StructureFigures(drawing.Figures):
         """Draw teeth towards its base, or an open ring against rotation."""
         layout = self._layout
         x, low = layout.columns[spring.body], layout.ends[spring.body][0]
-        y = max(M * spring.height, low)
+        if layout.placed and spring.body in layout.decks:
+            x = M * self._structure.point(spring)[0]
+        y, rise = max(M * spring.height, low), layout.rise
         if spring.stiffness is None:
             ax.plot([x], [low], "o", color="none", markeredgecolor=SPRING, markersize=15, zorder=5)
             return
         far = x - 0.35 * layout.spacing if spring.base == GROUND else layout.columns[spring.base]
         across = np.linspace(far, x, 2 * TEETH + 2)
-        teeth = np.where(np.arange(2 * TEETH + 2) % 2, 1.0, -1.0) * 0.02 * layout.spacing
+        teeth = np.where(np.arange(2 * TEETH + 2) % 2, 1.0, -1.0) * 0.02 * rise
         teeth[[0, -1]] = 0.0
         ax.plot(across, y + teeth, color=SPRING, linewidth=1.3, zorder=4)
-        ax.plot([far, far], [y - 0.04 * layout.spacing, y + 0.04 * layout.spacing], color=SPRING)
+        ax.plot([far, far], [y - 0.04 * rise, y + 0.04 * rise], color=SPRING)
 
     def _bearings(self, ax: Axes, line: Any, low: float) -> Annotation:
         """Draw a box between the two bodies of a line, on an abutment if its base is the ground.
@@ -286,17 +548,20 @@ class StructureFigures(drawing.Figures):
         Returns the name of the line, which stands above the deck.
         """
         layout, ground = self._layout, line.base == GROUND
-        x, wide = layout.seats[line.name], 0.14 * layout.spacing
+        x, wide = layout.seats[line.name], layout.seat
         y = M * line.height if ground else layout.ends[line.base][1]
         top = layout.ends[line.body][1]
         if ground and y > low:
             look: drawing.Look = {"facecolor": drawing.STEEL, "linewidth": 0}
             ax.add_patch(Rectangle((x - 0.5 * wide, low), wide, y - low, zorder=1, **look))
-        height = max(top - y, 0.03 * layout.spacing)
+        height = max(top - y, 0.03 * layout.rise)
         ax.add_patch(Rectangle((x - 0.5 * wide, y), wide, height, color=BEARING, zorder=5))
         words = textwrap.fill(line.name, NAME_WIDTH)
         return ax.annotate(words, (x, top), (0, ABOVE_DECK), ha="center", va="bottom", **TEXT)
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return the function that draws each figure, by name of its file."""
-        return {"model": self.model, "modes": self.modes}
+        found = {"model": self.model, "plan": self.plan, "modes": self.modes}
+        if not self._structure.plan:
+            del found["plan"]
+        return found

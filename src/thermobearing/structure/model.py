@@ -362,7 +362,7 @@ def list_structures() -> list[str]:
     Examples
     --------
     >>> list_structures()
-    ['five-span-girder', 'hybrid-pier', 'hybrid-pier-two-bearings', 'pier-p1']
+    ['five-span-bridge', 'five-span-girder', 'hybrid-pier', 'hybrid-pier-two-bearings', 'pier-p1']
     """
     return STRUCTURES.names()
 

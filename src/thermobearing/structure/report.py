@@ -11,17 +11,28 @@ from thermobearing.report.pieces import Pieces
 from thermobearing.report.words import counted, identity_rows, percent, tidy
 from thermobearing.results.directory import RESOLVED
 from thermobearing.results.saved import SavedResult
-from thermobearing.structure.model import STRUCTURES, Structure
+from thermobearing.structure.model import DIRECTIONS, STRUCTURES, Structure
 
-LISTS = {"masses": "mass", "springs": "spring", "hinges": "hinge", "bearings": "bearing line"}
-NAMED = ("name", "body", "base")
+LISTS = {
+    **{"bodies": "body", "masses": "mass", "springs": "spring", "hinges": "hinge"},
+    "bearings": "bearing line",
+}
+NAMED = ("name", "body", "base", "on", "moves", "rotates", "twists", "base_height")
 CAPTIONS = {
     "model": "The model: masses, springs, hinges and bearing lines at their heights.",
+    "plan": "The plan, to scale: decks, piers and bearing lines with their coordinates in m.",
     "modes": "Mode shapes, with period, damping ratio and share of the mass.",
 }
-ASSUMPTIONS = [
+LINE_ASSUMPTION = (
     "Bodies are rigid; they move in one horizontal direction and rock; foundations rest on linear "
-    "springs.",
+    "springs."
+)
+PLAN_ASSUMPTION = (
+    "Bodies are rigid; they move in two horizontal directions, rock in both, and may twist about "
+    "the vertical; foundations rest on linear springs. Hinges yield in each direction by "
+    "themselves."
+)
+ASSUMPTIONS = [
     "Modes are those with hinges that do not yield and bearings of their equivalent stiffness.",
 ]
 
@@ -34,10 +45,10 @@ def build_pieces(saved: SavedResult) -> Pieces:
     case, sources = split_sources(read_toml(saved.path / RESOLVED))
     about = str(summary["description"] or name).rstrip(".")
     first = modes[0]
+    plan = "effective_mass" not in first
     answer = [
         f"The first of {counted(len(modes), 'period')} is {first['period_s']:.3g} s, with a "
-        f"damping of {percent(first['damping_ratio'], 1)} and {percent(first['effective_mass'])} "
-        "of the mass.",
+        f"damping of {percent(first['damping_ratio'], 1)} and {_mass_share(first)}.",
         f"All masses together are {summary['mass_t']:.4g} t ({summary['mass_model']} mass); "
         f"viscous damping: {summary['damping']}.",
     ]
@@ -50,12 +61,20 @@ def build_pieces(saved: SavedResult) -> Pieces:
         inputs={"structure": structure_table(case, sources)},
         tables=tables,
         figures=saved_figures(saved, CAPTIONS),
-        assumptions=ASSUMPTIONS,
+        assumptions=[PLAN_ASSUMPTION if plan else LINE_ASSUMPTION, *ASSUMPTIONS],
         warnings=[tidy(words) for words in saved.warnings],
         identity=identity_rows(
             str(summary["version"]), text, "thermobearing structures show case.resolved.toml"
         ),
     )
+
+
+def _mass_share(mode: Mapping[str, Any]) -> str:
+    """Return the share of a mode in the mass, of a structure in plan in each direction."""
+    if "effective_mass" in mode:
+        return f"{percent(mode['effective_mass'])} of the mass"
+    along, across = (percent(mode[f"effective_mass_{way}"]) for way in DIRECTIONS)
+    return f"{along} of the mass along the bridge and {across} across it"
 
 
 def structure_table(structure: Mapping[str, Any], own: Mapping[str, str] | None = None) -> Table:

@@ -24,7 +24,10 @@ from thermobearing.results.writing import write_csv
 from thermobearing.structure.matrices import twist_load
 from thermobearing.structure.model import (
     DampingKind,
+    Hinge,
+    Mass,
     MassModel,
+    Spring,
     Structure,
     fixed_base,
     list_hinges,
@@ -77,6 +80,16 @@ def _derived(structure: Structure, prepared: Prepared) -> list[tuple[str, str, f
     return found
 
 
+def _mass_size(mass: Mass) -> str:
+    """Return a mass, and its inertia about the vertical."""
+    twist = f", {mass.twist_inertia / KN_MM_PER_KN_M:g} t m² in twist" if mass.twist_inertia else ""
+    return f"{TONNES * mass.mass:g} t{twist}"
+
+
+def _in_direction(part: Spring | Hinge) -> str:
+    return f" in {part.direction}" if part.direction else ""
+
+
 class StructureResult(Result):
     """What is known about a structure without an earthquake.
 
@@ -127,7 +140,7 @@ class StructureResult(Result):
         """One row per mass, spring, hinge and bearing line: what it is, where, how large."""
         structure = self.structure
         rows = [
-            ("mass", item.body, item.body, "", item.height, f"{TONNES * item.mass:g} t")
+            ("mass", item.body, item.body, "", item.height, _mass_size(item))
             for item in structure.masses
         ]
         for spring in structure.springs:
@@ -136,15 +149,18 @@ class StructureResult(Result):
                 if spring.stiffness is not None
                 else f"{(spring.rotational_stiffness or 0.0) / KN_MM_PER_KN_M:g} kN m/rad"
             )
+            size += _in_direction(spring)
             rows.append(("spring", spring.name, spring.body, spring.base, spring.height, size))
         for hinge in structure.hinges:
             height = structure.body(hinge.body).base_height
             size = f"yields at {hinge.yield_moment / KN_MM_PER_KN_M:g} kN m, "
-            size += f"{1e3 * hinge.yield_rotation:g} mrad"
+            size += f"{1e3 * hinge.yield_rotation:g} mrad{_in_direction(hinge)}"
             rows.append(("hinge", hinge.name, hinge.body, hinge.base, height, size))
         for line in structure.bearings:
             size = f"{line.count} x {line.equivalent_stiffness:g} kN/mm"
             size += f", modelled at scale {line.scale:.4g}" if line.scale != 1.0 else ""
+            if line.height_across is not None:
+                size += f", across the bridge at {line.height_across:g} mm"
             rows.append(("bearings", line.name, line.body, line.base, line.height, size))
         columns = ["part", "name", "body", "base", "height_mm", "size"]
         found = pd.DataFrame(rows, columns=columns)
