@@ -60,7 +60,7 @@ def test_measures_are_those_of_eqsig(name: str) -> None:
     assert ours.pgv == pytest.approx(np.abs(other.velocity).max(), rel=1e-9)
 
 
-def test_rotated_responses_are_those_of_eqsig() -> None:
+def test_rotated_responses_are_those_of_eqsig(measured: Recorder) -> None:
     """eqsig rotates the records, in the other sense."""
     pair = MotionPair(load_motion("jra-ii-i-1"), load_motion("jra-ii-i-2"))
     periods = np.array([0.2, 1.5])
@@ -75,4 +75,9 @@ def test_rotated_responses_are_those_of_eqsig() -> None:
         degrees, theirs = eqsig.compute_rotated(*records, func=_pseudo, points=13)
         places = np.round(-degrees).astype(int) % 180
         mine = ours.pseudo_acceleration[places, place]
+        measured(
+            "Responses to rotated pairs against eqsig",
+            float(np.abs(mine / theirs - 1.0).max()),
+            f"{tol.EQSIG_SPECTRUM:g}",
+        )
         assert_allclose(mine, theirs, rtol=tol.EQSIG_SPECTRUM)
