@@ -228,13 +228,14 @@ CHECKS_NOTE = (
 )
 
 
-def governing_checks(rows: pd.DataFrame) -> pd.DataFrame:
+def governing_checks(rows: pd.DataFrame, *, every_part: bool) -> pd.DataFrame:
     """Return the checks that use most of their limits, or have the largest value without one.
 
-    One of each code, bearing, part and check; `part` has the bearing too where there are several.
+    One of each code, bearing and check, and of each part if `every_part`; `part` has the bearing
+    too where there are several.
     """
     size = rows["used"].where(rows["limit"].notna(), rows["value"]).astype(float).fillna(-np.inf)
-    keys = [rows[name] for name in ("code", "bearing", "part", "what")]
+    keys = [rows[name] for name in ("code", "bearing", *["part"] * every_part, "what")]
     found = rows.loc[[values.idxmax() for _, values in size.groupby(keys, sort=False)]]
     pairs = zip(found["run"], found["bearing"], strict=True)
     found["run"] = [run.removeprefix(f"{bearing}, ") for run, bearing in pairs]
@@ -243,14 +244,17 @@ def governing_checks(rows: pd.DataFrame) -> pd.DataFrame:
     return found if found["part"].any() else found.drop(columns="part")
 
 
-def bearing_check_tables(result: Result) -> dict[str, Table]:
-    """Return the governing checks of bearings as tables, one of each code; nothing without any."""
+def bearing_check_tables(result: Result, *, every_part: bool = True) -> dict[str, Table]:
+    """Return the governing checks of bearings as tables, one of each code; nothing without any.
+
+    Lines with equal rows share one; without `every_part` there is the governing line only.
+    """
     rows, found = result.bearing_checks, {}
     for code in dict.fromkeys(rows["code"]) if len(rows) else ():
-        mine = rows[rows["code"] == code]
+        mine = governing_checks(rows[rows["code"] == code], every_part=every_part)
         name = f"checks_{code.split()[0].lower()}" if code else "bearing_checks"
         caption = f"Checks of the bearings after {code}" if code else VERTICAL
-        found[name] = checks_table(governing_checks(mine), caption, CHECKS_NOTE)
+        found[name] = checks_table(mine, caption, CHECKS_NOTE).merged("part")
     return found
 
 
@@ -276,4 +280,6 @@ def sheet_checks(rows: Iterable[Mapping[Any, Any]]) -> list[Check]:
 def bearing_sheet(result: Result) -> list[Check]:
     """Return the governing checks of bearings for a report; none without any."""
     rows = result.bearing_checks
-    return sheet_checks(governing_checks(rows).to_dict("records")) if len(rows) else []
+    if not len(rows):
+        return []
+    return sheet_checks(governing_checks(rows, every_part=False).to_dict("records"))

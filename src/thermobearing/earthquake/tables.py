@@ -123,8 +123,8 @@ def console_tables(result: "EarthquakeResult") -> list[Table]:
     peaks = [_peaks_table(one, CONSOLE, heads=SHORT) for one in each or [result]]
     note = max((table.note for table in peaks), key=len)
     shown = [replace(table, note="") for table in peaks[:-1]] + [replace(peaks[-1], note=note)]
-    last = ("modes", "lines", "piers", "governing", *(name for name in found if "checks" in name))
-    shown += [found[name] for name in last if name in found]
+    shown += [found[n] for n in ("modes", "lines", "piers", "governing") if n in found]
+    shown += bearing_check_tables(result, every_part=False).values()
     return [table.merged("ambient_degC") for table in shown]
 
 
