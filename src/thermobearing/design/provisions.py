@@ -7,6 +7,7 @@ from functools import cache
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
+import xarray as xr
 from pydantic import Field
 
 from thermobearing.bearing.model import Bearing, CircularPlan, Plan
@@ -15,7 +16,6 @@ from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
-from thermobearing.cyclic.result import COMPONENT
 from thermobearing.design.peaks import PeakRule, counted, few_motions, mean_group
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.motions import Motion
@@ -43,7 +43,8 @@ Measure = Literal[
 ]
 LEVEL_1 = "level 1"  # begins the groups of motions of Level 1
 LARGEST_ROTATION, ZONES = 0.2, (1, 2, 3, 4)  # [rad]; of AASHTO
-DIRECTIONS = 91  # of a displacement whose direction is not known
+WAYS = 91  # of a displacement whose direction is not known
+DIRECTION, RESULTANT = "direction", "resultant"  # of a dataset of two components
 
 
 class _CodeCheck(Strict):
@@ -134,7 +135,7 @@ class _Demand(NamedTuple):
     def overlap(self, distance: float) -> float:
         """Return the overlap area of top and bottom at a displacement [mm2]."""
         assert self.bearing is not None
-        angle = np.linspace(0.0, 0.5 * math.pi, DIRECTIONS) if self.in_plane else np.zeros(1)
+        angle = np.linspace(0.0, 0.5 * math.pi, WAYS) if self.in_plane else np.zeros(1)
         moved = distance * np.column_stack([np.cos(angle), np.sin(angle)])
         return float(overlap_area(self.bearing.geometry.plan, moved).min())
 
@@ -195,11 +196,16 @@ def _checks(code: _Code, demand: _Demand, part: str, zone: int) -> list[Check]:
 
 
 def _displacements(
-    result: EarthquakeResult, motions: Sequence[Motion], rule: PeakRule, runs: Any
+    data: xr.Dataset, motions: Sequence[Motion], rule: PeakRule, runs: Any
 ) -> dict[int | None, Any]:
-    """Return the displacements of the lines by level of the motions [mm]; NaN without motions."""
+    """Return the displacements of the lines by level of the motions [mm]; NaN without motions.
+
+    In a plane those of the resultant.
+    """
     name = "bearing_displacement_max"
-    every = counted(result.dataset, name, motions, rule, runs)
+    if DIRECTION in data.dims:
+        data = data.sel({DIRECTION: RESULTANT})
+    every = counted(data, name, motions, rule, runs)
     found: dict[int | None, Any] = {None: every}
     for level in (1, 2):
         lower = [mean_group(motion).startswith(LEVEL_1) for motion in motions]
@@ -207,7 +213,7 @@ def _displacements(
         chosen = [motions[k] for k in mine]
         found[level] = np.full_like(every, np.nan)
         if mine:
-            found[level] = counted(result.dataset, name, chosen, rule, runs[mine])
+            found[level] = counted(data, name, chosen, rule, runs[mine])
     return found
 
 
@@ -279,10 +285,13 @@ def _rows(
     own = {item.line: item.bearing for item in case.lines if item.bearing is not None}
     names, forces = [line.name for line in case.structure.bearings], case.axial_forces()
     devices, found = {one.name: one for one in case.bearings}, []
-    labels = [name for name in ("bearing", "ambient_degC", "mode") if name in result.table]
-    for key, mine in result.table.groupby(labels, sort=False):
-        name, ambient, *mode = map(str, key)
-        moved = _displacements(result, case.motions, code.peaks, mine.index.to_numpy())
+    table, data = result.table, result.dataset
+    labels = [name for name in ("bearing", "ambient_degC", "mode", DIRECTION) if name in table]
+    motions = dict(zip(dict.fromkeys(table["motion"]), case.motions, strict=True))
+    for key, mine in table.groupby(labels, sort=False):
+        name, ambient, *others = map(str, key)
+        shaken = [motions[motion] for motion in mine["motion"]]
+        moved = _displacements(data, shaken, code.peaks, mine.index.to_numpy())
         for k, line in enumerate(names):
             device = own.get(line, devices[name])
             bearing = device if isinstance(device, Bearing) else None
@@ -293,9 +302,9 @@ def _rows(
                 {level: float(values[k]) for level, values in moved.items()},
                 rotation,
                 math.nan if bearing is None else checked_modulus(bearing, float(ambient)),
-                COMPONENT in result.dataset.dims,
+                DIRECTION in data.dims,
             )
             checks = _checks(code, demand, line if len(names) > 1 else "", zone)
-            where = ", ".join([f"{float(ambient):g} degC", *mode])
+            where = ", ".join([f"{float(ambient):g} degC", *others])
             found += check_rows(where, device.name, checks, code.title)
     return found
