@@ -55,6 +55,8 @@ BENCH_SHOWN = (
     "coupled step with lead, 29 cells, 3 layers and core, Table 3.4 at -20 degC",
     "default bridge study, 36 runs, two cores",
     "pier P1 on LHDR, 40 s, 8000 steps of 5 ms, one core",
+    "coupled step in a plane, circle, shen-hdr-specimen, over one on a line",
+    "pier P1 on LHDR in plan with two components, over the same in one direction",
     "OpenSees, pier P1 on LeadRubberX with lead heating",
 )
 
