@@ -15,6 +15,7 @@ from scipy.linalg import LinAlgError, eigh
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
+from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.structure.model import (
     DIRECTIONS,
     GROUND,
@@ -75,12 +76,18 @@ class Modes:
 
 def _coordinates(structure: Structure) -> list[str]:
     """Return the names of the coordinates, body by body."""
-    names = []
+    return [name for name, _ in describe_coordinates(structure)]
+
+
+def describe_coordinates(structure: Structure) -> list[tuple[str, Quantity]]:
+    """Return the name of each coordinate, body by body, and its quantity."""
+    moves, rotates = quantity("coordinate_mm"), quantity("coordinate_rad")
+    found = []
     for body in structure.bodies:
-        names += _names(structure, body.name) * body.moves
-        names += _names(structure, body.name, " rotation") * body.rotates
-        names += [f"{body.name} twist"] * bool(body.twists)
-    return names
+        found += [(name, moves) for name in _names(structure, body.name) * body.moves]
+        names = _names(structure, body.name, " rotation") * body.rotates
+        found += [(name, rotates) for name in names + [f"{body.name} twist"] * bool(body.twists)]
+    return found
 
 
 def _names(structure: Structure, name: str, motion: str = "") -> list[str]:

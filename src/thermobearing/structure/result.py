@@ -3,6 +3,7 @@
 The usual ranges are in data/plausible/structure.toml, as those of bearings (bearing/plausible.py).
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -21,7 +22,7 @@ from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import PERIODS, RESOLVED, STRUCTURE_PARTS
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.writing import write_csv
-from thermobearing.structure.matrices import twist_load
+from thermobearing.structure.matrices import describe_coordinates, twist_load
 from thermobearing.structure.model import (
     DampingKind,
     Hinge,
@@ -40,7 +41,8 @@ from thermobearing.structure.run import Prepared, prepare_structure
 TONNES = 1e3  # in kN s2/mm
 KN_MM_PER_KN_M = 1e3
 EFFECTIVE_MASSES = ("effective_mass_x", "effective_mass_y", "effective_mass_twist")
-MOST_COORDINATES = 12  # that a table of modes shows; the file has all
+AT_REST = 1e-9  # share of the largest motion below which a coordinate rests in a mode
+MOST_COORDINATES = 6  # of a structure in plan that a table of modes shows; the file has all
 GRAVITY = parse_quantity("1 standard_gravity", "mm/s^2")
 
 
@@ -115,6 +117,9 @@ class StructureResult(Result):
         modes = self.prepared.modes
         farthest = np.abs(modes.shapes).argmax(axis=0)
         shapes = modes.shapes / modes.shapes[farthest, np.arange(len(farthest))]
+        if self.structure.plan:  # a coordinate at rest has the rounding of the others
+            moved = np.sqrt(np.diag(self.prepared.matrices.mass))[:, None] * np.abs(shapes)
+            shapes[moved < AT_REST * moved.max(axis=0)] = 0.0
         columns = {
             "mode": np.arange(1, len(modes.frequencies) + 1),
             "period_s": modes.periods,
@@ -189,10 +194,14 @@ class StructureResult(Result):
         height = Quantity("Height", "mm", "g", "height_mm")
         columns: list[str | Quantity] = ["part", "name", "body", "base", *at, height, "size"]
         parts = make_table(self.parts, columns, keys=4)
-        shapes = [Quantity(name, "", ".3g", name) for name in self.prepared.matrices.coordinates]
+        shapes = [
+            replace(kind, head=name, name=name)
+            for name, kind in describe_coordinates(self.structure)
+        ]
         period = quantity("period_s", form=".3f")
         names: list[str | Quantity] = ["mode", period, "damping_ratio", "effective_mass"]
-        names += [*EFFECTIVE_MASSES, *(shapes if len(shapes) <= MOST_COORDINATES else ())]
+        names += EFFECTIVE_MASSES
+        names += shapes if len(shapes) <= MOST_COORDINATES or not self.structure.plan else ()
         return {"parts": parts, "periods": make_table(self.table, names)}
 
     def show(self) -> None:
