@@ -63,6 +63,15 @@ ANGLE = Annotated[
         panel=INPUT,
     ),
 ]
+COMPONENTS = Annotated[
+    list[int] | None,
+    option(
+        "--components",
+        help="Horizontal components of the ground motion that act together on a structure in "
+        "plan, 1 or 2; 2 for pairs by default. Given twice, one and two are compared.",
+        panel=INPUT,
+    ),
+]
 INPUTS = fields(
     "earthquake.case:EarthquakeCase",
     "bearings motions ambient weather structure duration rig axial_force",
@@ -104,13 +113,14 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
         given: dict[str, Any],
         across: ACROSS,
         angle: ANGLE,
+        components: COMPONENTS,
         fixed_base: FIXED_BASE,
         exposure: EXPOSURE,
         compare: COMPARE,
         end: Ending,
     ) -> Answer:
         from thermobearing.border.schema import overridden
-        from thermobearing.earthquake.analysis import compare_models, refuse_incomparable
+        from thermobearing.earthquake import analysis
         from thermobearing.earthquake.case import (
             Laboratory,
             load_earthquake_case,
@@ -122,6 +132,7 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
         laboratory = {key: given.pop(key) for key in Laboratory.model_fields if key in given}
         given["laboratory"] = overridden({}, laboratory, Laboratory) or None
         given["motions"] = _with_pairs(given.get("motions"), across, angle)
+        given["components"], both = analysis.one_or_both(components)
         given |= {"fixed_base": fixed_base or None, "exposure": exposure_given(exposure)}
         if case is None:
             loaded = make_earthquake_case({"command": name}, "command line", **given)
@@ -133,16 +144,18 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
             load_codes(**checks)  # refuses before the analysis
         target = end.target(f"{loaded.command}-{loaded.structure.name}")
         if compare:
-            refuse_incomparable(loaded)
+            analysis.refuse_incomparable(loaded)
         predicted = loaded.analysis.method == "predictor-corrector"
         result = with_progress(
-            lambda show: run_earthquake(loaded, progress=show),
+            lambda show: (analysis.compare_components if both else run_earthquake)(
+                loaded, progress=show
+            ),
             "runs",
             end.quiet,
             "predictor.predictor_march" if predicted else STRUCTURES,
         )
         if compare and result.outcome == "completed":
-            result.compared = compare_models(loaded)
+            result.compared = analysis.compare_models(loaded)
         if "codes" in checks and result.outcome == "completed":
             result = check_bearings(result, **checks)
         return end.save(result, target)

@@ -290,11 +290,9 @@ class Figures(drawing.Figures):
         figure, axes = drawing.panels(1, 2, (9.6, 5.2), self._title("paths in the plane"))
         for ax, (name, unit) in zip(axes, ORBITS, strict=True):
             for run, colour in enumerate(self._colours):
-                ax.plot(*self.plane_path(run, name), color=colour, linewidth=0.8)
+                drawing.draw_orbit(ax, *self.plane_path(run, name), name, unit, color=colour)
             for line in (ax.axhline, ax.axvline):
                 line(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
-            ax.set_aspect("equal", adjustable="datalim")
-            drawing.name_axes(ax, f"{name} along x [{unit}]", f"{name} across (y) [{unit}]")
         pairs = zip(self._colours, self._run_titles(), strict=True)
         drawing.legend_below(figure, [Line2D([], [], color=c, label=t) for c, t in pairs])
         return figure

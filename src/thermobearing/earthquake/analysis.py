@@ -71,6 +71,7 @@ def bridge(
     keep: Keep | Sequence[Kept] | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
     axial_force: float | None = None,
+    components: int | Sequence[int] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
     **options: Unpack[EarthquakeKeywords],
@@ -101,6 +102,9 @@ def bridge(
     axial_force : on one bearing [kN], positive in compression, in [-1e6, 1e6]; a table of `lines`
         may have its own (text with its unit). It changes no motion; the result then has checks of
         stress and critical load.
+    components : of a structure in plan: horizontal components of the ground motion that act
+        together, 2 for pairs by default; with 1 each direction is analysed on its own. With both
+        in a list they are compared in `result.one_component` and a table.
     executor : any `concurrent.futures` executor; threads by default.
     progress : called with (runs done, all runs).
     fixed_base : leave out the springs of the foundation; what stands on them is held.
@@ -129,8 +133,22 @@ def bridge(
     """
     table = _table(bearing, motion, ambient, model, initial, keep, options)
     table |= {"structure": structure, "lines": lines, "rig": rig, "axial_force": axial_force}
+    table["components"], several = one_or_both(components)
     case = make_earthquake_case({"command": "bridge"}, "bridge()", **table)
-    return run_earthquake(case, executor=executor, progress=progress)
+    run = compare_components if several else run_earthquake
+    return run(case, executor=executor, progress=progress)
+
+
+def one_or_both(components: int | Sequence[int] | None) -> tuple[int | None, bool]:
+    """Return the number of components of a case, and whether one and two are compared.
+
+    >>> one_or_both([1, 2]), one_or_both(1), one_or_both(None)
+    ((2, True), (1, False), (None, False))
+    """
+    given = [components] if isinstance(components, int) else list(components or [])
+    if len(given) > 1 and sorted(given) != [1, 2]:
+        raise InputError(f"components = {components!r}: must be 1, 2, or both")
+    return (max(given) if given else None), len(given) > 1
 
 
 @renamed(_RECORDS, **_EARLIER_NAMES)
@@ -309,6 +327,28 @@ def compare_models(
             mine = case.model_copy(update={"analysis": analysis, "bearings": fitting})
             results[model] = run_earthquake(mine, executor=executor, progress=progress)
     return results
+
+
+def compare_components(
+    case: EarthquakeCase, *, executor: Executor | None = None, progress: Progress | None = None
+) -> EarthquakeResult:
+    """Return the result with two components, that with one at a time as its `one_component`.
+
+    With one component the structure in plan is analysed along and across the bridge on its own.
+    InputError: the structure is not in plan, or no motion has a component across it.
+    """
+    cases = [
+        case.model_copy(update={"analysis": case.analysis.model_copy(update={"components": count})})
+        for count in (2, 1)
+    ]
+    faults = cases[0].faults()
+    if not any(motion.is_pair or motion.angle is not None for motion in case.motions):
+        faults.append("components: no motion has a component across the bridge; give pairs")
+    if faults:
+        raise InputError(faults, case.command)
+    found, one = (run_earthquake(own, executor=executor, progress=progress) for own in cases)
+    found.one_component = one
+    return found
 
 
 def _warm_bearings(case: EarthquakeCase) -> list[Bearing]:

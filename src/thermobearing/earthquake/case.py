@@ -16,7 +16,9 @@ from thermobearing.border.library import Library, Sourced, sources_to_keep
 from thermobearing.border.schema import Strict, in_unit, overridden
 from thermobearing.border.toml import to_toml
 from thermobearing.climate.readers import read_air
+from thermobearing.core.plane import line_only_options
 from thermobearing.cyclic.case import (
+    PLANE_OPTIONS,
     RIGS,
     Ambients,
     Rig,
@@ -31,6 +33,7 @@ from thermobearing.earthquake.specimen import read_address
 from thermobearing.model.effort import MOST_OF, too_many
 from thermobearing.model.handover import SpecimenState, misfit
 from thermobearing.model.options import ModelOptions, build_model, outdoors
+from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
 from thermobearing.structure.model import (
@@ -259,10 +262,13 @@ class EarthquakeAnalysis(ModelOptions, Stepping):
     ----------
     keep_every : keep every n-th step of the histories.
     keep : temperatures: "rubber", and "cells" for those through the height.
+    components : horizontal components of the ground motion that act together on a structure in
+        plan, 1 or 2; 2 for pairs by default. With 1 each direction is analysed on its own.
     """
 
     keep_every: Annotated[int, Field(ge=1)] = 2
     keep: tuple[Kept, ...] = ("rubber",)
+    components: Annotated[int, Field(ge=1, le=2)] | None = None
 
     @field_validator("keep")
     @classmethod
@@ -307,7 +313,7 @@ class EarthquakeCase(Strict):
     analysis: EarthquakeAnalysis = EarthquakeAnalysis()
     laboratory: Laboratory | None = None
     initial_state: SpecimenState | None = None
-    lines: Annotated[tuple[OnLine, ...], Field(max_length=8)] = ()
+    lines: Annotated[tuple[OnLine, ...], Field(max_length=40)] = ()
     rig: Rig | None = None
     axial_force: AxialForce | None = None
     sources: dict[str, dict[str, str]] | None = None
@@ -321,6 +327,17 @@ class EarthquakeCase(Strict):
     def modes(self) -> tuple[str, ...]:
         """Modes of the laboratory, each a separate run; one without a name if there is none."""
         return self.laboratory.mode if self.laboratory is not None else ("",)
+
+    @property
+    def components(self) -> int:
+        """Number of horizontal components of the ground motion that act together."""
+        pairs = self.structure.plan and any(motion.is_pair for motion in self.motions)
+        return self.analysis.components or (2 if pairs else 1)
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """Directions that are analysed on their own, each a separate run; one without a name."""
+        return ("x", "y") if self.structure.plan and self.components == 1 else ("",)
 
     @property
     def specimen(self) -> str | None:
@@ -367,12 +384,34 @@ class EarthquakeCase(Strict):
                 "laboratory.specimen: a specimen is tested once; give one bearing, one motion, one "
                 "ambient temperature and one mode"
             )
-        own = [item.bearing for item in self.lines]
-        for bearing in {b.name: b for b in [*self.bearings, *own] if b is not None}.values():
+        found += self._plan_faults() if self.components > 1 else []
+        for bearing in self._all_bearings():
             if isinstance(bearing, Bearing):
                 misfits = self.analysis.settled(bearing).misfits(bearing)
                 found += [f"analysis.{text}" for text in misfits]
         return found
+
+    def _all_bearings(self) -> list[Device]:
+        own = [item.bearing for item in self.lines]
+        return list({b.name: b for b in [*self.bearings, *own] if b is not None}.values())
+
+    def _plan_faults(self) -> list[str]:
+        """Return what does not go with two components of the ground motion."""
+        found = []
+        if not self.structure.plan:
+            found.append(f'two need a structure with plan = true; "{self.structure.name}" has none')
+        if self.analysis.method == "predictor-corrector":
+            found.append('analysis.method = "predictor-corrector" is for one')
+        if self.initial_state is not None:
+            found.append("an initial state is that of a bearing on a line")
+        options = [
+            name
+            for bearing in self._all_bearings()
+            if isinstance(bearing, Bearing) and self.analysis.model != "bilinear"
+            for name in line_only_options(build_model(bearing, self.analysis).constants)
+        ]
+        found += [f"analysis.{name} is for one; {PLANE_OPTIONS}" for name in dict.fromkeys(options)]
+        return [f"components: {text}" for text in found]
 
     def _misfits_of_state(self) -> list[str]:
         """Whether an earlier test can have left the bearing so."""
@@ -387,7 +426,7 @@ class EarthquakeCase(Strict):
         fault = misfit(self.initial_state, build_model(bearing, self.analysis).constants)
         return [f"initial_state: {fault}"] if fault else []
 
-    def count_steps(self, motion: GroundMotion) -> tuple[int, float]:
+    def count_steps(self, motion: GroundMotion | MotionPair) -> tuple[int, float]:
         """Number of steps of a motion of the case, and their length [s].
 
         The step divides the sampling interval, so that every sample is met.

@@ -15,9 +15,11 @@ from thermobearing.border.toml import to_table
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import beyond, rig_demand
 from thermobearing.cyclic.dataset import depth_attributes, stack_labels
+from thermobearing.cyclic.protocol import lengths
 from thermobearing.cyclic.reported import heat_flow
 from thermobearing.earthquake import measures
 from thermobearing.earthquake.case import EarthquakeCase, in_weather
+from thermobearing.earthquake.measures import DIRECTION
 from thermobearing.earthquake.result import PART_HISTORIES, EarthquakeResult, run_name
 from thermobearing.model import handover
 from thermobearing.model.checks import check_rows, failed_checks, vertical_checks
@@ -65,11 +67,11 @@ def _last_lead(task: "Task", end: Any) -> float:
 
 
 def _labelled_ends(
-    tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+    case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> dict[str, Any]:
-    """Return the states at the end of all runs as variables; nothing of several bearing lines."""
+    """Return the states at the end of all runs as variables; none in plan or of several lines."""
     warm = [task.device.stack is not None for task in tasks]
-    if not any(warm) or len(tasks[0].case.structure.bearings) > 1:
+    if not any(warm) or len(tasks[0].case.structure.bearings) > 1 or case.structure.plan:
         return {}
     ends: list[dict[str, Any]] = []
     for task, history, has_heat in zip(tasks, histories, warm, strict=True):
@@ -103,6 +105,11 @@ def padded(parts: Sequence[Floats], shape: tuple[int, ...], dtype: Any = np.floa
             stacked[run] = np.nan
         stacked[run][inside] = part
     return stacked
+
+
+def _wider(parts: Sequence[Floats], first: int) -> tuple[int, ...]:
+    """Return the sizes of the axes of tables from `first` on; none without a table."""
+    return parts[0].shape[first:] if parts else ()
 
 
 Traces = Sequence[Mapping[str, Floats]]
@@ -169,10 +176,13 @@ def _reached(
     found: dict[str, float | Ends] = {}
     for line in lines:
         rows, mine = history.bearing(line), task.lines[line]
+        moved, speed = rows["displacement"], lengths(measures.loading_speed(rows))
+        if moved.ndim > 1:  # the strain is that of the resultant
+            moved = np.copysign(lengths(moved), moved[:, 0])
         one = reached_by(
             rows["clock"],
-            rows["displacement"],
-            measures.largest(measures.loading_speed(rows)),
+            moved,
+            measures.largest(speed),
             rubber=mine.device.bearing.total_rubber_thickness,
             ambient=(mine.ambient, mine.ambient),
             lead=rows["lead_temperature"] if mine.device.has_lead else None,
@@ -188,7 +198,8 @@ def _farther(one: float | Ends, other: float | Ends) -> float | Ends:
 
 
 def _name(task: "Task", bearing: str = "") -> str:
-    return run_name(bearing, task.shaking.motion.name, task.ambient, task.mode)
+    labels = task.shaking.motion.name, task.ambient, task.mode, task.direction
+    return run_name(bearing, *labels)
 
 
 def _rig_rows(case: EarthquakeCase, tasks: Sequence["Task"], traces: Traces) -> list[Row]:
@@ -228,14 +239,11 @@ def _label_histories(
     """Return the histories of all runs as variables: scalars, layers, bodies, cells."""
     every = case.analysis.keep_every
     slow = ["bearing_clock"] if "pd" in case.modes else []
-    data: dict[str, Any] = {
-        name: (
-            ("run", "step"),
-            padded([trace[name][::every] for trace in traces], (length,)),
-            quantity(name).attributes,
-        )
-        for name in ("time", *measures.HISTORIES, *slow)
-    }
+    data: dict[str, Any] = {}
+    for name in ("time", *measures.HISTORIES, *slow):
+        parts = [trace[name][::every] for trace in traces]
+        whole = padded(parts, (length, *_wider(parts, 1)))
+        data[name] = (("run", "step", DIRECTION)[: whole.ndim], whole, quantity(name).attributes)
     across = {  # histories with one number per layer, body or cell
         "rubber_temperature": ("layer", [trace["rubber_temperature"][::every] for trace in traces]),
         "body_acceleration": ("body", [_bodies(task, history) for task, history in runs]),
@@ -243,9 +251,10 @@ def _label_histories(
     if "cells" in case.analysis.keep:
         across["temperature"] = "cell", [trace["temperature"][::every] for trace in traces]
     for name, (dimension, parts) in across.items():
-        wide = padded(parts, (length, max((part.shape[1] for part in parts), default=0)))
+        most = max((part.shape[1] for part in parts), default=0)
+        wide = padded(parts, (length, most, *_wider(parts, 2)))
         about = CELLS if name == "temperature" else quantity(name).attributes
-        data[name] = (("run", "step", dimension), wide, about)
+        data[name] = (("run", "step", dimension, DIRECTION)[: wide.ndim], wide, about)
     if "temperature" in across:
         data |= _stacks([task for task, _ in runs], data["temperature"][1].shape[2])
     return data
@@ -255,7 +264,7 @@ def label_analysis(
     case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> EarthquakeResult:
     """Return the result of an analysis: peaks from every step, histories every `keep_every`-th."""
-    tasks = tasks[: len(histories)]
+    planned, tasks = len(tasks), tasks[: len(histories)]
     runs = list(zip(tasks, histories, strict=True))
     traces = [measures.history_traces(task, history) for task, history in runs]
     numbers = [
@@ -271,8 +280,8 @@ def label_analysis(
     lab = ["actuator_kN_mm"] if case.laboratory is not None else []
     for known in map(quantity, (*measures.NUMBERS, *lab, *measures.LOOP, *measures.LOOP_TIMES)):
         values = np.array([row[known.variable] for row in numbers])
-        data[known.variable] = (("run",), values, known.attributes)
-    data |= _labelled_ends(tasks, histories)
+        data[known.variable] = (("run", DIRECTION)[: values.ndim], values, known.attributes)
+    data |= _labelled_ends(case, tasks, histories)
     ambient = np.array([task.ambient for task in tasks])
     names = [(task.device.bearing.name, task.shaking.motion.name, task.mode) for task in tasks]
     bearings, motions, modes = np.array(names, dtype=str).reshape(-1, 3).T
@@ -283,14 +292,24 @@ def label_analysis(
             "motion": ("run", motions),
             "ambient": ("run", ambient, quantity("ambient_degC").attributes),
             "mode": ("run", modes),
+            **_label_directions(case, tasks),
             "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
             "body": np.array([body.name for body in case.structure.bodies if tasks], dtype=str),
             **parts_coords,
         },
-        attrs=_attributes(case, tasks, histories)
+        attrs=_attributes(case, tasks, _interrupted(planned, histories))
         | _collect_warnings(case, tasks, histories, traces),
     )
     return EarthquakeResult(dataset)
+
+
+def _label_directions(case: EarthquakeCase, tasks: Sequence["Task"]) -> dict[str, Any]:
+    """Return the coordinate of directions: of the runs of one direction each, or of vectors."""
+    if not case.structure.plan:
+        return {}
+    if case.components == 1:
+        return {DIRECTION: ("run", np.array([task.direction for task in tasks], dtype=str))}
+    return {DIRECTION: np.array(measures.DIRECTIONS, dtype=str)}
 
 
 def _label_parts(
@@ -315,12 +334,14 @@ def _label_parts(
             words = name == "line_bearing"
             values = values.astype(str) if words else values
             units = {"units": ""} if words else {}
-            data[name] = (("run", dimension), values, quantity(column).attributes | units)
+            about = quantity(column).attributes | units
+            data[name] = (("run", dimension, DIRECTION)[: values.ndim], values, about)
     for name, (dimension, _) in PART_HISTORIES.items():
         count = len(lines) if dimension == "line" else len(piers)
         parts = [_part_history(name, task, history)[::every] for task, history in runs]
-        wide = padded(parts, (length, count))
-        data[name] = (("run", "step", dimension), wide, quantity(name).attributes)
+        wide = padded(parts, (length, count, *_wider(parts, 2)))
+        dims = ("run", "step", dimension, DIRECTION)[: wide.ndim]
+        data[name] = (dims, wide, quantity(name).attributes)
     coords = {
         "line": np.array([line.name for line in lines], dtype=str),
         "pier_part": np.array([pier.name for pier in piers], dtype=str),
@@ -332,10 +353,12 @@ def _part_history(name: str, task: "Task", history: StructureHistory) -> Floats:
     """Return one of `PART_HISTORIES` of all lines or piers of a run, [step, part]."""
     if name.startswith("line_"):
         book = name.removeprefix("line_")
-        return np.column_stack([history.bearing(b)[book] for b in range(len(task.lines))])
+        lines = [history.bearing(b)[book] for b in range(len(task.lines))]
+        return np.stack([measures.with_resultant(values) for values in lines], axis=1)
     place = ("pier_part_displacement", "pier_part_rotation", "pier_part_moment").index(name)
     piers = task.prepared.piers
-    return np.column_stack([measures.pier_histories(task, history, *pier)[place] for pier in piers])
+    each = [measures.pier_histories(task, history, *pier)[place] for pier in piers]
+    return np.stack(each, axis=1)
 
 
 def _bodies(task: "Task", history: StructureHistory) -> Floats:
@@ -347,7 +370,8 @@ def _bodies(task: "Task", history: StructureHistory) -> Floats:
     ]
     a = history.rows.a[::every]
     ground = task.shaking.ground[: len(history.rows.a) : every]
-    return np.asarray((np.array(rows) @ a.T + ground).T / measures.MM_PER_M)
+    each = [measures.with_resultant((a @ row + ground) / measures.MM_PER_M) for row in rows]
+    return np.stack(each, axis=1)
 
 
 def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
@@ -370,9 +394,7 @@ def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
     }
 
 
-def _attributes(
-    case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
-) -> dict[str, Any]:
+def _attributes(case: EarthquakeCase, tasks: Sequence["Task"], interrupted: bool) -> dict[str, Any]:
     prepared = tasks[0].prepared if tasks else None
     attrs: dict[str, Any] = {
         "command": case.command,
@@ -390,7 +412,7 @@ def _attributes(
         **({"specimen": case.specimen} if case.specimen else {}),
         "version": thermobearing.__version__,
         "case": case.to_toml(),
-        "interrupted": int(_interrupted(case, histories)),
+        "interrupted": int(interrupted),
         "sentences": as_attribute(RUN_SENTENCES | SENTENCES),
     }
     if in_weather(case.model_dump(include={"weather", "lines"})):
@@ -422,6 +444,5 @@ def _initial_periods(task: "Task") -> Floats:
     return find_modes(matrices.mass, stiffness).periods
 
 
-def _interrupted(case: EarthquakeCase, histories: Sequence[StructureHistory]) -> bool:
-    wanted = len(case.bearings) * len(case.motions) * case.climates * len(case.modes)
-    return len(histories) < wanted or any(h.outcome == INTERRUPTED for h in histories)
+def _interrupted(planned: int, histories: Sequence[StructureHistory]) -> bool:
+    return len(histories) < max(planned, 1) or any(h.outcome == INTERRUPTED for h in histories)

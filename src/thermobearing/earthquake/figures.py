@@ -30,6 +30,7 @@ from thermobearing.earthquake.panels import (
     part_names,
     select_part,
 )
+from thermobearing.earthquake.tables import COMBINATIONS, components_frame
 from thermobearing.quantities.register import quantity
 from thermobearing.results import drawing
 from thermobearing.results.profiles import draw_profile_panels
@@ -69,6 +70,7 @@ SHOWN = {  # columns of the table of runs: label
     "pier_ductility": "pier ductility",
     "deck_acceleration_max_m_s2": "deck acceleration",
 }
+OF_RESULTANT = ("peaks", "parts", "energy", "temperature", "profiles")  # or of no direction
 SPREAD = 0.5  # of the room of a temperature that its dots take
 MEAN = 0.36  # half the length of the line at a mean
 
@@ -551,8 +553,75 @@ class EarthquakeFigures(Panels):
         title, names = f"{subject}: temperature through the height, {', '.join(shown)}", moments
         return draw_profile_panels(title, size, columns, drawn, [f"{one:g} s" for one in names])
 
+    def orbit(self) -> Figure:
+        """Return the paths of displacement and force of one bearing in plan."""
+        whole, about = self._result.dataset, part_names(self._data)
+        names = (("bearing_displacement", "displacement"), ("bearing_force", "force"))
+        rows = [(bearing, *name) for bearing in self._bearings for name in names]
+        motions = self._motions[:MOST_COLUMNS]
+        title = f"{whole.attrs['structure']}: paths of one bearing in plan"
+        figure, cells = self._grid(
+            title + (f" ({about})" if about else ""), LOOP_PANEL, rows, motions, ("", ""),
+            heads=motions, sides=[f"{bearing}\n{name}" for bearing, _, name in rows], share=False,
+            zero=True,
+        )  # fmt: skip
+        for ax, (bearing, name, what), motion in cells:
+            for run in self._find_runs(bearing=bearing, motion=motion):
+                kept = np.isfinite(whole["time"].values[run])
+                x, y = whole[name].values[run, kept, :2].astype(float).T
+                thin = drawing.thin_loops(x, y, *[max(np.ptp([x, y]), 1e-12)] * 2)
+                look = {"color": self._colour(run)}
+                drawing.draw_orbit(ax, x[thin], y[thin], what, quantity(name).unit, **look)
+        self._legend(figure)
+        return figure
+
+    def components(self) -> Figure:
+        """Return peaks with two components over those with one at a time, a dot for each run.
+
+        A row of panels for each bearing: each direction, and the resultant over the larger of both
+        one-directional peaks, over 100 % of one with 30 % of the other, and over their SRSS.
+        """
+        frame = components_frame(self._result)
+        names = [name for name in COMBINATIONS if name in set(frame["combination"])]
+        peaks = list(dict.fromkeys(frame["quantity"]))
+        figure, cells = self._grid(
+            f"{self._data.attrs['structure']}: two components over one at a time",
+            (2.2, 0.4 * len(peaks)),
+            self._bearings, names, ("ratio", ""), heads=[COMBINATIONS[name] for name in names],
+            sides=self._bearings,
+        )  # fmt: skip
+        for ax, bearing, name in cells:
+            ax.axvline(1.0, color=drawing.GREY, linewidth=0.8, zorder=1)
+            mine = frame[(frame["bearing"] == bearing) & (frame["combination"] == name)]
+            for row in mine.to_dict("records"):
+                near = self._ambients.index(row["ambient_degC"]) / max(len(self._ambients) - 1, 1)
+                at = peaks.index(row["quantity"]) + SPREAD * (near - 0.5)
+                look: drawing.Look = {"color": self._colours[row["ambient_degC"]], "markersize": 3}
+                ax.plot([row["two_over_one"]], [at], "o", **look)
+            ax.set_yticks(range(len(peaks)), [quantity(one).meaning for one in peaks])
+            ax.set_ylim(len(peaks) - 0.5, -0.5)
+        self._legend(figure)
+        return figure
+
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return what draws each figure that the analysis holds data for, by name of its file."""
+        """Return what draws each figure that the analysis holds data for, by name of its file.
+
+        In plan some are of the resultant, and there is one for each direction of the others.
+        """
+        result, found = self._result, self._draw_one()
+        if not result.directions:
+            return found
+        of_all = (*OF_RESULTANT, "comparison") if result.in_plan else ()
+        found = {name: draw for name, draw in found.items() if name in of_all}
+        found |= {"orbit": self.orbit} if result.in_plan else {}
+        found |= {"components": self.components} if result.one_component is not None else {}
+        for way in result.directions:
+            own = result.sel(direction=way).plot.draw_all()
+            found |= {f"{name}_{way}": draw for name, draw in own.items() if name not in found}
+        return found
+
+    def _draw_one(self) -> dict[str, Callable[[], Figure]]:
+        """Return what draws the figures of the resultant, or of one direction."""
 
         def _holds(name: str) -> bool:
             return name in self._data and bool(np.isfinite(self._data[name].values).any())

@@ -1,6 +1,7 @@
 """What is measured of a run: histories, peaks of lines and piers, energies, the largest loop.
 
-Names, units and meanings are in the register (data/quantities/earthquake.toml).
+Names, units and meanings are in the register (data/quantities/earthquake.toml). With two components
+of the ground motion, a vector has its values along x, along y and of the resultant on a last axis.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,6 +12,7 @@ import numpy as np
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import Books
+from thermobearing.cyclic.protocol import lengths
 from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT, largest_loop
 from thermobearing.structure.model import Pier, list_hinges
@@ -20,7 +22,9 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.run import Task
 
 MM_PER_M, KN_MM_PER_KN_M = 1e3, 1e3
-KEYS: Final = ("bearing", "motion", "ambient_degC", "mode")  # of a run in tables
+KEYS: Final = ("bearing", "motion", "ambient_degC", "mode", "direction")  # of a run in tables
+DIRECTION: Final = "direction"  # dimension of vectors
+DIRECTIONS: Final = ("x", "y", "resultant")
 PLACES: Final = {  # columns that name the governing line or pier: dimension, peak of the parts
     "strain_line": ("line", "line_strain_max"),
     "force_line": ("line", "line_force_max"),
@@ -33,6 +37,7 @@ HISTORIES: Final = (  # in the dataset
     "pier_displacement", "pier_top_displacement", "deck_displacement", "deck_acceleration",
     "pier_top_acceleration", "pier_rotation", "pier_moment", "lead_temperature",
 )  # fmt: skip
+FORCES: Final = ("rubber_force", "lead_force", "viscous_force")  # shares of that of the bearing
 BEARING: Final = (  # energies of one bearing
     "work_in", "heat_released", "recoverable", "heat_stored", "heat_lost_ends", "heat_lost_sides",
 )  # fmt: skip
@@ -93,9 +98,30 @@ GOVERNING: Final = {
 } | {name.replace("pier_part_", "pier_"): name for name in PIERS.values()}
 
 
-def largest(values: Floats) -> float:
-    """Return the largest magnitude in a history; NaN where it is not known."""
-    return float(np.abs(values).max())
+def with_resultant(values: Floats) -> Floats:
+    """Return a history [steps], or one of two components [steps, 2] with its resultant.
+
+    Examples
+    --------
+    >>> with_resultant(np.array([[3.0, -4.0]])).tolist()
+    [[3.0, -4.0, 5.0]]
+    """
+    return values if values.ndim == 1 else np.column_stack([values, lengths(values)])
+
+
+def _hinge_numbers(values: Any, per: Sequence[float] = (1.0,)) -> Any:
+    """Return numbers of a pier's hinge; in plan of both hinges and, for all, the larger one."""
+    each = np.atleast_1d(values)[: len(DIRECTIONS) - 1] / per
+    return np.append(each, np.fmax.reduce(each)) if np.ndim(values) else float(each[0])
+
+
+def largest(values: Floats) -> Any:
+    """Return the largest magnitude in a history, of each direction; NaN where it is not known."""
+    return _plain(np.abs(values).max(axis=0))
+
+
+def _plain(value: Any) -> Any:
+    return value if np.ndim(value) else float(value)
 
 
 def farthest(values: Any) -> Any:
@@ -113,36 +139,50 @@ def farthest(values: Any) -> Any:
 
 def structure_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
     """Return those of `HISTORIES` that the structure has: ground, pier, deck."""
-    where = task.prepared.reported
-    hinge = None if where.hinge is None else history.hinge(where.hinge)
+    where, pier = task.prepared.reported, task.prepared.piers[0][0]
     q, a = history.rows.q, history.rows.a
-    moved = np.array([where.deck, where.top]) @ a.T / MM_PER_M  # relative to the ground
     ground = task.shaking.ground[: len(q)] / MM_PER_M
-    missing = np.full(len(q) if hinge is None else 0, np.nan)
-    return {
+    rotation, moment = _hinge_histories(history, pier.hinges)
+    found = {
         "ground_acceleration": ground,
         "pier_displacement": q @ (where.top - where.base),
         "pier_top_displacement": q @ where.top,
         "deck_displacement": q @ where.deck,
-        "deck_acceleration": moved[0] + ground,
-        "pier_top_acceleration": moved[1] + ground,
-        "pier_rotation": missing if hinge is None else hinge["rotation"],
-        "pier_moment": missing if hinge is None else hinge["moment"] / KN_MM_PER_KN_M,
+        "deck_acceleration": a @ where.deck / MM_PER_M + ground,
+        "pier_top_acceleration": a @ where.top / MM_PER_M + ground,
     }
+    found = {name: with_resultant(values) for name, values in found.items()}
+    return found | {"pier_rotation": rotation, "pier_moment": moment}
+
+
+def _hinge_histories(
+    history: StructureHistory, hinges: Sequence[int | None]
+) -> tuple[Floats, Floats]:
+    """Return rotation [rad] and moment [kN m] of a pier's hinge, NaN where there is none.
+
+    In plan there is one in each direction, and no resultant.
+    """
+    missing = np.full(len(history.rows.q), np.nan)
+    bends = [None if number is None else history.hinge(number) for number in hinges]
+    turned = [missing if bend is None else bend["rotation"] for bend in bends]
+    moments = [missing if bend is None else bend["moment"] / KN_MM_PER_KN_M for bend in bends]
+    if len(bends) == 1:
+        return turned[0], moments[0]
+    return np.column_stack([*turned, missing]), np.column_stack([*moments, missing])
 
 
 def history_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
     """Return each of `HISTORIES` by name, and temperatures of layers and of cells that are kept."""
     device, bearing = task.reported.device, history.bearing(task.reported_line)
     heat, count = device.stack is not None, len(history.rows.q)
-    missing = np.full(count, np.nan)
+    missing, moved = np.full(count, np.nan), with_resultant(bearing["displacement"])
     return structure_traces(task, history) | {
         "time": history.rows.books["clock"],
-        "bearing_displacement": bearing["displacement"],
-        "bearing_strain": bearing["displacement"] / device.bearing.total_rubber_thickness,
-        "bearing_force": bearing["force"],
-        **{name: bearing[name] for name in ("rubber_force", "lead_force", "viscous_force")},
-        "bearing_speed": loading_speed(bearing),
+        "bearing_displacement": moved,
+        "bearing_strain": moved / device.bearing.total_rubber_thickness,
+        "bearing_force": with_resultant(bearing["force"]),
+        **{name: with_resultant(bearing[name]) for name in FORCES},
+        "bearing_speed": with_resultant(loading_speed(bearing)),
         "bearing_clock": bearing["clock"],
         "bearing_energy": bearing["work_in"],
         "lead_temperature": bearing["lead_temperature"] if device.has_lead else missing,
@@ -154,7 +194,9 @@ def history_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]
 def loading_speed(bearing: Rows[Books]) -> Floats:
     """Return the loading speed at the end of each step, on the clock of the bearing [mm/s]."""
     steps = np.maximum(np.diff(bearing["clock"]), np.finfo(float).tiny)
-    return np.concatenate([[0.0], np.diff(bearing["displacement"]) / steps])
+    moved = bearing["displacement"]
+    speed = (np.diff(moved, axis=0).T / steps).T
+    return np.concatenate([np.zeros_like(moved[:1]), speed])
 
 
 def _warmest(values: Floats) -> float:
@@ -168,7 +210,7 @@ def line_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
         books, device = history.bearing(b), one.device
         lead = books["lead_temperature"] if device.has_lead else np.empty(0)
         rubber = history.layers(b) if device.stack is not None else np.empty((0, 0))
-        moved, force = largest(books["displacement"]), largest(books["force"])
+        moved, force = (largest(with_resultant(books[n])) for n in ("displacement", "force"))
         rows.append(
             {
                 "line_bearing": device.bearing.name,
@@ -193,33 +235,30 @@ def pier_histories(
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """Return displacement, rotation, moment, motion and acceleration of the top of one pier."""
     q = history.rows.q
-    rotation = moment = np.full(len(q), np.nan)
-    if pier.hinge is not None:
-        bend = history.hinge(pier.hinge)
-        rotation, moment = bend["rotation"], bend["moment"] / KN_MM_PER_KN_M
+    rotation, moment = _hinge_histories(history, pier.hinges)
     ground = task.shaking.ground[: len(q)]
-    acceleration = (history.rows.a @ top + ground) / MM_PER_M
-    return q @ (top - base), rotation, moment, q @ top, acceleration
+    acceleration = with_resultant((history.rows.a @ top + ground) / MM_PER_M)
+    moved, carried = with_resultant(q @ (top - base)), with_resultant(q @ top)
+    return moved, rotation, moment, carried, acceleration
 
 
 def pier_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
     """Return the peaks of each pier, by name in the dataset."""
     rows = []
-    structure = task.case.structure
+    hinges = list_hinges(task.case.structure)
     for pier, *where in task.prepared.piers:
+        yields = [np.nan if k is None else hinges[k].yield_rotation for k in pier.hinges]
         moved, rotation, moment, top, acceleration = pier_histories(task, history, pier, *where)
-        hinge = None if pier.hinge is None else list_hinges(structure)[pier.hinge]
+        turned = largest(rotation)
         rows.append(
             {
                 "pier_part_displacement_max": largest(moved),
-                "pier_part_displacement_residual": float(moved[-1]),
+                "pier_part_displacement_residual": _plain(moved[-1]),
                 "pier_part_top_displacement_max": largest(top),
                 "pier_part_top_acceleration_max": largest(acceleration),
-                "pier_part_rotation_max": largest(rotation),
-                "pier_part_ductility": (
-                    np.nan if hinge is None else largest(rotation) / hinge.yield_rotation
-                ),
-                "pier_part_moment_max": largest(moment),
+                "pier_part_rotation_max": _hinge_numbers(turned),
+                "pier_part_ductility": _hinge_numbers(turned, yields),
+                "pier_part_moment_max": _hinge_numbers(largest(moment)),
             }
         )
     return rows
@@ -230,16 +269,20 @@ def governing_peaks(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     if len(rows) == 1:  # quickly, in studies of very many runs
         return {name: rows[0][of] for name, of in GOVERNING.items() if of in rows[0]}
     return {
-        name: float(farthest([row[of] for row in rows]))
+        name: _plain(farthest(np.transpose([row[of] for row in rows])))
         for name, of in GOVERNING.items()
         if of in rows[0]
     }
 
 
-def drift(task: "Task", moved: Sequence[float]) -> float:
-    """Return the largest displacement of a pier top over the height of its pier; NaN without."""
+def drift(task: "Task", moved: Sequence[Any]) -> float:
+    """Return the largest displacement of a pier top over the height of its pier; NaN without.
+
+    In plan it is that of the direction with the larger one.
+    """
     piers = [pier for pier, _, _ in task.prepared.piers]
-    each = [m / p.height if p.height > 0.0 else np.nan for p, m in zip(piers, moved, strict=True)]
+    tops = [float(np.max(np.atleast_1d(top)[:2])) for top in moved]
+    each = [m / p.height if p.height > 0.0 else np.nan for p, m in zip(piers, tops, strict=True)]
     return float(farthest(each)) if len(each) > 1 else each[0]
 
 
@@ -307,15 +350,31 @@ def compute_residuals(numbers: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, float]:
-    """Return numbers of the largest loop by name in the dataset; NaN where none is closed."""
+def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, Any]:
+    """Return numbers of the largest loop by name in the dataset; NaN where none is closed.
+
+    In plan they are those of each direction; the resultant has no loops.
+    """
+    moved, force, work = (trace[f"bearing_{n}"] for n in ("displacement", "force", "energy"))
+    if moved.ndim == 1:
+        return _loop_numbers(task, trace["time"], moved, force, work)
+    each = []
+    for x, f in zip(moved.T[:-1], force.T[:-1], strict=True):
+        own = np.append(0.0, np.cumsum(0.5 * (f[1:] + f[:-1]) * np.diff(x)))
+        each.append(_loop_numbers(task, trace["time"], x, f, own))
+    return {name: np.array([one[name] for one in each] + [np.nan]) for name in each[0]}
+
+
+def _loop_numbers(
+    task: "Task", time: Floats, moved: Floats, force: Floats, work: Floats
+) -> dict[str, float]:
     names = [quantity(name).variable for name in LOOP]
     bearing = task.reported.device.bearing
     area = None if isinstance(bearing, BilinearBearing) else bearing.area
     loop = largest_loop(
-        trace["bearing_displacement"],
-        trace["bearing_force"],
-        trace["bearing_energy"],
+        moved,
+        force,
+        work,
         area=area or 1.0,
         total_rubber_thickness=bearing.total_rubber_thickness,
     )
@@ -324,5 +383,5 @@ def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, float]
     values = vars(loop.measures)
     if area is None:  # of a bilinear one
         values = values | {"G_eq_MPa": np.nan}
-    ends = dict(zip(LOOP_TIMES, trace["time"][[loop.first, loop.last]], strict=True))
+    ends = dict(zip(LOOP_TIMES, time[[loop.first, loop.last]], strict=True))
     return {name: values[key] for name, key in zip(names, LOOP.values(), strict=True)} | ends

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.core.records import Floats
-from thermobearing.earthquake.measures import GOVERNING
+from thermobearing.earthquake.measures import DIRECTION, GOVERNING
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.tables import INNER, SINGLE, run_keys
 from thermobearing.model.earlier import REFERENCE
@@ -93,7 +93,8 @@ class Panels(drawing.Figures):
     """Base of the figures: panels of runs, and comparisons of models."""
 
     def __init__(self, result: EarthquakeResult) -> None:
-        self._result, self._data, self._table = result, result.dataset, result.table
+        self._result, self._data = result, result.resultant.dataset
+        self._table = result.table
         self._bearings = list(dict.fromkeys(self._table["bearing"]))
         self._motions = list(dict.fromkeys(self._table["motion"]))
         self._ambients = sorted(set(self._table["ambient_degC"]))
@@ -106,7 +107,8 @@ class Panels(drawing.Figures):
         count = min(len(self._motions), MOST_COLUMNS)
         several = motions and count < len(self._motions)
         more = f" (first {count} of {len(self._motions)} motions)" if several else ""
-        return f"{self._data.attrs['structure']}: {what}{more}"
+        way = self._data.attrs.get(DIRECTION, "")
+        return f"{self._data.attrs['structure']}{way and f', {way}'}: {what}{more}"
 
     def _values(self, name: str, run: int) -> Floats:
         """Return a history of a run as far as it goes."""

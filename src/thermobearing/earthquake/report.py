@@ -96,8 +96,10 @@ def given_motions_table(
     """Return the motions of a resolved case; with a result their length and peak as run."""
     rows: list[dict[str, Any]] = []
     for one in motions:
-        name = str(one.get("label") or Path(str(one["name"])).stem)
+        records = [Path(str(one[key])).stem for key in ("name", "across") if one.get(key)]
+        name = str(one.get("label") or "+".join(dict.fromkeys(records)))
         row = {"motion": name, "motion_factor": float(one.get("factor", 1.0))}
+        row |= {"motion_angle": quantity(one["angle"])} if one.get("angle") else {}
         if result is not None:
             names = [str(label) for label in result["motion"].values]
             if name not in names:  # interrupted before it
@@ -118,7 +120,7 @@ def _motion_source(motion: Mapping[str, Any]) -> str:
     name = str(motion.get("name", ""))
     if "acceleration" in motion:
         return "samples given in Python"
-    if name in list_motions():
+    if {name, str(motion.get("across", name))} <= set(list_motions()):
         return "synthetic stand-in fitted to the Level 2 standard spectrum of JRA"
     return f"file {Path(name).name}" if name else ""
 
@@ -166,11 +168,18 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
     if kind == "none":
         damping = "Without viscous damping only bearings and hinges dissipate energy."
     constant = "weather" not in case
+    plan, hinged = result.in_plan, bool(case["structure"].get("hinges"))
+    moves = (
+        "in both horizontal directions, rock and may twist"
+        if plan
+        else ("in one horizontal direction and rock")
+    )
     found = [
-        "Bodies are rigid; they move in one horizontal direction and rock; foundations rest on "
+        f"Bodies are rigid; they move {moves}; foundations rest on "
         "linear springs. Second-order effects of gravity are not in the model.",
-        "Hinges follow the rules of Takeda with stiffness degradation."
-        if case["structure"].get("hinges")
+        "Hinges follow the rules of Takeda with stiffness degradation"
+        + (", each direction on its own." if plan else ".")
+        if hinged
         else "",
         "All bearings of a line are identical; forces and energies are those of one bearing.",
         damping,
@@ -421,7 +430,10 @@ CAPTIONS = {  # in this order
     "profiles": "Temperature through the height of the bearings.",
     "shares": "Shares of rubber, lead and rate-dependent branch in the force of the largest loop.",
     "speed": "Loading speed of the specimen on its own clock.",
+    "orbit": "Paths of the displacement and of the force of one bearing in plan.",
+    "components": "Peaks with two components of the ground motion over those with one at a time.",
 }
+ALONG = {"x": "along the bridge", "y": "across the bridge"}
 OF_ALL = ("peaks", "parts", "deck")  # figures of the structure
 LARGEST = {  # figure: column of the table, words for those who do not see the figure
     "loops": ("bearing_strain_max", "largest shear strain {:.0%}"),
@@ -435,12 +447,18 @@ LARGEST = {  # figure: column of the table, words for those who do not see the f
 
 def _report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
     held = result.plot.draw_all() if result.runs else {}
-    plots, shown = _interactive_plots(result), part_names(result.dataset)
+    shown, views = part_names(result.dataset), {"": result.resultant}
+    views |= {f"_{way}": result.sel(direction=way) for way in result.directions}
+    plots = {end: _interactive_plots(view) for end, view in views.items()}
     found = {}
-    for name in (name for name in CAPTIONS if name in held):
-        about = CAPTIONS[name] + (f" Shown: {shown}." if shown and name not in OF_ALL else "")
-        alt = about + _largest_drawn(result, name)
-        found[name] = ReportFigure(about, draw=held[name], alt=alt, plot=plots.get(name))
+    for name, about in CAPTIONS.items():
+        about += f" Shown: {shown}." if shown and name not in OF_ALL else ""
+        for end in views:
+            if (own := name + end) in held:
+                text = f"{about} Direction {end[1:]}, {ALONG[end[1:]]}." if end else about
+                alt = text + _largest_drawn(views[end], name)
+                plot = plots[end].get(name)
+                found[own] = ReportFigure(text, draw=held[own], alt=alt, plot=plot)
     return found
 
 
@@ -464,7 +482,7 @@ PLACES = (("rubber", "inner layer", "line"), ("lead", "lead", "dashed"))
 
 def _interactive_plots(result: EarthquakeResult) -> dict[str, Plot]:
     """Return plots by the name of the figure that they replace in an HTML page."""
-    if not result.runs:
+    if not result.runs or (result.directions and not result.in_plan):
         return {}
     plots = _Plots(result)
     force, strain = "force of one bearing [kN]", "shear strain [%]"

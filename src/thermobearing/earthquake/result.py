@@ -1,5 +1,6 @@
 """The result of an analysis of earthquakes: histories, peaks, energy balances, files."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import xarray as xr
 
 from thermobearing.core.records import Floats
 from thermobearing.earthquake import measures, tables
+from thermobearing.earthquake.measures import DIRECTION, farthest
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.results import directory
@@ -26,7 +28,7 @@ from thermobearing.results.writing import write_csv, write_dataset
 LARGEST_DAMPING_SHARE = 0.25
 # Of the input, either way: a delay of 5 ms comes to 3 % in the default hybrid test.
 LARGEST_ACTUATOR_SHARE = 0.05
-LABELS = ("bearing", "motion", "ambient", "mode")  # of a run
+LABELS = ("bearing", "motion", "ambient", "mode", DIRECTION)  # of a run
 RUN = dict(zip(LABELS, measures.KEYS, strict=True))
 HISTORY = {  # columns of a history: name in the dataset
     "time_s": "time",
@@ -53,6 +55,8 @@ PART_HISTORIES = {  # of lines and piers: dimension, column of history.csv behin
     "pier_part_rotation": ("pier_part", "rotation_rad"),
     "pier_part_moment": ("pier_part", "moment_kN_m"),
 }
+SCALARS = ("time_s", "energy_kN_mm")  # columns of a history that are no vectors, with temperatures
+UNIT = re.compile(r"((?:_mm|_kN|_m_s2|_kN_m|_rad)?)$")  # at the end of the name of a column
 
 
 class EarthquakeResult(DatasetResult):
@@ -62,10 +66,15 @@ class EarthquakeResult(DatasetResult):
     ----------
     dataset : xarray.Dataset
         Dimension `run` with the coordinates bearing, motion, ambient and mode, `step` (padded
-        with NaN), `layer`; every variable has its unit.
+        with NaN), `layer`; every variable has its unit. With two components of the ground motion,
+        vectors have the dimension `direction`: x, y and resultant. Runs of a structure in plan
+        with one component have `direction` as a coordinate.
     compared : dict of EarthquakeResult
         Results of the same analysis by model, from `compare_models`; they add a table, two figures
         and a verdict in summary.json to what is shown and saved.
+    one_component : EarthquakeResult, optional
+        Result of the same analysis with one component of the ground motion at a time, from
+        `compare_components`; adds a table, a figure and components.csv.
     """
 
     _figures = "EarthquakeFigures"
@@ -75,6 +84,7 @@ class EarthquakeResult(DatasetResult):
     ) -> None:
         self.dataset = dataset
         self.compared = compared or {}
+        self.one_component: EarthquakeResult | None = None
 
     @property
     def headline(self) -> str:
@@ -91,7 +101,8 @@ class EarthquakeResult(DatasetResult):
         Parameters
         ----------
         **chosen
-            Of bearing, motion, ambient [degC] and mode: a value, or several in a list.
+            Of bearing, motion, ambient [degC] and mode: a value, or several in a list. Of
+            a structure in plan `direction` too: "x", "y" or, with two components, "resultant".
 
         Returns
         -------
@@ -110,8 +121,16 @@ class EarthquakeResult(DatasetResult):
         1
         """
         data = self.dataset
-        labels = {name: data[name].values for name in LABELS}
-        return EarthquakeResult(selected(data, "run", chosen_runs(labels, chosen), self.run_names))
+        if self.in_plan and DIRECTION in chosen:
+            labels = {DIRECTION: data[DIRECTION].values}
+            direction = {DIRECTION: chosen.pop(DIRECTION)}
+            place = chosen_runs(labels, direction)[0]
+            data = data.isel({DIRECTION: place}, drop=True).assign_attrs(direction)
+        elif DIRECTION in chosen:
+            data = data.assign_attrs({DIRECTION: chosen[DIRECTION]})
+        labels = {name: data[name].values for name in LABELS if name in data.coords}
+        runs = chosen_runs(labels, chosen) if chosen else range(self.runs)
+        return EarthquakeResult(selected(data, "run", list(runs), self.run_names))
 
     def to_dataset(self) -> xr.Dataset:
         """Return the dataset with bearing, motion and ambient temperature as dimensions.
@@ -130,7 +149,7 @@ class EarthquakeResult(DatasetResult):
         ('bearing', 'motion', 'ambient')
         """
         both = len(set(self.modes)) > 1
-        return gridded(self.dataset, [name for name in LABELS if name != "mode" or both])
+        return gridded(self.dataset, [name for name in self._labels if name != "mode" or both])
 
     @property
     def runs(self) -> int:
@@ -143,6 +162,32 @@ class EarthquakeResult(DatasetResult):
         return [str(mode) for mode in self.dataset["mode"].values]
 
     @property
+    def in_plan(self) -> bool:
+        """Whether two components of the ground motion act together: vectors have directions."""
+        return DIRECTION in self.dataset.dims
+
+    @property
+    def directions(self) -> list[str]:
+        """Directions whose runs or components `sel` gives; empty for a structure in one."""
+        data = self.dataset
+        if DIRECTION in data.attrs or DIRECTION not in data.coords:
+            return []
+        known = data[DIRECTION].values.tolist()
+        return list(dict.fromkeys(name for name in known if name != measures.DIRECTIONS[-1]))
+
+    @property
+    def resultant(self) -> "EarthquakeResult":
+        """The result with the resultants of all vectors; without a plan the result itself."""
+        return self.sel(direction=measures.DIRECTIONS[-1]) if self.in_plan else self
+
+    @property
+    def _labels(self) -> list[str]:
+        """Names of the labels of a run."""
+        own = [name for name in LABELS if self.dataset.coords.get(name) is not None]
+        own = [name for name in own if self.dataset[name].dims == ("run",)]
+        return [name for name in own if name != "mode" or any(self.modes)]
+
+    @property
     def has_parts(self) -> bool:
         """Whether there are several lines or piers, with rows of their own."""
         return "line" in self.dataset.coords
@@ -150,10 +195,9 @@ class EarthquakeResult(DatasetResult):
     @property
     def run_names(self) -> list[str]:
         """Name of each run in sentences and tables."""
-        labels = zip(*(self.dataset[name].values for name in LABELS), strict=True)
-        return [
-            run_name(str(b), str(m), float(ambient), str(mode)) for b, m, ambient, mode in labels
-        ]
+        bearing, motion, *others = [self.dataset[name].values.tolist() for name in self._labels]
+        labels = zip(bearing, motion, *others, strict=True)
+        return [run_name(b, m, ambient, *more) for b, m, ambient, *more in labels]
 
     @property
     def table(self) -> pd.DataFrame:
@@ -169,9 +213,8 @@ class EarthquakeResult(DatasetResult):
         the limits of the rig that the run exceeds, if a rig is named, `beyond_tested` the
         quantities in which it leaves the calibration range of its bearing.
         """
-        data = self.dataset
-        keys = {RUN[name]: data[name].values for name in LABELS if name != "mode"}
-        frame = pd.DataFrame(keys | ({"mode": self.modes} if any(self.modes) else {}))
+        data = self.resultant.dataset
+        frame = pd.DataFrame({RUN[name]: data[name].values for name in self._labels})
         frame["outcome"] = data["outcome"].values
         for name in measures.COLUMNS:
             frame[name] = data[quantity(name).variable].values
@@ -179,7 +222,7 @@ class EarthquakeResult(DatasetResult):
             sizes = np.nan_to_num(np.abs(data[peak].values), nan=-1.0)
             names = data[part].values[sizes.argmax(axis=1)]
             frame[name] = np.where(sizes.max(axis=1) < 0.0, "", names)
-        same = [name for name in ("bearing", "motion", "mode") if name in frame]
+        same = [name for name in measures.KEYS if name in frame and name != "ambient_degC"]
         sorted_ = frame.sort_values("ambient_degC")
         warmest = sorted_.groupby(same, sort=False)["bearing_energy_kN_mm"].transform("last")
         frame["energy_of_warmest"] = frame["bearing_energy_kN_mm"] / warmest.loc[frame.index]
@@ -206,8 +249,8 @@ class EarthquakeResult(DatasetResult):
         keys = [name for name in RUN.values() if name in table]
         frame = table[[*keys, *measures.LOOP]]
         frame = frame.rename(columns=lambda name: name.removeprefix("loop_"))
-        frame["start_s"] = self.dataset["loop_start"].values
-        frame["end_s"] = self.dataset["loop_end"].values
+        frame["start_s"] = self.resultant["loop_start"].values
+        frame["end_s"] = self.resultant["loop_end"].values
         return frame
 
     @property
@@ -229,13 +272,35 @@ class EarthquakeResult(DatasetResult):
         """One row per run and pier: displacement, ductility of its hinge, moment; likewise."""
         return self._parts("pier_part", measures.PIERS)
 
+    def by_direction(self, name: str = "table") -> pd.DataFrame:
+        """Return a table with a row for each direction and the resultant of a run, line or pier.
+
+        Parameters
+        ----------
+        name : str
+            "table", "lines" or "piers". Without two components of the ground motion it is the
+            table itself.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        if not self.in_plan:
+            return pd.DataFrame(getattr(self, name))
+        parts = []
+        for direction in measures.DIRECTIONS:
+            frame = getattr(self.sel(direction=direction), name)
+            if len(frame):
+                frame.insert(len(self._labels), DIRECTION, direction)
+                parts.append(frame)
+        return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
+
     def _parts(self, dimension: str, columns: dict[str, str]) -> pd.DataFrame:
         if not self.has_parts:
             return pd.DataFrame()
-        data, several = self.dataset, any(self.modes)
-        labels = {key: name for key, name in RUN.items() if key != "mode" or several}
+        data = self.resultant.dataset
         return pd.DataFrame(
-            {name: data[key].values[run] for key, name in labels.items()}
+            {RUN[key]: data[key].values[run] for key in self._labels}
             | {dimension.removesuffix("_part"): str(part)}
             | {column: data[name].values[run, k] for column, name in columns.items()}
             for run in range(self.runs)
@@ -306,6 +371,8 @@ class EarthquakeResult(DatasetResult):
         -------
         pandas.DataFrame
         """
+        if self.in_plan:
+            return self._plan_history(run)
         data = self.dataset.isel(run=run)
         count = int(np.isfinite(data["time"].values).sum())
         frame = pd.DataFrame({name: data[key].values[:count] for name, key in HISTORY.items()})
@@ -323,6 +390,19 @@ class EarthquakeResult(DatasetResult):
         for k in range(data.sizes["layer"]):
             frame[f"rubber{k + 1}_degC"] = data["rubber_temperature"].values[:count, k]
         return frame
+
+    def _plan_history(self, run: int) -> pd.DataFrame:
+        """Return the history of a run with a column for each component of a vector."""
+        each = {name: self.sel(direction=name).history(run) for name in self.directions}
+        first = next(iter(each.values()))
+        columns = {}
+        for name in map(str, first):
+            if name in SCALARS or name.endswith("_degC"):
+                columns[name] = first[name]
+                continue
+            for direction, frame in each.items():
+                columns[UNIT.sub(rf"_{direction}\1", name, count=1)] = frame[name]
+        return pd.DataFrame(columns)
 
     def places(self, run: int) -> dict[str, Floats]:
         """Return the temperatures of the outer and innermost rubber layer and of the lead [degC].
@@ -358,6 +438,16 @@ class EarthquakeResult(DatasetResult):
         own = {name: data[f"{name}_temperature"].values[run] for name in ("rubber", "lead")}
         known = {name: values[np.isfinite(values)] for name, values in own.items()}
         return {name: float(v.max()) if len(v) else np.nan for name, v in known.items()}
+
+    def largest_rises(self) -> pd.DataFrame:
+        """Return the largest rise of rubber and lead in any line of each run [K]; NaN without."""
+        names = {name: f"{name}_rise_K" for name in ("rubber", "lead")}
+        if self.has_parts:
+            of_lines = {n: self.dataset[f"line_{n}_rise_max"].values for n in names}
+            return pd.DataFrame({names[n]: farthest(values) for n, values in of_lines.items()})
+        rises = [self.rises(run) for run in range(self.runs)]
+        rubber = [max(one["outer_layer"], one["inner_layer"]) for one in rises]
+        return pd.DataFrame({names["rubber"]: rubber, names["lead"]: [r["lead"] for r in rises]})
 
     def tables(self) -> dict[str, Table]:
         """Return the tables of a report by name; the console prints some of them."""
@@ -420,9 +510,12 @@ class EarthquakeResult(DatasetResult):
                     row[name] = [_plain(one) for one in mine]
             runs.append(row)
         names = list(dict.fromkeys(str(name) for name in self.dataset["bearing"].values))
-        compared = {}
+        compared: dict[str, Any] = {}
         if self.compared:
             compared["verdict"] = tables.verdict(tables.comparison_table(self.compared))
+        if self.one_component is not None:
+            rows = tables.components_summary(tables.components_frame(self))
+            compared["two_components_over_one"] = rows.to_dict("records")
         return {
             "command": attrs["command"],
             "bearing": names[0] if len(names) == 1 else names,
@@ -443,8 +536,11 @@ class EarthquakeResult(DatasetResult):
     def _write(self, folder: Path) -> None:
         (folder / directory.RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
         write_csv(folder / directory.TABLE, self.table)
-        others = {directory.MODES: self.modes_table, directory.LINES: self.lines}
-        others[directory.PIERS] = self.piers
+        others = {directory.MODES: self.modes_table}
+        others |= {directory.DIRECTIONS: self.by_direction()} if self.in_plan else {}
+        others[directory.COMPONENTS] = tables.components_frame(self)
+        others[directory.LINES] = self.by_direction("lines")
+        others[directory.PIERS] = self.by_direction("piers")
         if self.compared:
             others[directory.COMPARISON] = tables.comparison_table(self.compared)
         for name, frame in others.items():
@@ -454,18 +550,17 @@ class EarthquakeResult(DatasetResult):
         write_dataset(self.dataset, folder / directory.DATASET)
 
     def _write_histories(self, path: Path) -> None:
-        keys = {RUN[name]: self.dataset[name].values for name in LABELS}
+        keys = {RUN[name]: self.dataset[name].values for name in self._labels}
         for run in range(self.runs):
             frame = self.history(run)
             for place, (name, values) in enumerate(keys.items()):
-                if name != "mode" or any(self.modes):
-                    frame.insert(place, name, values[run])
+                frame.insert(place, name, values[run])
             write_csv(path, frame, below=run > 0)
 
 
-def run_name(bearing: str, motion: str, ambient: float, mode: str) -> str:
-    """Return the name of a run: bearing, motion, temperature and mode, as far as they are."""
-    return ", ".join(part for part in (bearing, motion, f"{ambient:g} degC", mode) if part)
+def run_name(bearing: str, motion: str, ambient: float, *others: str) -> str:
+    """Return the name of a run: bearing, motion, temperature, mode, direction, as far as given."""
+    return ", ".join(part for part in (bearing, motion, f"{ambient:g} degC", *others) if part)
 
 
 def _numbers(attribute: Any) -> list[float]:

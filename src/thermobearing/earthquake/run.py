@@ -37,7 +37,7 @@ from thermobearing.core.records import Ints
 from thermobearing.core.types import Constants, Floats, Path, State, new_state, new_workspace
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import build_segments, cut_rests, room_for, run_segments
-from thermobearing.cyclic.protocol import LARGEST_STRAIN, CyclicTest
+from thermobearing.cyclic.protocol import LARGEST_STRAIN, CyclicTest, lengths
 from thermobearing.earthquake.case import (
     EarthquakeCase,
     Laboratory,
@@ -54,9 +54,10 @@ from thermobearing.model.handover import begun_from
 from thermobearing.model.options import build_model
 from thermobearing.model.outcomes import NOT_PHYSICAL, PIER_BEYOND_LIMIT
 from thermobearing.model.stack import Stack
+from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
 from thermobearing.results.base import COMPLETED
-from thermobearing.structure.model import list_hinges
+from thermobearing.structure.model import along, list_hinges
 from thermobearing.structure.run import (
     Line,
     Prepared,
@@ -90,9 +91,9 @@ class Device:
 class Shaking(NamedTuple):
     """A ground motion at the ends of the steps."""
 
-    motion: GroundMotion
+    motion: GroundMotion | MotionPair
     dt: float  # of the steps [s]
-    ground: Floats  # [steps + 1] acceleration [mm/s2]
+    ground: Floats  # [steps + 1] acceleration [mm/s2], or [steps + 1, 2] along x and y
 
 
 class OneLine(NamedTuple):
@@ -115,6 +116,7 @@ class Task:
     lines: tuple[OneLine, ...]
     case: EarthquakeCase
     mode: str = ""  # of the laboratory; none without one
+    direction: str = ""  # of a structure in plan that is analysed in one direction alone
 
     @cached_property
     def reported_line(self) -> int:
@@ -147,12 +149,21 @@ def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> De
     return Device(bearing, model.constants, model.stack)
 
 
-def build_shaking(case: EarthquakeCase, number: int, motion: GroundMotion) -> Shaking:
-    """Return a motion of the case, cut, scaled, and linear between its samples."""
+def build_shaking(
+    case: EarthquakeCase, number: int, motion: GroundMotion | MotionPair, direction: str = ""
+) -> Shaking:
+    """Return a motion of the case, cut, scaled, and linear between its samples.
+
+    Of a pair both components, or that of one direction.
+    """
     steps, dt = case.count_steps(motion)
-    times = dt * np.arange(steps + 1)
-    ground = case.motions[number].factor * np.interp(times, motion.time, motion.acceleration)
-    return Shaking(motion, dt, ground)
+    times, factor = dt * np.arange(steps + 1), case.motions[number].factor
+    if isinstance(motion, MotionPair) and direction:
+        motion = motion.along("y" if direction == "y" else "x")
+    if isinstance(motion, MotionPair):
+        each = [np.interp(times, motion.time, values) for values in motion.rotated().T]
+        return Shaking(motion, dt, factor * np.column_stack(each))
+    return Shaking(motion, dt, factor * np.interp(times, motion.time, motion.acceleration))
 
 
 def _soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
@@ -199,10 +210,8 @@ def run_task(task: Task) -> StructureHistory:
         history.rows.bearings["displacement"][:] -= case.initial_state.zero
     if history.outcome != COMPLETED:
         return history if outside is None else replace(history, note=outside.note)
-    moved = [largest(history.bearing(b)["displacement"]) for b in range(len(task.lines))]
-    turned = [
-        largest(history.hinge(h)["rotation"]) for h in range(len(task.prepared.matrices.hinge_rows))
-    ]
+    moved = [largest(lengths(history.bearing(b)["displacement"])) for b in range(len(task.lines))]
+    turned = [largest(history.hinge(h)["rotation"]) for h in range(history.rows.hinges.shape[1])]
     tops = [row["pier_part_displacement_max"] for row in pier_peaks(task, history)]
     return replace(history, outcome=judged(task, moved, turned, tops))
 
@@ -231,9 +240,9 @@ def judged(
 ) -> str:
     """Return the outcome of a run that reached its end: whether the model holds that far.
 
-    `moved` is the largest displacement of the modelled bearing of each line [mm], `turned` the
-    largest rotation of each hinge [rad], `tops` the largest displacement of each pier top relative
-    to its base [mm].
+    `moved` is the largest displacement of the modelled bearing of each line [mm], of the resultant
+    in plan, `turned` the largest rotation of each hinge [rad], `tops` the largest displacement of
+    each pier top relative to its base [mm].
     """
     structure = task.case.structure
     for one, far in zip(task.lines, moved, strict=True):
@@ -248,10 +257,13 @@ def judged(
 
 
 def _refuse_too_much(
-    case: EarthquakeCase, devices: Sequence[Device], motions: Sequence[GroundMotion]
+    case: EarthquakeCase,
+    devices: Sequence[Device],
+    motions: Sequence[GroundMotion | MotionPair],
 ) -> None:
     lines, climates = len(case.structure.bearings), case.climates * len(case.modes)
-    coordinates = 2.0 * len(case.structure.bodies)
+    lines, climates = lines * case.components, climates * len(case.directions)
+    coordinates = (2.0 if case.components == 1 else 5.0) * len(case.structure.bodies)
     runs = []
     for device in devices:
         layers, cells = len(device.constants.multiplicity), len(device.constants.cells.capacity)
@@ -266,12 +278,12 @@ def _refuse_too_much(
 
 
 def build_tasks(case: EarthquakeCase) -> list[Task]:
-    """Return all runs of a case: bearings, then motions, then temperatures, then modes."""
-    prepared = prepare_structure(case.structure, case.analysis.mass, case.analysis.damping)
+    """Return all runs of a case: bearings, motions, temperatures, modes, directions."""
     devices = [build_device(case, bearing) for bearing in case.bearings]
-    motions = [motion.load() for motion in case.motions]
+    plan = case.structure.plan
+    motions = [motion.load_pair() if plan else motion.load() for motion in case.motions]
     _refuse_too_much(case, devices, motions)
-    shakings = [build_shaking(case, number, motion) for number, motion in enumerate(motions)]
+    ways = [(way, *_prepare(case, way)) for way in case.directions]
     same = {device.bearing.name: device for device in devices}  # so that they are of one kind
     own: list[Device | None] = []
     for item in case.lines:
@@ -287,13 +299,24 @@ def build_tasks(case: EarthquakeCase) -> list[Task]:
         for ambient in ambients:
             start = partial(one_line, case, ambient=ambient, weather=weather)
             climates.append((ambient, prepared_lines(case, device, own, start)))
-        for shaking in shakings:
+        for number, motion in enumerate(motions):
+            shaken = [(way, build_shaking(case, number, motion, way[0])) for way in ways]
             tasks += [
-                Task(prepared, device, shaking, ambient, lines, case, mode)
+                Task(prepared, device, shaking, ambient, lines, own_case, mode, direction)
                 for ambient, lines in climates
                 for mode in case.modes
+                for (direction, own_case, prepared), shaking in shaken
+                if not direction or shaking.ground.any()
             ]
     return tasks
+
+
+def _prepare(case: EarthquakeCase, direction: str) -> tuple[EarthquakeCase, Prepared]:
+    """Return the case of a direction alone, or the case itself, and its structure."""
+    if direction:
+        structure = along(case.structure, "y" if direction == "y" else "x")
+        case = case.model_copy(update={"structure": structure})
+    return case, prepare_structure(case.structure, case.analysis.mass, case.analysis.damping)
 
 
 def prepared_lines(

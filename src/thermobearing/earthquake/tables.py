@@ -15,6 +15,7 @@ from thermobearing.cyclic.reported import bearing_check_tables
 from thermobearing.earthquake.measures import (
     BEARING,
     COLUMNS,
+    DIRECTIONS,
     KEYS,
     LOOP,
     PLACES,
@@ -43,6 +44,23 @@ SHORT: Final = {  # heads of CONSOLE
     "deck_displacement_max_mm": "Deck",
 }
 COLD: Final = (*PEAKS[:4], "deck_acceleration_max_m_s2")  # compared with the warmest run
+BY_DIRECTION: Final = (
+    *("bearing_strain_max", "bearing_force_max_kN", "pier_displacement_max_mm", "pier_ductility"),
+    *("pier_moment_max_kN_m", "deck_displacement_max_mm", "deck_acceleration_max_m_s2"),
+)
+# Peaks of analyses with one component at a time, combined as designers do; see `_combined`.
+COMBINATIONS: Final = {
+    "x": "along",
+    "y": "across",
+    "larger": "larger one",
+    "rule": "100 % + 30 %",
+    "srss": "SRSS",
+}
+COMPARED_PEAKS: Final = (
+    *("bearing_strain_max", "bearing_force_max_kN", "pier_displacement_max_mm", "pier_ductility"),
+    *("deck_displacement_max_mm", "deck_acceleration_max_m_s2", "rubber_rise_K", "lead_rise_K"),
+)
+RULE: Final = 0.3  # share of the other direction
 PARTS: Final = {
     "line": (
         *("line_bearing", "count", "line_ambient_degC", "strain_max", "force_max_kN"),
@@ -97,6 +115,8 @@ def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
     found = {
         "governing": _governing_table(result),
         "peaks": _peaks_table(result),
+        "directions": _directions_table(result),
+        "components": _components_table(result),
         "cold": _cold_table(result),
         "lines": _parts_table(result, "line"),
         "piers": _parts_table(result, "pier"),
@@ -123,7 +143,8 @@ def console_tables(result: "EarthquakeResult") -> list[Table]:
     peaks = [_peaks_table(one, CONSOLE, heads=SHORT) for one in each or [result]]
     note = max((table.note for table in peaks), key=len)
     shown = [replace(table, note="") for table in peaks[:-1]] + [replace(peaks[-1], note=note)]
-    shown += [found[n] for n in ("modes", "lines", "piers", "governing") if n in found]
+    last = ("directions", "components", "modes", "lines", "piers", "governing")
+    shown += [found[name] for name in last if name in found]
     shown += bearing_check_tables(result, every_part=False).values()
     return [table.merged("ambient_degC") for table in shown]
 
@@ -175,6 +196,98 @@ def _peaks_table(
     )  # fmt: skip
 
 
+def _directions_table(result: "EarthquakeResult") -> Table:
+    """Return the largest of all motions in each direction and of the resultant; empty in one."""
+    frame = result.by_direction() if result.in_plan else pd.DataFrame()
+    caption = "Peaks in each direction and of the resultant, the largest of all motions"
+    if not len(frame):
+        return make_table(frame, caption=caption)
+    keys = [name for name in _keys(frame) if name != "motion"]
+    frame = frame.groupby(keys, sort=False)[list(COLUMNS)].agg(_largest).reset_index()
+    frame = frame.sort_values(keys[:-1], kind="stable")
+    names = [name for name in BY_DIRECTION if frame[name].notna().any()]
+    note = "x: along the bridge, y: across it. The resultant is the largest of a run, which the "
+    note += "two directions need not reach at once; of hinges it is the larger of both."
+    return make_table(frame, [*keys, *names], caption, keys=len(keys), note=note)
+
+
+def _combined(x: Floats, y: Floats) -> dict[str, Floats]:
+    """Return peaks of two one-directional analyses, and what designers combine them to.
+
+    The larger one; 100 % of one with 30 % of the other, whichever resultant is larger; the square
+    root of the sum of squares.
+    """
+    rule = np.fmax(np.hypot(x, RULE * y), np.hypot(RULE * x, y))
+    return {"x": x, "y": y, "larger": np.fmax(x, y), "rule": rule, "srss": np.hypot(x, y)}
+
+
+def components_frame(result: "EarthquakeResult") -> pd.DataFrame:
+    """Return two components of the ground motion compared with one at a time, a row for each peak.
+
+    Columns: bearing, motion, ambient_degC, quantity (column of the table of runs), combination (x,
+    y: the peak of that direction; larger, rule, srss of both, compared with the resultant),
+    one_component, two_components, two_over_one. Of hinges and temperatures only the larger one is
+    compared with that of two components. Empty without `result.one_component`.
+    """
+    if result.one_component is None:
+        return pd.DataFrame()
+    keys, one = list(KEYS[:3]), result.one_component
+    two = {name: _peaks_by_run(result.sel(direction=name), keys) for name in DIRECTIONS}
+    apart = {name: _peaks_by_run(one.sel(direction=name), keys) for name in one.directions}
+    runs, none = two["x"].index, pd.DataFrame(columns=two["x"].columns, dtype=float)
+    x, y = (apart.get(name, none).reindex(runs) for name in DIRECTIONS[:2])
+    parts = []
+    for name in COMPARED_PEAKS:
+        found = _combined(x[name].to_numpy(float), y[name].fillna(0.0).to_numpy(float))
+        if name.startswith("pier_ductility"):
+            found = {key: found[key] for key in ("x", "y", "larger")}
+        elif name.endswith("_K"):
+            found = {"larger": found["larger"]}
+        for key, values in found.items():
+            both = two[key if key in DIRECTIONS else DIRECTIONS[-1]][name]
+            frame = pd.DataFrame({"one_component": values, "two_components": both.to_numpy()})
+            frame["two_over_one"] = frame["two_components"] / frame["one_component"].replace(
+                0.0, np.nan
+            )
+            frame.insert(0, "combination", key)
+            frame.insert(0, "quantity", name)
+            parts.append(pd.concat([runs.to_frame(index=False), frame], axis=1))
+    whole = pd.concat(parts, ignore_index=True)
+    return whole[whole["two_over_one"].notna()].reset_index(drop=True)
+
+
+def _peaks_by_run(result: "EarthquakeResult", keys: list[str]) -> pd.DataFrame:
+    return pd.concat([result.table, result.largest_rises()], axis=1).set_index(keys)
+
+
+def components_summary(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return mean, lowest and highest ratio over the motions of `components_frame`."""
+    keys = ["bearing", "ambient_degC", "quantity", "combination"]
+    found = frame.groupby(keys, sort=False)["two_over_one"].agg(["mean", "min", "max"])
+    return found.reset_index()
+
+
+def _components_table(result: "EarthquakeResult") -> Table:
+    """Return the mean ratios of two components to one at a time; empty without both."""
+    frame = components_frame(result)
+    caption = "Two components of the ground motion over one at a time, mean over the motions"
+    if not len(frame):
+        return make_table(frame, caption=caption)
+    rows = components_summary(frame).pivot_table(
+        "mean", ["bearing", "ambient_degC", "quantity"], "combination", sort=False
+    )
+    rows = rows.reset_index()
+    rows["quantity"] = [quantity(name).meaning for name in rows["quantity"]]
+    columns = [
+        Quantity(head, form=".2f", name=name) for name, head in COMBINATIONS.items() if name in rows
+    ]
+    keys: list[str | Quantity] = ["bearing", "ambient_degC", Quantity("Quantity", name="quantity")]
+    note = "Along and across: the peak of that direction over that of its analysis with one "
+    note += "component. The others: the resultant over what the two analyses are combined to (the "
+    note += "larger one; 100 % of one with 30 % of the other; the root of the sum of squares)."
+    return make_table(rows, [*keys, *columns], caption, keys=3, note=note)
+
+
 def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
     """Return the largest of every peak over all runs, lines and piers of each bearing.
 
@@ -215,7 +328,7 @@ def cold_ratios(result: "EarthquakeResult") -> pd.DataFrame:
     """Return peaks of each run over those at the warmest temperature of the same run otherwise."""
     table = result.table
     table = table[table["outcome"] == "completed"]
-    same = [name for name in ("bearing", "motion", "mode") if name in table]
+    same = [name for name in _keys(table) if name != "ambient_degC"]
     if table["ambient_degC"].nunique() < 2:
         return pd.DataFrame()
     warmest = float(table["ambient_degC"].max())
@@ -234,7 +347,7 @@ def _cold_table(result: "EarthquakeResult") -> Table:
     ratios = cold_ratios(result)
     if not len(ratios):
         return make_table(ratios)
-    same = [name for name in ("bearing", "ambient_degC", "mode") if name in ratios]
+    same = [name for name in _keys(ratios) if name != "motion"]
 
     def _cell(values: "pd.Series[float]") -> Any:
         known = values.dropna()
@@ -310,7 +423,7 @@ def _over(fast: float, slow: float) -> float:
 
 
 def _loops_table(result: "EarthquakeResult") -> Table:
-    frame = result.table
+    frame = result.by_direction()
     keys = _keys(frame)
     note = "Loop with the largest displacement, between two zeros of the displacement: K_eq = "
     note += "(|F+| + |F−|)/(|D+| + |D−|), h_eq and G_e as in a test (Eq. 3.1, 3.2)."

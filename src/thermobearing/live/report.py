@@ -164,7 +164,7 @@ def _of_bridge(result: EarthquakeResult) -> Live | None:
         return None
     case = make_earthquake_case(table, "report")
     method, options = case.analysis.method, case.analysis
-    if method == "predictor-corrector" or options.model == "bilinear":
+    if method == "predictor-corrector" or options.model == "bilinear" or case.structure.plan:
         return None
     bearings = {one.name: one for one in case.bearings if isinstance(one, Bearing)}
     motions = _motions(case)
@@ -197,7 +197,8 @@ def _motions(case: EarthquakeCase) -> dict[str, tuple[GroundMotion, float]]:
     found = {}
     room = MOST_SAMPLES
     for number, given in enumerate(case.motions):
-        motion, dt, ground = build_shaking(case, number, given.load())
+        motion = given.load()
+        _, dt, ground = build_shaking(case, number, motion)
         steps, every = len(ground) - 1, round(motion.dt / dt)  # of a sampling interval
         factor = 1.0
         if steps % every == 0:  # the motion is not cut within an interval; its samples are shorter

@@ -353,6 +353,13 @@ def thin_loops(
     return np.union1d(kept, [len(x) - 1]).astype(np.int64)
 
 
+def draw_orbit(ax: Axes, x: Floats, y: Floats, name: str, unit: str, **look: Any) -> None:
+    """Draw the path of a vector in plan, with equal scales along and across."""
+    ax.plot(x, y, linewidth=0.8, **look)
+    ax.set_aspect("equal", adjustable="datalim")
+    name_axes(ax, f"{name} along x [{unit}]", f"{name} across (y) [{unit}]")
+
+
 def ambient_handle() -> Line2D:
     """Legend entry of the dotted line at the ambient temperature."""
     return Line2D([], [], color=GREY, linewidth=1.0, linestyle=":", label="ambient")
