@@ -15,7 +15,8 @@ from thermobearing.border.toml import to_table
 from thermobearing.core.types import Floats
 from thermobearing.structure.matrices import build_matrices, displacement_row
 from thermobearing.structure.model import DIRECTIONS, Structure, along, load_structure
-from thermobearing.structure.result import EFFECTIVE_MASSES, examine_structure
+from thermobearing.structure.report import EFFECTIVE_MASSES
+from thermobearing.structure.result import examine_structure
 from thermobearing.structure.run import prepare_structure
 
 ECCENTRICITY = 3000.0  # mm, from the centre of mass to the centre of stiffness

@@ -21,7 +21,8 @@ from thermobearing.core.records import Floats
 from thermobearing.results import drawing
 from thermobearing.structure.matrices import displacement_row, mean_height
 from thermobearing.structure.model import GROUND, Structure
-from thermobearing.structure.result import EFFECTIVE_MASSES, StructureResult
+from thermobearing.structure.report import EFFECTIVE_MASSES
+from thermobearing.structure.result import StructureResult
 
 M = 1e-3  # m per mm
 MOST_MODES = 6

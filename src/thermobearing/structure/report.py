@@ -1,18 +1,26 @@
 """Report of a structure: its inputs as a table, and the document of `structures show`."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
+import pandas as pd
+
+from thermobearing.border.schema import validated
 from thermobearing.border.toml import read_toml, split_sources
-from thermobearing.quantities.tables import Table
-from thermobearing.report import content
+from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import COLUMNS, key_words, saved_figures, value_and_unit
 from thermobearing.report.pieces import Pieces
 from thermobearing.report.words import counted, identity_rows, percent, tidy
 from thermobearing.results.directory import RESOLVED
 from thermobearing.results.saved import SavedResult
+from thermobearing.structure.matrices import describe_coordinates
 from thermobearing.structure.model import DIRECTIONS, STRUCTURES, Structure
 
+TABLES = {"parts": "Parts", "periods": "Modes"}
+EFFECTIVE_MASSES = ("effective_mass_x", "effective_mass_y", "effective_mass_twist")
+MOST_COORDINATES = 6  # of a structure in plan that a table of modes shows; the file has all
 LISTS = {
     **{"bodies": "body", "masses": "mass", "springs": "spring", "hinges": "hinge"},
     "bearings": "bearing line",
@@ -52,7 +60,9 @@ def build_pieces(saved: SavedResult) -> Pieces:
         f"All masses together are {summary['mass_t']:.4g} t ({summary['mass_model']} mass); "
         f"viscous damping: {summary['damping']}.",
     ]
-    tables = {n: content.make_table(n, saved[n]) for n in ("parts", "periods")}
+    structure = validated(Structure, case, str(saved.path / RESOLVED))
+    found = build_tables(structure, saved["parts"], saved["periods"])
+    tables = {key: replace(found[key], caption=words) for key, words in TABLES.items()}
     return Pieces(
         command="structures show",
         title=f"Structure {name}",
@@ -67,6 +77,24 @@ def build_pieces(saved: SavedResult) -> Pieces:
             str(summary["version"]), text, "thermobearing structures show case.resolved.toml"
         ),
     )
+
+
+def build_tables(
+    structure: Structure, parts: pd.DataFrame, modes: pd.DataFrame
+) -> dict[str, Table]:
+    """Return the tables of the parts and the modes of a structure."""
+    at = [Quantity(key[0], "mm", "g", key) for key in ("x_mm", "y_mm")]
+    height = Quantity("Height", "mm", "g", "height_mm")
+    columns: list[str | Quantity] = ["part", "name", "body", "base", *at, height, "size"]
+    names: list[str | Quantity] = ["mode", quantity("period_s", form=".3f"), "damping_ratio"]
+    names += ["effective_mass", *EFFECTIVE_MASSES]
+    shapes = describe_coordinates(structure)
+    if len(shapes) <= MOST_COORDINATES or not structure.plan:
+        names += [replace(kind, head=name, name=name) for name, kind in shapes]
+    return {
+        "parts": make_table(parts, columns, keys=4),
+        "periods": make_table(modes, names),
+    }
 
 
 def _mass_share(mode: Mapping[str, Any]) -> str:

@@ -3,7 +3,6 @@
 The usual ranges are in data/plausible/structure.toml, as those of bearings (bearing/plausible.py).
 """
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -16,13 +15,12 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.toml import sourced_toml
 from thermobearing.border.units import parse_quantity
 from thermobearing.core.records import Floats
-from thermobearing.quantities.register import Quantity, quantity
-from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.tables import Table
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import PERIODS, RESOLVED, STRUCTURE_PARTS
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.writing import write_csv
-from thermobearing.structure.matrices import describe_coordinates, twist_load
+from thermobearing.structure.matrices import twist_load
 from thermobearing.structure.model import (
     DampingKind,
     Hinge,
@@ -36,13 +34,12 @@ from thermobearing.structure.model import (
     load_structure,
     reported_line,
 )
+from thermobearing.structure.report import EFFECTIVE_MASSES, build_tables
 from thermobearing.structure.run import Prepared, prepare_structure
 
 TONNES = 1e3  # in kN s2/mm
 KN_MM_PER_KN_M = 1e3
-EFFECTIVE_MASSES = ("effective_mass_x", "effective_mass_y", "effective_mass_twist")
-AT_REST = 1e-9  # share of the largest motion below which a coordinate rests in a mode
-MOST_COORDINATES = 6  # of a structure in plan that a table of modes shows; the file has all
+AT_REST = 1e-9  # share below which a coordinate or a mass rests in a mode of a structure in plan
 GRAVITY = parse_quantity("1 standard_gravity", "mm/s^2")
 
 
@@ -138,7 +135,9 @@ class StructureResult(Result):
             return {"effective_mass": moved}
         load, inertia = twist_load(self.structure)
         twisted = (shapes.T @ load) ** 2 / (inertia or np.nan)
-        return dict(zip(EFFECTIVE_MASSES, (*moved.T, twisted), strict=True))
+        shares = np.array([*moved.T, twisted])
+        shares[shares < AT_REST] = 0.0
+        return dict(zip(EFFECTIVE_MASSES, shares, strict=True))
 
     @property
     def parts(self) -> pd.DataFrame:
@@ -190,19 +189,7 @@ class StructureResult(Result):
 
     def tables(self) -> dict[str, Table]:
         """Return the parts and the modes."""
-        at = [Quantity(key[0], "mm", "g", key) for key in ("x_mm", "y_mm")]
-        height = Quantity("Height", "mm", "g", "height_mm")
-        columns: list[str | Quantity] = ["part", "name", "body", "base", *at, height, "size"]
-        parts = make_table(self.parts, columns, keys=4)
-        shapes = [
-            replace(kind, head=name, name=name)
-            for name, kind in describe_coordinates(self.structure)
-        ]
-        period = quantity("period_s", form=".3f")
-        names: list[str | Quantity] = ["mode", period, "damping_ratio", "effective_mass"]
-        names += EFFECTIVE_MASSES
-        names += shapes if len(shapes) <= MOST_COORDINATES or not self.structure.plan else ()
-        return {"parts": parts, "periods": make_table(self.table, names)}
+        return build_tables(self.structure, self.parts, self.table)
 
     def show(self) -> None:
         """Print what the model is made of, and its modes."""
