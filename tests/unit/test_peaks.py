@@ -42,7 +42,7 @@ def test_a_round_finds_the_mean_where_the_case_says_so() -> None:
     peaks = largest.study["bearing_displacement_max"].values
     assert_allclose([largest.rounds[0].found, mean.rounds[0].found], [peaks.max(), peaks.mean()])
     assert mean.rounds[0].largest == largest.rounds[0].found
-    with pytest.raises(tb.InputError, match="'largest' or 'mean'"):
+    with pytest.raises(tb.InputError, match="'largest', 'mean' or 'mean of seven'"):
         make_design_case({"peaks": "means"}, "test")
 
 

@@ -54,8 +54,8 @@ class DesignCase(Strict):
     equal : names of layered bearings that are to be scaled to the same K_B.
     ambient : temperature at which layered bearings are checked [degC], in [-100, 100].
     peaks : peak response to several motions: "mean" of a group of motions (the largest of fewer
-        than three), and the largest of all groups; or "largest" of all motions
-        (data/design/peaks.toml).
+        than three), and the largest of all groups; "mean of seven" likewise of seven; or "largest"
+        of all motions (data/design/peaks.toml).
     """
 
     structure: Structure
