@@ -5,7 +5,7 @@ Reports are written atomically: on failure the earlier ones are kept.
 
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from importlib import import_module
@@ -30,6 +30,8 @@ from thermobearing.report.template import document, on_paper
 from thermobearing.report.title import TitleBlock, read_title
 from thermobearing.report.workbook import workbook_bytes
 from thermobearing.results.directory import (
+    CERTIFICATE_HTML,
+    CERTIFICATE_PDF,
     COMPARISON,
     LOGO,
     REPORT_HTML,
@@ -41,7 +43,8 @@ from thermobearing.results.directory import (
 )
 from thermobearing.results.saved import SavedResult
 
-WRITTEN = (REPORT_HTML, REPORT_PDF, WORKBOOK, TITLE, LOGO)
+DOCUMENTS = (REPORT_HTML, REPORT_PDF, WORKBOOK, CERTIFICATE_HTML, CERTIFICATE_PDF)
+WRITTEN = (*DOCUMENTS, TITLE, LOGO)
 # Packages whose `report.py` gives the content of the document of a command.
 PACKAGES = {
     **{"cyclic": "cyclic", "bridge": "earthquake", "hybrid": "earthquake"},
@@ -62,6 +65,7 @@ class Kinds(NamedTuple):
     pdf: bool = True
     workbook: bool = False
     live: bool = True  # the section of the page that computes again, where there can be one
+    certificate: bool = False  # of a calibration, alone
 
 
 def make_report(
@@ -73,6 +77,7 @@ def make_report(
     pdf: bool = True,
     workbook: bool = False,
     live: bool = True,
+    certificate: bool = False,
 ) -> list[Path]:
     """Write report.html and report.pdf of a result into its directory; nothing is run again.
 
@@ -88,6 +93,8 @@ def make_report(
     live : let report.html of a cyclic test or a bridge compute the analysis again in the browser,
         at other temperatures and strains; needs kernels for web pages (`make kernels`), without
         which the section is left out.
+    certificate : write certificate.html and certificate.pdf of a calibration instead: one page to
+        be signed.
 
     Returns
     -------
@@ -112,7 +119,7 @@ def make_report(
     """
     block = validated(TitleBlock, dict(title), "title") if isinstance(title, Mapping) else title
     file = Path(template) if template is not None else None
-    kinds = Kinds(pdf=pdf, workbook=workbook, live=live)
+    kinds = Kinds(pdf=pdf, workbook=workbook, live=live, certificate=certificate)
     return make_documents(result, kinds, directory, title=block, template=file)
 
 
@@ -130,6 +137,8 @@ def make_documents(
     kept = place / TITLE
     block = (title or TitleBlock()).over(read_title(kept if is_file(kept) else None))
     loaded = load_result(result) if isinstance(result, str | Path) else result
+    if kinds.certificate:
+        return _write_certificate(place, block, template, pdf=kinds.pdf)
     pieces = build_pieces(loaded, place)
     if kinds.html and kinds.live:
         pieces = replace(pieces, live=live_section(loaded))
@@ -139,6 +148,21 @@ def make_documents(
     if kinds.workbook:
         content[WORKBOOK] = workbook_bytes(pieces, histories_by_run(loaded))
     return put_files(place, content)
+
+
+def _write_certificate(
+    place: Path, block: TitleBlock, template: Path | None, *, pdf: bool
+) -> list[Path]:
+    """Write the certificate of a calibration that is saved in a directory."""
+    from thermobearing.identify.report import build_certificate
+
+    saved = load_result(place)
+    if not isinstance(saved, SavedResult):
+        raise InputError("only a calibration (`identify`) has a certificate", str(place))
+    pieces = _dated(_consistent(lambda: build_certificate(saved), place), place)
+    names = CERTIFICATE_HTML, CERTIFICATE_PDF
+    made = report_files(pieces, block, template, pdf=pdf, names=names)
+    return put_files(place, _title_files(block) | made)
 
 
 def _report_place(result: AnyResult | str | Path, directory: str | Path | None) -> Path:
@@ -158,18 +182,28 @@ def build_pieces(result: AnyResult, directory: Path) -> Pieces:
 
     It includes the comparison with earlier models and the date of the files in the directory.
     """
+    return _dated(_consistent(lambda: _pieces(result, directory), directory), directory)
+
+
+def _pieces(result: AnyResult, directory: Path) -> Pieces:
+    summary = result.summary if isinstance(result, SavedResult) else result.summary()
+    command = str(summary["command"])
+    if command in PACKAGES:
+        room = import_module(f"thermobearing.{PACKAGES[command]}.report")
+        pieces = cast(Pieces, room.build_pieces(result))
+    else:
+        pieces = pieces_of_saved(cast(SavedResult, result))
+    if command in COMPARED and is_file(directory / COMPARISON):
+        table, figures = comparison_pieces(directory)
+        tables = {**pieces.tables, "comparison": table}
+        pieces = replace(pieces, tables=tables, figures={**pieces.figures, **figures})
+    return pieces
+
+
+def _consistent(build: Callable[[], Pieces], directory: Path) -> Pieces:
+    """Return the pieces; InputError if the files of the result do not belong together."""
     try:
-        summary = result.summary if isinstance(result, SavedResult) else result.summary()
-        command = str(summary["command"])
-        if command in PACKAGES:
-            room = import_module(f"thermobearing.{PACKAGES[command]}.report")
-            pieces = cast(Pieces, room.build_pieces(result))
-        else:
-            pieces = pieces_of_saved(cast(SavedResult, result))
-        if command in COMPARED and is_file(directory / COMPARISON):
-            table, figures = comparison_pieces(directory)
-            tables = {**pieces.tables, "comparison": table}
-            pieces = replace(pieces, tables=tables, figures={**pieces.figures, **figures})
+        return build()
     except InputError:
         raise
     except UNFIT as error:
@@ -178,6 +212,10 @@ def build_pieces(result: AnyResult, directory: Path) -> Pieces:
             f"({type(error).__name__}: {error}); run its case again",
             str(directory),
         ) from None
+
+
+def _dated(pieces: Pieces, directory: Path) -> Pieces:
+    """Return the pieces with the date of the files of the result."""
     file = directory / SUMMARY
     if not is_file(file):
         return pieces
@@ -202,18 +240,23 @@ def _check_place(directory: Path) -> None:
 
 
 def report_files(
-    pieces: Pieces, title: TitleBlock, template: Path | None = None, *, pdf: bool = True
+    pieces: Pieces,
+    title: TitleBlock,
+    template: Path | None = None,
+    *,
+    pdf: bool = True,
+    names: tuple[str, str] = (REPORT_HTML, REPORT_PDF),
 ) -> dict[str, bytes | None]:
-    """Return report.html and report.pdf, by name.
+    """Return report.html and report.pdf (or other `names`), by name.
 
     Without `pdf`, a report.pdf that is there goes, since it would show another state.
     """
     made = document(pieces, title.words(), title.logo_bytes(), template)
     if not pdf:
-        return {REPORT_HTML: html_page(made).encode(), REPORT_PDF: None}
+        return {names[0]: html_page(made).encode(), names[1]: None}
     the_compiler()  # before anything is drawn
     shown = drawn(made)
-    return {REPORT_HTML: html_page(shown).encode(), REPORT_PDF: pdf_bytes(on_paper(shown))}
+    return {names[0]: html_page(shown).encode(), names[1]: pdf_bytes(on_paper(shown))}
 
 
 def _title_files(title: TitleBlock) -> dict[str, bytes | None]:
@@ -252,8 +295,7 @@ def put_files(directory: Path, content: Mapping[str, bytes | None]) -> list[Path
             f"{directory}: the report cannot be written: {error.strerror or error}; "
             "the earlier files are unchanged"
         ) from None
-    documents = (REPORT_HTML, REPORT_PDF, WORKBOOK)
-    return [directory / name for name in documents if content.get(name) is not None]
+    return [directory / name for name in DOCUMENTS if content.get(name) is not None]
 
 
 def _exchange(partial: Path, final: Path, names: list[str]) -> None:

@@ -1,5 +1,6 @@
 """`intake` and `measure`: columns, units, blocks, rests, spikes, drift, ambient, the sidecar."""
 
+import dataclasses
 import json
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from tests import tolerances as tol
 from tests.unit.inputs import command
 from thermobearing.identify.records.figures import _time_axis
 from thermobearing.identify.records.record import load_test
+from thermobearing.intake.run import write_template
 
 BEARING = "shen-hdr-specimen"
 Floats = NDArray[np.float64]
@@ -344,3 +346,69 @@ def test_a_constant_temperature_is_proposed_as_ambient(
     if found == "ambient":
         unit = 273.15 if "[K]" in title else 0.0
         assert item.record.ambient == pytest.approx(values - unit)
+
+
+def fill_template(path: Path, record: tb.TestRecord, about: dict[str, object]) -> None:
+    """Fill in a template as a laboratory does, with samples and thermocouples of a test."""
+    openpyxl = pytest.importorskip("openpyxl", reason="pip install 'thermobearing[xlsx]'")
+    book = openpyxl.load_workbook(path)
+    heads = [cell.value for cell in book["Test"][3]]
+    titles = {f"{place.capitalize()} [°C]": title for title, place in record.places.items()}
+    for k in range(len(record.time)):
+        row = [record.time[k], record.displacement[k], record.force[k]]
+        row += [record.temperatures[titles[h]][k] if h in titles else None for h in heads[3:]]
+        book["Test"].append([None if value is None else float(value) for value in row])
+    for key, value, *_ in book["Description"].iter_rows(min_row=4):
+        value.value = about.get(key.value, value.value)
+    book.save(path)
+
+
+def test_a_template_is_read_without_questions(tmp_path: Path) -> None:
+    """Samples, temperatures and description come back exactly, and nothing is assumed."""
+    pytest.importorskip("openpyxl", reason="pip install 'thermobearing[xlsx]'")
+    path = tmp_path / "test.xlsx"
+    status, _ = invoke("intake", "--template", path, "--bearing", "shen-lhdr-specimen")
+    assert status == 0
+    steps = tb.cyclic_test(strain=[0.5], cycles=2, rest=None)
+    record = tb.synthetic_record("shen-lhdr-specimen", -20.0, steps)
+    warm = {"T1": -20.0 + 0.1 * record.time, "T2": -20.0 + 2.0 * record.time}
+    places = {"T1": "rubber 1", "T2": "lead"}
+    record = dataclasses.replace(record, temperatures=warm, places=places)
+    about = {"name": "低温 20", "ambient": -20, "laboratory": "Prüfstelle Málaga", "scragged": "no"}
+    fill_template(path, record, about | {"specimen": "S-7", "date": "2026-10-02"})
+    (found,) = tb.take_in(path, "shen-lhdr-specimen").files
+    read = found.record
+    assert read.assumptions == ()
+    assert {finding.level for finding in found.report.findings} == {"note"}
+    assert not any(column.assumed for column in found.columns)
+    assert_allclose(read.time, record.time, rtol=1e-15)
+    assert_allclose(read.force, record.force, rtol=1e-15)
+    assert_allclose(read.temperatures["Lead [°C]"], warm["T2"], rtol=1e-15)
+    assert set(read.places.values()) == {"rubber 1", "lead"}
+    assert (read.name, read.ambient, read.bearing) == ("低温 20", -20.0, "shen-lhdr-specimen")
+    about = {"specimen": "S-7", "laboratory": "Prüfstelle Málaga", "date": "2026-10-02"}
+    assert read.about == about | {"scragged": False}
+    path.with_suffix(".toml").write_text('ambient = "-10 degC"')  # a sidecar goes first
+    assert load_test(path).ambient == -10.0
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "told"),
+    [
+        ("scragged", "maybe", 'scragged = "maybe": must be yes or no'),
+        ("ambient", "cold", "ambient"),
+        ("ambient", -300, "ambient"),
+    ],
+)
+def test_a_template_with_a_wrong_value(tmp_path: Path, key: str, value: object, told: str) -> None:
+    pytest.importorskip("openpyxl", reason="pip install 'thermobearing[xlsx]'")
+    path = write_template(tmp_path / "test.xlsx")
+    t = np.linspace(0.0, 4.0, 200)
+    x = 30.0 * np.sin(np.pi * t)
+    fill_template(path, tb.record_from_arrays(t, x, 2.0 * x, 23.0), {key: value})
+    with pytest.raises(tb.InputError, match=told):
+        load_test(path)
+    status, said = invoke("intake", "--template", path)
+    assert (status, "exists" in said) == (2, True)
+    with pytest.raises(tb.InputError, match=r"must end with \.xlsx"):
+        write_template(tmp_path / "test.csv")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests.regression.cases import INPUTS
@@ -15,12 +16,15 @@ from thermobearing.design import report as design_report
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_design, run_factors
 from thermobearing.identify import report as identify_report
+from thermobearing.identify.records.cycles import compare_loops
 from thermobearing.motions import report as motions_report
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.run import examine_motion
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
 from thermobearing.report.template import _arranged
+from thermobearing.reporting import make_report
 from thermobearing.results.drawing import save_figures
+from thermobearing.results.metrics import measure_history
 from thermobearing.results.saved import SavedResult
 from thermobearing.validate import report as validate_report
 
@@ -55,6 +59,63 @@ def fit(fitted: SavedResult) -> Pieces:
 def test_fit_form(fit: Pieces) -> None:
     assert_well_formed(fit)
     _arranged(fit)
+
+
+def test_certificate_of_a_fit(fitted: SavedResult, record: tb.TestRecord) -> None:
+    """K_eq, Q_d and h_eq of each cycle are those of `measure`; parameters have intervals."""
+    made = identify_report.build_certificate(fitted)
+    assert_well_formed(made)
+    cycles = made.tables["cycles"]
+    found = {
+        column.name: [row[k] for row in cycles.rows] for k, column in enumerate(cycles.columns)
+    }
+    side = 1.0 if record.displacement[np.abs(record.displacement) > 1.0][0] > 0.0 else -1.0
+    bearing = tb.load_bearing(SPECIMEN)
+    measured = measure_history(
+        side * record.displacement,
+        side * record.force,
+        area=bearing.area,
+        total_rubber_thickness=bearing.total_rubber_thickness,
+    )
+    exact = [one.characteristic_strength_kN for one in measured[: len(cycles.rows)]]
+    assert_allclose(found["Q_d_test"], exact, rtol=0.05)  # of the noise at zero
+    symbols = [row[0] for row in made.tables["parameters"].rows]
+    assert symbols == [item["symbol"] for item in fitted.summary["parameters"].values()]
+    assert len(made.signatures) == 3
+
+
+def test_certificate_is_one_page(fitted: SavedResult) -> None:
+    pytest.importorskip("typst", reason="pip install 'thermobearing[report]'")
+    pdfium = pytest.importorskip("pypdfium2", reason="pip install pypdfium2")
+    title = {"project": "Brücke 12, Niño", "client": "国土交通省", "number": "B-12"}
+    files = make_report(fitted.path, title=title, certificate=True)
+    assert [file.name for file in files] == ["certificate.html", "certificate.pdf"]
+    document = pdfium.PdfDocument(files[1])
+    assert len(document) == 1
+    page = document[0].get_textpage().get_text_bounded()
+    assert all(word in page for word in ("Brücke 12, Niño", "国土交通省", "Approved by", "K_r"))
+    text = files[0].read_text(encoding="utf-8")
+    assert text.count("Signature") == 3
+
+
+def test_only_an_acceptable_calibration_has_a_certificate(fitted: SavedResult) -> None:
+    poor = {**fitted.summary, "outcome": "poor_fit", "sentence": "too bad"}
+    with pytest.raises(tb.InputError, match=r"no certificate .* \(poor fit: too bad\)"):
+        identify_report.build_certificate(replace(fitted, summary=poor))
+    other = {**fitted.summary, "command": "lambda"}
+    with pytest.raises(tb.InputError, match="only a calibration"):
+        identify_report.build_certificate(replace(fitted, summary=other))
+
+
+def test_strength_of_a_cycle_is_exact() -> None:
+    """Of an ellipse, half the difference of the forces at zero displacement is its Q."""
+    angle = np.linspace(0.0, 4.0 * np.pi, 403)
+    x, strength = 20.0 * np.sin(angle), 7.0
+    record = tb.record_from_arrays(angle, x, 3.0 * x + strength * np.cos(angle), 23.0)
+    loops, _ = compare_loops(record, 2.0 * record.force)
+    assert len(loops) >= 1
+    for loop in loops:
+        assert_allclose(loop.strengths, [strength, 2.0 * strength], rtol=2e-4)
 
 
 def test_fit_numbers(fitted: SavedResult, fit: Pieces) -> None:

@@ -204,6 +204,15 @@ def _report(
     no_pdf: Annotated[bool, option("--no-pdf", help="Write the HTML page only.", panel=REPORT)],
     xlsx: Workbook,
     no_live: NoLive,
+    certificate: Annotated[
+        bool,
+        option(
+            "--certificate",
+            help="Write certificate.html and certificate.pdf of a calibration instead: one page "
+            "with a place for signatures.",
+            panel=REPORT,
+        ),
+    ],
     quiet: Quiet,
 ) -> Answer:
     """Write report.html and report.pdf of a saved result into its directory."""
@@ -212,6 +221,7 @@ def _report(
 
     block = title_given(title or [])
     kinds: dict[str, Any] = {"pdf": not no_pdf, "workbook": xlsx, "live": not no_live}
+    kinds["certificate"] = certificate
     files = make_report(directory, title=block, template=template, **kinds)
     if not quiet:
         for file in files:

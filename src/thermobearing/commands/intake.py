@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from thermobearing.border.errors import printable
+from thermobearing.border.errors import InputError, printable
 from thermobearing.commands.common import LABORATORY, Answer, Printed, app, echo_written
 from thermobearing.commands.options import command, option
 
@@ -15,12 +15,13 @@ from thermobearing.commands.options import command, option
 @command(
     app,
     "intake",
-    examples="intake cold.xlsx warm.csv --bearing mine.toml -o imported",
+    examples="intake cold.xlsx warm.csv --bearing mine.toml -o imported\n"
+    "intake --template test.xlsx --bearing mine.toml",
     panel=LABORATORY,
 )
 def _intake(
     files: Annotated[
-        list[Path],
+        list[Path] | None,
         typer.Argument(help="Tables of samples (CSV, text, .xlsx), or TOML sidecars."),
     ],
     bearing: Annotated[
@@ -38,6 +39,14 @@ def _intake(
             help="Write each sidecar next to its file too; existing ones are never replaced.",
         ),
     ],
+    template: Annotated[
+        Path | None,
+        option(
+            "--template",
+            help="Write an Excel workbook for a laboratory to fill in, and import nothing.",
+            metavar="FILE.xlsx",
+        ),
+    ],
     end: Printed,
 ) -> Answer:
     """Import laboratory files: detect columns, units, blocks, pauses, spikes and drift.
@@ -46,8 +55,17 @@ def _intake(
     identify, validate, measure and recorded steps of cyclic cases read it. Unreadable files are
     reported and skipped (exit status 2).
     """
-    from thermobearing.intake.run import take_in
+    from thermobearing.intake.run import take_in, write_template
 
+    if template is not None:
+        if files:
+            raise InputError("give files to import, or --template, not both")
+        write_template(template, bearing, overwrite=end.overwrite)
+        if not end.quiet:
+            echo_written(template)
+        return {"outcome": "completed", "exit_status": 0, "output": str(template)}
+    if not files:
+        raise InputError("give one or more files, or --template FILE.xlsx")
     stem = re.sub(r"[^\w.+-]+", "-", files[0].stem)[:80] or "file"
     target = end.target(f"intake-{stem}")
     found = take_in(files, bearing)

@@ -5,11 +5,14 @@ them, and `validate` uses them too.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
+from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
@@ -17,6 +20,7 @@ from thermobearing.identify.result import POOR_R2, UNUSABLE
 from thermobearing.identify.uncertainty.covariance import POOR
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
+from thermobearing.report.content import TESTS
 from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_JUDGED,
@@ -28,6 +32,7 @@ from thermobearing.report.pieces import (
     Trace,
 )
 from thermobearing.report.words import counted, degrees, joined, number, percent, quantity, tidy
+from thermobearing.results import drawing
 from thermobearing.results.directory import IDENTIFIED
 from thermobearing.results.ranges import MARKED, parted
 from thermobearing.results.saved import SavedResult
@@ -347,15 +352,21 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
     held = summary.get("held_out")
     judged = f" Validation tests: {held['verdict']} the limits." if held else ""
     found.append(f"{known}.{judged} {content.summarize_checks(checks)}")
-    tested = bearing.get("tested_range") or {}
-    if "strain" in tested:
-        strains = " to ".join(dict.fromkeys(percent(end) for end in tested["strain"]))
-        ambients = " to ".join(dict.fromkeys(quantity(end) for end in tested["ambient"]))
-        found.append(
-            f"The bearing is valid for shear strains of {strains} at ambient temperatures of "
-            f"{ambients}; the table of its calibration range lists all limits."
-        )
+    if valid := _valid_for(bearing):
+        found.append(f"{valid}; the table of its calibration range lists all limits.")
     return found
+
+
+def _valid_for(bearing: Row) -> str:
+    """Return a sentence on the conditions of the tests, without its full stop; "" if unknown."""
+    tested = bearing.get("tested_range") or {}
+    if "strain" not in tested:
+        return ""
+    strains = " to ".join(dict.fromkeys(percent(end) for end in tested["strain"]))
+    ambients = " to ".join(dict.fromkeys(quantity(end) for end in tested["ambient"]))
+    return (
+        f"The bearing is valid for shear strains of {strains} at ambient temperatures of {ambients}"
+    )
 
 
 def _report_tables(saved: SavedResult) -> dict[str, Table]:
@@ -426,6 +437,111 @@ def _assumptions(summary: Row, bearing: Row) -> list[str]:
     if contradicted:
         found.append(f"The tests contradict the assumed {joined(contradicted)}.")
     return [*found, *model_assumptions({"scheme": "conservative", "heat_source": None}, [bearing])]
+
+
+SIGNED = ("Tested by", "Calibrated by", "Approved by")
+MOST_CYCLES = 8  # of the page of a certificate
+ABOUT = ["test", "specimen", "laboratory", "date", "ambient_degC", "rubber_before", "cycles_found"]
+ABOUT += ["largest_strain", "largest_speed_mm_s", "R2"]
+
+
+def build_certificate(saved: SavedResult) -> Pieces:
+    """Return the pieces of the certificate of a calibration, which fills one page.
+
+    Raises InputError for anything but a completed calibration.
+    """
+    summary = saved.summary
+    if saved.command != "identify" or "parameters" not in summary:
+        raise InputError("only a calibration (`identify`) has a certificate", str(saved.path))
+    if summary["outcome"] != "completed":
+        why = f"{summary['outcome'].replace('_', ' ')}: {summary['sentence']}"
+        raise InputError(f"there is no certificate of this calibration ({why})", str(saved.path))
+    bearing, _ = split_sources(read_toml(saved.path / IDENTIFIED))
+    named = {**bearing, "name": summary["bearing"]}
+    tests = [str(record["name"]) for record in summary["records"]]
+    tables = {"tests": _certified_tests(summary["records"])}
+    if "cycles" in saved.tables:
+        tables["cycles"] = _certified_cycles(saved["cycles"])
+    tables["parameters"] = replace(parameters_table(summary, BRIEF), note="")
+    identity = content.saved_identity(saved, "thermobearing.identify_bearing(...) in Python")
+    digests = [f"{what}: `{text}`." for what, text in identity.items() if "inputs" in what]
+    return Pieces(
+        command="certificate",
+        title=f"Calibration certificate of {summary['bearing']}",
+        question=f"The model of the bearing {bearing_words(named)} was calibrated to "
+        f"{counted(len(tests), 'test')} ({joined(tests)}). "
+        "Its parameters hold for bearings of the same rubber compound.",
+        answer=[*_certified_range(bearing, len(saved.warnings)), *digests],
+        tables=tables,
+        figures={"loops": _certified_loops(saved)} if "fit" in saved.tables else {},
+        identity=identity,
+        signatures=SIGNED,
+    )
+
+
+def _certified_tests(records: Sequence[Row]) -> Table:
+    """Return what each test was: specimen, laboratory, temperature, rubber before, cycles."""
+    words = {True: "scragged", False: "virgin", None: "not stated"}
+    rows = []
+    for record in records:
+        row = {"test": record["name"], "ambient_degC": record["ambient_degC"], "R2": record["R2"]}
+        held = record["conditions"]
+        row |= {"rubber_before": words[held.get("scragged")]}
+        rows.append(held | row | {"cycles_found": len(record["cycles"])})
+    heads = {"rubber_before": "Rubber before"}
+    return make_table(pd.DataFrame(rows), ABOUT, "Tests", heads=heads, keep_keys=True)
+
+
+def _certified_cycles(cycles: pd.DataFrame) -> Table:
+    """Return K_eq, Q_d and h_eq of cycles in test and model, as many as have room on a page."""
+    tests = cycles["test"].nunique()
+    frame = cycles.groupby("test", sort=False).head(max(1, MOST_CYCLES // tests)).copy()
+    frame["cycle_displacement_mm"] = 0.5 * (frame["D+_mm"] - frame["D-_mm"])
+    names = ["test", "ambient_degC", "cycle", "cycle_displacement_mm"]
+    for name in ("K_eq", "Q_d", "h_eq"):
+        names += [f"{name}_test", f"{name}_model"]
+    left = len(cycles) - len(frame)
+    note = f"{left} more cycles are in cycles.csv." if left else ""
+    caption = "Cycles in test and model"
+    return make_table(frame, names, caption, keys=3, note=note, keep_keys=True)
+
+
+def _certified_range(bearing: Row, warnings: int) -> list[str]:
+    """Return the calibration range of a bearing, and how many warnings its calibration has."""
+    ranges = bearing.get("tested_range") or {}
+    rest = [
+        f"{TESTS[name]} {' to '.join(dict.fromkeys(str(quantity(end)) for end in ends))}"
+        for name, ends in ranges.items()
+        if name not in ("strain", "ambient")
+    ]
+    valid = _valid_for(bearing)
+    found = [f"Calibration range: {valid[:1].lower()}{valid[1:]}; {joined(rest)}."] if valid else []
+    if warnings:
+        found.append(
+            f"The calibration has {counted(warnings, 'warning')}, which report.html lists."
+        )
+    return found
+
+
+def _certified_loops(saved: SavedResult) -> ReportFigure:
+    """Return the loops of tests and model, in panels side by side."""
+
+    def _draw() -> Figure:
+        records = saved.summary["records"]
+        groups = list(saved["fit"].groupby("record", sort=False))[:3]
+        figure, axes = drawing.panels(1, len(groups), (7.0, 1.6), "")
+        for ax, (k, rows) in zip(axes, groups, strict=True):
+            record = records[int(str(k))]
+            for column, colour, width in (
+                ("force_kN", "#9aa4b1", 2.4),
+                ("model_force_kN", "#CC3311", 0.8),
+            ):
+                ax.plot(rows["displacement_mm"], rows[column], color=colour, linewidth=width)
+            title = f"{record['name']}, {drawing.degrees(record['ambient_degC'])}"
+            drawing.name_axes(ax, "displacement [mm]", "force [kN]", title)
+        return figure
+
+    return ReportFigure("Loops of the test (grey band) and the model (red line).", draw=_draw)
 
 
 def _checked(saved: SavedResult) -> Pieces:

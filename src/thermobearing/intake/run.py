@@ -5,13 +5,14 @@ Nothing is calibrated or removed; assumptions are listed in the sidecar, to be c
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 import tomli_w
 
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, OutputError, printable
@@ -19,13 +20,14 @@ from thermobearing.border.text_file import file_names, write_file
 from thermobearing.core.records import Floats
 from thermobearing.identify.records.checks import CheckReport, check_test
 from thermobearing.identify.records.record import TestRecord, build_record
-from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
+from thermobearing.report.workbook import sheets_bytes
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import SIDECARS, check_target
 from thermobearing.results.screen import say, show_table
 from thermobearing.tables.guess import ColumnGuess
-from thermobearing.tables.laboratory import COLUMNS, Readings, read_laboratory
+from thermobearing.tables.laboratory import COLUMNS, KEY, Readings, description, read_laboratory
 from thermobearing.tables.text import SEPARATORS
 
 if TYPE_CHECKING:
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 
     from thermobearing.identify.records.figures import RecordFigures
 
+FEWEST_LAYERS = 2  # of a template without a bearing
 FEWEST = 10  # smallest number of rows of a test
 TABLES = ("columns", "units", "thermocouples")
 USED = (*COLUMNS, "strain")
@@ -287,6 +290,46 @@ def take_in(
     if not found:
         raise InputError(problems)
     return Intakes(found, problems)
+
+
+def write_template(
+    path: str | Path, bearing: Bearing | str | Path | None = None, *, overwrite: bool = False
+) -> Path:
+    """Write an Excel workbook for a laboratory to fill in, which `take_in` reads as it is.
+
+    Its sheet "Test" has columns of time, displacement, force and temperatures of the rubber layers
+    and the lead of a bearing (two layers and lead without one); "Description" has what else is to
+    be known of the test.
+
+    Raises
+    ------
+    InputError : another ending than .xlsx; no openpyxl (extra `report`).
+    OutputError : the file exists, unless `overwrite`.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".xlsx":
+        raise InputError(f'template "{path}": its name must end with .xlsx')
+    known = None if bearing is None else as_bearing(bearing)
+    layers = FEWEST_LAYERS if known is None else known.geometry.rubber_layers
+    places = [f"Rubber {k + 1}" for k in range(layers)]
+    places += ["Lead"] if known is None or known.lead is not None else []
+    columns = [replace(quantity("time_s"), form=".6g")]
+    columns += [quantity("displacement_mm", form=".6g"), quantity("force_kN", head="Force")]
+    columns += [quantity("ambient_degC", head=place) for place in places]
+    form = description()
+    values = {"bearing": "" if isinstance(bearing, Bearing | None) else Path(bearing).name}
+    rows = [
+        (row.key, values.get(row.key, ""), row.unit or " or ".join(row.choices), row.meaning)
+        for row in form.rows
+    ]
+    words = "Samples of the test, a row each. Rubber 1 is the outer layer; columns may stay empty."
+    heads = [Quantity(KEY), *map(Quantity, ("Value", "Unit", "Meaning"))]
+    tables = {
+        form.samples: Table("Samples of the test", columns, [], 1, note=words),
+        form.sheet: Table("Description of the test", heads, rows, 1, note="Fill in the values."),
+    }
+    write_file(path, sheets_bytes(tables), overwrite=overwrite)
+    return path
 
 
 def _take_in_one(path: Path, bearing: Bearing | str | Path | None) -> Intake:

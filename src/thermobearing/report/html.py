@@ -30,6 +30,7 @@ from thermobearing.report.pieces import (
     Live,
     Paragraph,
     ReportFigure,
+    Signatures,
     TableBlock,
     column_letters,
 )
@@ -172,6 +173,8 @@ def _sections(blocks: Sequence[Block]) -> list[Section]:
                 part = _figure(block.figure, next(figures), most)
             case Live():
                 part = {"kind": "live", "it": block}
+            case Signatures():
+                part = {"kind": "signatures", "roles": block.roles}
         sections[-1].parts.append(part)
     return sections if sections[0].parts else sections[1:]
 

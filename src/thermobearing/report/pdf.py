@@ -31,6 +31,7 @@ from thermobearing.report.pieces import (
     Heading,
     Paragraph,
     ReportFigure,
+    Signatures,
     TableBlock,
     column_letters,
 )
@@ -193,6 +194,7 @@ def _laid_out(document: Document, folder: Path | None) -> Data:
             ", ".join(filter(None, [title.get("Document", ""), revision])),
         ],
         "foot": document.foot,
+        "close": document.close,
         "contents": sum(item["kind"] == "heading" for item in blocks) > 2,
         "blocks": _turned_together(blocks),
     }
@@ -212,6 +214,8 @@ def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
             return _table(block.table)
         case FigureBlock():
             return _figure(block.figure, name, folder)
+        case Signatures():
+            return [{"kind": "signatures", "roles": list(block.roles)}]
     raise AssertionError(block)
 
 

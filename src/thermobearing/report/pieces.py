@@ -187,7 +187,7 @@ class Pieces:
     `figures` are by name. `validity` holds sentences on what left the range that the parameters
     were identified in, `validity_unknown` why there is no verdict on it, `notes` what is no
     warning. `books` is the energy balance; `identity` has version, input hash and command; `live`
-    computes the result again in an HTML page.
+    computes the result again in an HTML page; `signatures` are the roles of those who sign.
     """
 
     command: str
@@ -206,6 +206,7 @@ class Pieces:
     warnings: Sequence[str] = ()
     identity: Mapping[str, str] = field(default_factory=dict)
     live: Live | None = None
+    signatures: Sequence[str] = ()
 
 
 # Blocks of a document, in reading order. Text is Markdown of the template's own sentences:
@@ -250,7 +251,14 @@ class FigureBlock:
     figure: ReportFigure
 
 
-Block = Heading | Paragraph | Bullets | TableBlock | FigureBlock | Live
+@dataclass(frozen=True)
+class Signatures:
+    """A place for the name, the date and the signature of each role."""
+
+    roles: Sequence[str]
+
+
+Block = Heading | Paragraph | Bullets | TableBlock | FigureBlock | Live | Signatures
 
 
 @dataclass(frozen=True)
@@ -265,6 +273,7 @@ class Document:
     logo: bytes | None
     blocks: Sequence[Block]
     identity: Mapping[str, str]
+    close: bool = False  # narrow margins and gaps on paper, for one page
 
     @property
     def foot(self) -> str:

@@ -4,6 +4,7 @@ A line is a heading (`#`), a list item (`- `), text of a paragraph, or one place
 
     {{ question }}  {{ answer }}  {{ exceeded }}  {{ actions }}  {{ inputs }}  {{ checks }}
     {{ validity }}  {{ books }}  {{ assumptions }}  {{ warnings }}  {{ identity }}  {{ live }}
+    {{ signatures }}
     {{ table NAME }}  {{ figure NAME }}      a table or figure by its name
     {{ tables }}  {{ figures }}              all tables or figures that are not called by name
 
@@ -33,6 +34,7 @@ from thermobearing.report.pieces import (
     Live,
     Paragraph,
     Pieces,
+    Signatures,
     TableBlock,
     checks_table,
 )
@@ -59,7 +61,9 @@ def document(
     template: str | Path | None = None,
 ) -> Document:
     """Return the document of a result, ready to be written in any format."""
-    return Document(pieces.title, block, logo, _arranged(pieces, template), pieces.identity)
+    blocks = _arranged(pieces, template)
+    close = bool(pieces.signatures)  # what is signed is one page
+    return Document(pieces.title, block, logo, blocks, pieces.identity, close)
 
 
 def on_paper(document: Document) -> Document:
@@ -181,6 +185,7 @@ SECTIONS: Mapping[str, Callable[[Pieces], list[Block]]] = {
     "warnings": lambda pieces: _listed(pieces.warnings, "warning"),
     "identity": _identity,
     "live": lambda pieces: [pieces.live] if pieces.live else [],
+    "signatures": lambda pieces: [Signatures(pieces.signatures)] if pieces.signatures else [],
 }
 
 

@@ -44,19 +44,22 @@ def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
 
     Long histories, by the name of their run, are thinned evenly, which a note states.
     """
-    book = the_writer()(write_only=True)
-    names: set[str] = set()
-    _add_sheet(book, "Answer", _front(pieces), names)
-    tables = {"Checks": checks_table(pieces.checks, signs=False)} if pieces.checks else {}
+    tables = {"Answer": _front(pieces)}
+    tables |= {"Checks": checks_table(pieces.checks, signs=False)} if pieces.checks else {}
     tables |= {**pieces.inputs, **pieces.tables}
     if pieces.books is not None:
         tables["energy balance"] = pieces.books
+    return sheets_bytes(tables | _history_tables(histories))
+
+
+def sheets_bytes(tables: Mapping[str, Table]) -> bytes:
+    """Return an .xlsx file with a sheet for each table, in parts where it is too long."""
+    book = the_writer()(write_only=True)
+    names: set[str] = set()
     for name, table in tables.items():
         for first in range(0, max(len(table.rows), 1), ROWS - 4):
             part = _part(table, first) if len(table.rows) > ROWS - 4 else table
             _add_sheet(book, f"{name} {first // (ROWS - 4) + 1}" if first else name, part, names)
-    for name, table in _history_tables(histories).items():
-        _add_sheet(book, name, table, names)
     written = io.BytesIO()
     book.save(written)
     return _restamped(written.getvalue())

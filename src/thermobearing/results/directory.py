@@ -184,6 +184,7 @@ ROUNDS, CHECKS, BEARINGS = "rounds.csv", "checks.csv", "bearings"
 TEMPERATURES, VALIDATED_CYCLES = "temperatures.csv", "cycles.csv"
 FOLDS, THERMOCOUPLES = "folds.csv", "thermocouples.csv"
 REPORT_HTML, REPORT_PDF, WORKBOOK = "report.html", "report.pdf", "report.xlsx"
+CERTIFICATE_HTML, CERTIFICATE_PDF = "certificate.html", "certificate.pdf"
 TITLE, LOGO = "report.toml", "report-logo"
 # All files that commands write into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {
@@ -192,7 +193,7 @@ RESULT_NAMES = {
     *(PARTS, LINES, PIERS, STRUCTURE_PARTS, PERIODS, IDENTIFIED, COMPOUND, FIT_TABLE, SAMPLES),
     *(SIDECARS, MOTION, SPECTRUM, FACTORS, SCALE, BOUNDS, BOUNDS_TCL, BOUNDS_PYTHON, ROUNDS),
     *(CHECKS, BEARINGS, TEMPERATURES, VALIDATED_CYCLES, FOLDS, THERMOCOUPLES, ".DS_Store"),
-    *(REPORT_HTML, REPORT_PDF, WORKBOOK, TITLE, LOGO),
+    *(REPORT_HTML, REPORT_PDF, WORKBOOK, CERTIFICATE_HTML, CERTIFICATE_PDF, TITLE, LOGO),
 }
 
 

@@ -7,6 +7,7 @@ all samples in one line of time, and lists what had to be assumed.
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
@@ -15,6 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.library import data_path
 from thermobearing.border.schema import OneLine, Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.core.records import Floats, Ints
@@ -33,6 +35,7 @@ ASSUMED_SPEED = 30.0  # mean loading rate of Table 3.4 [mm/s], where a file has 
 SHORTEST_STEP = 1e-4  # between samples whose clock is made from an assumed speed [s]
 PERCENT = 10.0  # largest number from which a column of strains without a unit is in percent
 COLUMNS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}  # of a sidecar
+KEY = "Key"  # head of the keys in the sheet that describes a test
 PLACE = re.compile(r"^(?:rubber ([1-9]\d*)|lead)$")
 
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
@@ -62,6 +65,10 @@ class Sidecar(Strict):
     file: Word | None = None
     blocks: Annotated[list[BlockFile], Field(min_length=1)] | None = None
     name: Annotated[str, OneLine] = ""
+    specimen: Annotated[str, OneLine] = ""
+    laboratory: Annotated[str, OneLine] = ""
+    date: Annotated[str, OneLine] = ""
+    scragged: bool | None = None
     bearing: str | None = None
     ambient: Temperature | None = None
     ambient_uncertainty: Annotated[float, in_unit("K"), Field(ge=0, le=20)] | None = None
@@ -112,6 +119,52 @@ class Sidecar(Strict):
                 shown = ", ".join(f'"{mark}"' for mark in marks if mark.strip())
                 faults.append(f"{key} = {given[key]!r}: must be one of {shown}")
         return faults
+
+
+class DescriptionRow(Strict):
+    """One row of the sheet that describes a test: a key of its sidecar."""
+
+    key: Word
+    unit: str = ""
+    choices: list[str] = Field(default_factory=list)
+    meaning: Word
+
+
+class Description(Strict):
+    """Names of the two sheets of a laboratory's workbook, and the rows of the description."""
+
+    sheet: Word
+    samples: Word
+    rows: list[DescriptionRow]
+
+
+@cache
+def description() -> Description:
+    """Return the rows of the sheet that describes a test in a laboratory's workbook."""
+    path = data_path("tables", "description.toml")
+    return validated(Description, read_toml(path), str(path))
+
+
+def _described_keys(sheets: list[Sheet]) -> dict[str, Any]:
+    """Return the keys of a sidecar in the sheet of a workbook that describes the test."""
+    known = {row.key: row for row in description().rows}
+    given: dict[str, Any] = {}
+    for sheet in sheets:
+        if sheet.name != description().sheet:
+            continue
+        cells = [[*row, "", ""][:2] for _, row in sheet.rows]
+        heads = [k for k, (key, _) in enumerate(cells) if key == KEY]
+        for key, value in cells[heads[0] + 1 :] if heads else []:
+            if not value:
+                continue
+            row = known.get(key)
+            if row is None:
+                raise InputError(f'sheet "{sheet.name}": no key "{key}"{nearest(key, known)}')
+            if row.choices and value.lower() not in row.choices:
+                allowed = " or ".join(row.choices)
+                raise InputError(f'sheet "{sheet.name}": {key} = "{value}": must be {allowed}')
+            given[key] = value.lower() == "yes" if row.choices else f"{value} {row.unit}".strip()
+    return given
 
 
 class Recognised(NamedTuple):
@@ -184,6 +237,7 @@ def read_laboratory(
         geometry = found.get("geometry")  # of a file that describes the bearing, not the test
         if not (isinstance(geometry, dict) and "plan" in geometry):
             given, path, name = split_sources(found)[0], sidecar_file, path.name
+    given = _workbook_keys(path.parent / name) | given
     sidecar = validated(Sidecar, given, str(path))
     readings = replace(_Reader(sidecar, path, optional, across).read(name), given=given)
     way, force = readings.values["displacement"], readings.values.get("force")
@@ -197,6 +251,18 @@ def read_laboratory(
     )
     flipped = readings.sidecar.model_copy(update={"flip_force": True})
     return replace(readings, sidecar=flipped, assumptions=[*readings.assumptions, note])
+
+
+def _workbook_keys(file: Path) -> dict[str, Any]:
+    """Return the keys that a workbook itself states; none of another file."""
+    if file.suffix.lower() != ".xlsx" or not is_file(file):
+        return {}
+    try:
+        return _described_keys(read_sheets(file, Form(sheet=description().sheet)))
+    except InputError as error:
+        if any(text.startswith("no sheet") for text in error.problems):
+            return {}
+        raise error.located(file) from None
 
 
 class _Reader:
@@ -254,6 +320,7 @@ class _Reader:
         titles = {**s.columns, **self.across, **{title: title for title in s.thermocouples}}
         layout = Layout(s.lines_before, s.lines_after, titles, s.units, form)
         sheets = read_sheets(file, form)
+        sheets = [one for one in sheets if one.name != description().sheet] or sheets
         recognised, tables = self._recognised(file, sheets, layout)
         layout, wanted = self._completed(tables[0], layout, recognised.columns)
         parts: list[Part] = []

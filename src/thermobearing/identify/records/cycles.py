@@ -133,7 +133,8 @@ def loop_middles(values: Floats, cycles: list[Cycle]) -> Floats:
 class Loop:
     """One loop of a test and of the model, which follows the measured displacement.
 
-    `test` and `model` hold F+ and F- [kN], K_eq [kN/mm], h_eq and energy [kN mm].
+    `test` and `model` hold F+ and F- [kN], K_eq [kN/mm], h_eq and energy [kN mm]; `strengths` is
+    Q_d [kN] of the test and of the model, half the difference of the forces at zero displacement.
     """
 
     first: int  # sample
@@ -145,6 +146,7 @@ class Loop:
     displacement_min: float  # D- [mm]
     test: dict[str, float]
     model: dict[str, float]
+    strengths: tuple[float, float]
 
     @property
     def ratios(self) -> dict[str, float]:
@@ -176,6 +178,7 @@ class Loop:
             row[f"{name}_test"] = self.test[name]
             row[f"{name}_model"] = self.model[name]
             row[f"{name}_ratio"] = ratio
+        row["Q_d_test"], row["Q_d_model"] = self.strengths
         return row
 
 
@@ -210,7 +213,24 @@ def _loop(
     x = record.displacement[rows]
     high, low = float(x.max()), float(x.min())
     test, model = _measures(x, record.force[rows]), _measures(x, force[rows])
-    return Loop(first, last, cycle, number, 0.5 * (high - low), high, low, test, model)
+    whole = slice(max(0, first - 1), last + 2)  # with the crossings of zero at both ends
+    x = record.displacement[whole]
+    strengths = _strength(x, record.force[whole]), _strength(x, force[whole])
+    return Loop(first, last, cycle, number, 0.5 * (high - low), high, low, test, model, strengths)
+
+
+def _strength(x: Floats, force: Floats) -> float:
+    """Return half the difference of the forces at the last upward and downward crossing of zero.
+
+    The first crossing may be the start of the test, where the force is none of the loop.
+    """
+    crossing = np.flatnonzero((x[:-1] * x[1:] <= 0.0) & (x[:-1] != x[1:]))
+    share = x[crossing] / (x[crossing] - x[crossing + 1])
+    at_zero = force[crossing] + share * (force[crossing + 1] - force[crossing])
+    up = x[crossing + 1] > x[crossing]
+    if up.all() or not up.any():  # one side only, or none
+        return float("nan")
+    return 0.5 * float(at_zero[up][-1] - at_zero[~up][-1])
 
 
 def _measures(x: Floats, force: Floats) -> dict[str, float]:

@@ -30,6 +30,7 @@ ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
 TOGETHER = 0.05  # of the largest displacement: largest deviation of a proportional strain
 WEIGHTS = ["weight", "first_cycle_weight", "cycle_balance"]
 SETTINGS = [*WEIGHTS, "despike", "detrend", "ambient_uncertainty"]  # of a sidecar
+ABOUT = ("specimen", "laboratory", "date", "scragged")  # of a sidecar
 PAUSE = 1.0  # a longer gap between samples is a rest, divided into growing steps [s]
 STEADY = 3.0  # largest range of an ambient temperature that a mean represents [K]
 
@@ -89,6 +90,7 @@ class TestRecord:
     detrend : signals whose drift is removed before a calibration: "force", "displacement",
         "both", or "".
     ambient_uncertainty : standard uncertainty of `ambient` [K], >= 0; None for the usual 0.5 K.
+    about : specimen, laboratory, date and scragged (whether the rubber had worked), as stated.
     """
 
     __test__ = False  # not a test for pytest
@@ -113,6 +115,7 @@ class TestRecord:
     rubber_thickness: float | None = None
     ambient_uncertainty: float | None = None
     guessed_places: tuple[str, ...] = ()
+    about: dict[str, str | bool] = field(default_factory=dict)
 
     def of_bearing(self, bearing: Bearing) -> "TestRecord":
         """Return the test without thermocouples at guessed places that a bearing does not have."""
@@ -228,6 +231,7 @@ def build_record(readings: Readings) -> TestRecord:
         unused=tuple(readings.unused),
         rubber_thickness=thickness,
         guessed_places=tuple(title for title in sidecar.thermocouples if title not in given),
+        about={k: getattr(sidecar, k) for k in ABOUT if getattr(sidecar, k) not in ("", None)},
         **{name: getattr(sidecar, name) for name in SETTINGS},
     )
 
@@ -284,6 +288,7 @@ def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
         "cycles_in_a_row": cycles_in_a_row(record.time, record.displacement),
         "thermocouples": dict(record.places),
         **{name: getattr(record, name) for name in WEIGHTS},
+        **record.about,
         "assumptions": list(record.assumptions),
         "sha256": digest.hexdigest(),
     }
