@@ -172,7 +172,7 @@ def _kind(model: type[BaseModel], name: str) -> _Kind:
     return _Kind(
         unit=units[0] if units else None,
         plain=bool(types & {int, float}) and not types & {bool, str} and not units,
-        truth=types == {bool},
+        truth=types - {type(None)} == {bool},
         bounded=any(isinstance(part, Le | Lt) for part in parts),
         positive=any(isinstance(part, Gt) and part.gt == 0 for part in parts),
     )
