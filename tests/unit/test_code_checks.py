@@ -7,7 +7,8 @@ import pytest
 from typer.testing import CliRunner
 
 import thermobearing as tb
-from thermobearing.bearing.model import CircularPlan
+from tests.unit.test_earthquake_components import two_piers
+from thermobearing.bearing.model import CircularPlan, RectangularPlan
 from thermobearing.cli import app
 from thermobearing.design.peaks import counted
 from thermobearing.design.provisions import layer_strains, load_codes
@@ -109,6 +110,41 @@ def test_exceeded_limits_are_warnings(bridge):
     again = tb.check_bearings(found, ["jra", "aashto"])
     assert again.bearing_checks.equals(found.bearing_checks)
     assert again.warnings == found.warnings
+
+
+def _longer():
+    """Return a bearing of the same area that is longer than wide."""
+    bearing = tb.load_bearing(BEARING)
+    plan = RectangularPlan(shape="rectangular", length=600, width=384)
+    geometry = bearing.geometry.model_copy(update={"plan": plan})
+    return bearing.model_copy(update={"geometry": geometry})
+
+
+def test_overlap_in_plan_is_that_of_both_displacements():
+    pair = {"name": NAMES[0], "across": NAMES[1], "angle": "20 deg"}
+    options = {"structure": two_piers(), "duration": 6, "dt": 0.01, "axial_force": LOAD}
+    both = tb.bridge(_longer(), [pair], 23, **options, keep=tb.Keep(every=1))
+    x, y = np.abs(both["bearing_displacement"].values[0][:, :2].T)
+    least = ((600.0 - x) * (384.0 - y)).min() / 230400.0
+    line = str(both.dataset.attrs["line"])
+    rows = both.bearing_checks.set_index(["part", "what"])["limit"].loc[line]
+    assert rows.iloc[3] / rows.iloc[2] == pytest.approx(least, rel=1e-5)  # single precision
+    peaks = both.sel(direction="resultant").lines.set_index("line")["displacement_max_mm"]
+    strain = _rows(tb.check_bearings(both), JRA)
+    strain = strain[strain["part"] == line].loc[("23 degC", "Level 2 shear strain"), "value"]
+    assert strain == pytest.approx(peaks[line] / 102.0, rel=1e-6)
+    each = tb.bridge(_longer(), [pair], 23, **options, components=1)
+    known = tb.check_bearings(each, ["aashto"])
+    table = each.lines.set_index(["direction", "line"])["displacement_max_mm"]
+    for direction, size in (("x", 600.0), ("y", 384.0)):
+        run = next(name for name in each.run_names if name.endswith(f", {direction}"))
+        mine = known.bearing_checks[known.bearing_checks["part"] == line]
+        own = mine[mine["run"] == run]["limit"]
+        moved = table[direction, line]
+        assert own.iloc[3] / own.iloc[2] == pytest.approx(1.0 - moved / size, rel=1e-9)
+        limit = mine[(mine["code"] == AASHTO) & mine["run"].str.endswith(direction)]["limit"]
+        share = 1.0 - 1.5 * moved / size
+        assert limit.iloc[3] / (3.0 * limit.iloc[2]) == pytest.approx(share, rel=1e-9)
 
 
 @pytest.mark.parametrize("axial_force", [None, -50.0])

@@ -16,6 +16,7 @@ from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
+from thermobearing.core.records import Floats
 from thermobearing.design.peaks import PeakRule, counted, few_motions, mean_group
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.motions import Motion
@@ -43,7 +44,7 @@ Measure = Literal[
 ]
 LEVEL_1 = "level 1"  # begins the groups of motions of Level 1
 LARGEST_ROTATION, ZONES = 0.2, (1, 2, 3, 4)  # [rad]; of AASHTO
-WAYS = 91  # of a displacement whose direction is not known
+ALL_WAYS = np.linspace(0.0, 0.5 * math.pi, 91)  # directions of a displacement in a plane [rad]
 DIRECTION, RESULTANT = "direction", "resultant"  # of a dataset of two components
 
 
@@ -130,14 +131,13 @@ class _Demand(NamedTuple):
     displacement: dict[int | None, float]  # by level of the motions; None: of all [mm]
     rotation: float  # [rad]
     modulus: float  # secant modulus of the rubber [GPa]
-    in_plane: bool  # the direction of the displacement is not known
+    directions: Floats  # that the displacement may have, from the length of the plan [rad]
 
     def overlap(self, distance: float) -> float:
         """Return the overlap area of top and bottom at a displacement [mm2]."""
         assert self.bearing is not None
-        angle = np.linspace(0.0, 0.5 * math.pi, WAYS) if self.in_plane else np.zeros(1)
-        moved = distance * np.column_stack([np.cos(angle), np.sin(angle)])
-        return float(overlap_area(self.bearing.geometry.plan, moved).min())
+        ways = np.column_stack([np.cos(self.directions), np.sin(self.directions)])
+        return float(overlap_area(self.bearing.geometry.plan, distance * ways).min())
 
 
 def layer_strains(
@@ -290,6 +290,9 @@ def _rows(
     motions = dict(zip(dict.fromkeys(table["motion"]), case.motions, strict=True))
     for key, mine in table.groupby(labels, sort=False):
         name, ambient, *others = map(str, key)
+        directions = (
+            ALL_WAYS if DIRECTION in data.dims else ALL_WAYS[-1 if "y" in others else 0 :][:1]
+        )
         shaken = [motions[motion] for motion in mine["motion"]]
         moved = _displacements(data, shaken, code.peaks, mine.index.to_numpy())
         for k, line in enumerate(names):
@@ -302,7 +305,7 @@ def _rows(
                 {level: float(values[k]) for level, values in moved.items()},
                 rotation,
                 math.nan if bearing is None else checked_modulus(bearing, float(ambient)),
-                DIRECTION in data.dims,
+                directions,
             )
             checks = _checks(code, demand, line if len(names) > 1 else "", zone)
             where = ", ".join([f"{float(ambient):g} degC", *others])

@@ -224,6 +224,8 @@ def _vertical_checks(
             if name in forces:
                 layered = bearing if isinstance(bearing, Bearing) else None
                 moved = history.bearing(k)["displacement"]
+                if task.direction == "y":  # across the length of the plan
+                    moved = np.column_stack([np.zeros_like(moved), moved])
                 load = forces[name], moved, one.ambient, name if len(names) > 1 else ""
                 checks = vertical_checks(layered, *load)
                 found += check_rows(_name(task, bearing.name), bearing.name, checks)
