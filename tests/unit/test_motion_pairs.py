@@ -1,11 +1,13 @@
 """Pairs of ground motions: rotation, cases of pairs in all spellings, and faults in them."""
 
 import math
+import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -14,7 +16,8 @@ from tests.shared_data import shared_data
 from tests.unit import motion_files as files
 from tests.unit.inputs import command, content
 from thermobearing.earthquake.case import load_earthquake_case, make_earthquake_case
-from thermobearing.earthquake.motions import Motion
+from thermobearing.earthquake.motions import Motion, rotation_frame
+from thermobearing.earthquake.tables import rotation_measures_frame
 from thermobearing.motions.pair import MotionPair, distinct_angles, make_pair, rotation_measures
 
 FIRST = tb.load_motion("jra-ii-i-1")
@@ -156,6 +159,7 @@ FAULTS: dict[str, tuple[dict[str, Any], str]] = {
     "unknown": ({"name": "jra-ii-i-1", "across": "jra-ii-i-9"}, "jra-ii-i-9"),
     "resample": ({"name": "jra-ii-i-1", "resample": True}, "resample"),
     "samples": (BOTH | {"across_acceleration": [0.0, 1.0]}, "across_acceleration"),
+    "across": ({"name": "jra-ii-i-1", "angle": "90 deg"}, "acts across the bridge"),
     "list": ({"name": "jra-ii-i-1", "across": ["jra-ii-i-2"]}, "across"),
 }
 
@@ -197,3 +201,49 @@ def test_angles_half_a_turn_apart_count_once() -> None:
     measures = rotation_measures([[1.0], [4.0], [9.0], [2.0], [9.0], [9.0]], angles)
     assert (measures.rotd50[0], measures.rotd100[0]) == (2.0, 4.0)
     assert np.isnan(rotation_measures([1.0, np.nan, 2.0]).rotd50)
+
+
+def test_rotation_measures_of_an_analysis_are_over_its_angles() -> None:
+    motions = [BOTH | {"angle": ["0 deg", "60 deg", "120 deg", "180 deg"]}, "jra-ii-i-3"]
+    result = tb.bridge("shen-bilinear-bridge", motions, [23, 0], duration=15)
+    case = tomllib.loads(result.dataset.attrs["case"])
+    name = "bearing_strain_max"
+    found = rotation_frame(result.table, case["motions"], ["bearing", "ambient_degC"], [name])
+    runs = result.table[result.table["ambient_degC"] == 0.0]
+    peaks = dict(zip(runs["motion"], runs[name], strict=True))
+    turned = [peaks[f"jra-ii-i-1+jra-ii-i-2 at {angle} deg"] for angle in (0, 60, 120, 180)]
+    assert turned[0] == turned[3]
+    assert len(set(turned)) == 3
+    cold = found[found["ambient_degC"] == 0.0].set_index("measure")
+    assert list(cold["motion"]) == ["jra-ii-i-1+jra-ii-i-2"] * 2
+    assert list(cold["angles"]) == [3, 3]
+    assert cold[name].to_dict() == {"RotD50": np.median(turned[:3]), "RotD100": max(turned)}
+    failed = result.table.assign(outcome="pier_beyond_limit")
+    assert rotation_frame(failed, case["motions"], ["bearing"], [name])[name].isna().all()
+    assert not len(rotation_frame(result.table, case["motions"][:1], ["bearing"], [name]))
+    pd.testing.assert_frame_equal(
+        rotation_measures_frame(result)[["motion", "measure", name]],
+        found[["motion", "measure", name]],
+    )
+
+
+def test_a_structure_in_one_direction_says_what_moves_it(tmp_path: Path) -> None:
+    alone = tb.bridge("shen-bilinear-bridge", [BOTH, "jra-ii-i-3"], 23, duration=2)
+    plain = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=2)
+    assert_array_equal(alone.table["bearing_strain_max"][0], plain.table["bearing_strain_max"][0])
+    assert [note for note in alone.notes() if "1 of 2 motions" in note]
+    assert not [note for note in plain.notes() if "motions" in note]
+    alone.save(tmp_path / "out", figures=False)
+    assert not (tmp_path / "out" / "rotation.csv").exists()
+
+
+def test_a_structure_in_plan_has_measures_of_each_direction() -> None:
+    motion = BOTH | {"angle": ["0 deg", "90 deg"]}
+    result = tb.bridge("shen-bilinear-bridge", motion, 23, duration=2, structure="five-span-bridge")
+    found = rotation_measures_frame(result).set_index(["direction", "measure"])
+    runs = result.by_direction()
+    for direction in ("x", "y", "resultant"):
+        peaks = runs.loc[runs["direction"] == direction, "bearing_strain_max"]
+        assert found.loc[(direction, "RotD100"), "bearing_strain_max"] == peaks.max()
+        assert found.loc[(direction, "RotD50"), "bearing_strain_max"] == peaks.median()
+    assert not [note for note in result.notes() if "motions" in note]

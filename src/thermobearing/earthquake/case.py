@@ -435,12 +435,22 @@ class EarthquakeCase(Strict):
         length = motion.duration if self.duration is None else min(self.duration, motion.duration)
         return round(length / dt), dt
 
-    def length_faults(self, motions: list[GroundMotion]) -> list[str]:
-        """Return faults of a duration without a step; too many steps are refused when run."""
+    def motion_faults(self, motions: list[GroundMotion]) -> list[str]:
+        """Return faults of a duration without a step, and of motions that only act across.
+
+        `motions` are those along the bridge. Too many steps are refused when run.
+        """
+        found = []
         counts = [self.count_steps(motion)[0] for motion in motions]
         if self.duration is not None and 0 in counts:
-            return [f"duration = {self.duration:g} s is shorter than a step; see analysis.dt"]
-        return []
+            found += [f"duration = {self.duration:g} s is shorter than a step; see analysis.dt"]
+        for given, motion in zip(self.motions, motions, strict=False):
+            if given.angle and not self.structure.plan and not motion.acceleration.any():
+                found.append(
+                    f'motions: "{motion.name}" acts across the bridge; the structure is in one '
+                    "direction (plan = true gives it both)"
+                )
+        return found
 
 
 def make_earthquake_case(
@@ -491,7 +501,7 @@ def make_earthquake_case(
             raise InputError("initial_result: is of one bearing, and none that is bilinear", where)
         state = left_by(earlier, one, case.ambient, where)
         case = case.model_copy(update={"initial_state": state})
-    if faults := [*case.faults(), *case.length_faults(motions)]:
+    if faults := [*case.faults(), *case.motion_faults(motions)]:
         raise InputError(faults, where)
     devices = [*case.bearings, *(line.bearing for line in case.lines)]
     things: list[tuple[Library, Sourced]] = [(STRUCTURES, case.structure)]

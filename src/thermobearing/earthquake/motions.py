@@ -1,18 +1,25 @@
 """The ground motions of a case as data: records, pairs of records at angles, and labels."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any
 
+import pandas as pd
 from pydantic import Field
 
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.schema import Name, OneLine, Strict, in_unit, validated
 from thermobearing.border.units import parse_quantity, with_unit
 from thermobearing.motions.library import list_motions, load_motion
-from thermobearing.motions.pair import LARGEST_ANGLE, MotionPair, make_pair
+from thermobearing.motions.pair import (
+    LARGEST_ANGLE,
+    MotionPair,
+    distinct_angles,
+    make_pair,
+    rotation_measures,
+)
 from thermobearing.motions.record import MOST_SAMPLES, GroundMotion, check_size, motion_from_arrays
 
 MOST_ANGLES = 360  # of a pair in one table
@@ -254,6 +261,52 @@ def _tell_apart(tables: list[Any], loaded: list[GroundMotion]) -> list[str]:
 
 
 AT = " at "  # between the label of a pair and its angle
+
+
+def rotation_groups(motions: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float]]:
+    """Return the angles [deg], by label, of each motion that a case has at several angles.
+
+    `motions` are tables of a resolved case; the groups have the label without the angle.
+    """
+    groups: list[tuple[dict[str, Any], dict[str, float]]] = []
+    for motion in motions:
+        if "angle" not in motion or "label" not in motion:
+            continue
+        same = {key: value for key, value in motion.items() if key not in ("angle", "label")}
+        known = next((angles for other, angles in groups if other == same), None)
+        if known is None:
+            groups.append((same, known := {}))
+        known[str(motion["label"])] = parse_quantity(str(motion["angle"]), "deg")
+    several = [angles for _, angles in groups if len(distinct_angles([*angles.values()])) > 1]
+    return {
+        next(iter(angles)).rpartition(AT)[0] or next(iter(angles)): angles for angles in several
+    }
+
+
+def rotation_frame(
+    runs: pd.DataFrame,
+    motions: Sequence[Mapping[str, Any]],
+    labels: Sequence[str],
+    names: Sequence[str],
+) -> pd.DataFrame:
+    """Return RotD50 and RotD100 of peaks over the angles of each motion at several angles.
+
+    `runs` has a row for each run, `labels` are its columns that tell runs of a motion apart,
+    `names` those of peaks. A peak of which an angle failed is NaN. Columns of the result: the
+    labels, motion (without the angle), angles (their number), measure, peaks.
+    """
+    rows = []
+    peaks = runs[list(names)].astype(float).where(runs["outcome"] == "completed")
+    for motion, angles in rotation_groups(motions).items():
+        mine = runs[runs["motion"].isin(list(angles))]
+        for same, group in mine.groupby(list(labels), sort=False, dropna=False):
+            turned = [angles[str(label)] for label in group["motion"]]
+            found = rotation_measures(peaks.loc[group.index].to_numpy(), turned)
+            about = dict(zip(labels, same, strict=True)) | {"motion": motion}
+            about["angles"] = len(distinct_angles(turned))
+            for measure, values in zip(("RotD50", "RotD100"), found, strict=True):
+                rows.append(about | {"measure": measure} | dict(zip(names, values, strict=True)))
+    return pd.DataFrame(rows)
 
 
 def _ends(motions: list[tuple[dict[str, Any], GroundMotion]]) -> list[str]:

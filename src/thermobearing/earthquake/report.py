@@ -122,7 +122,8 @@ def _motion_source(motion: Mapping[str, Any]) -> str:
         return "samples given in Python"
     if {name, str(motion.get("across", name))} <= set(list_motions()):
         return "synthetic stand-in fitted to the Level 2 standard spectrum of JRA"
-    return f"file {Path(name).name}" if name else ""
+    files = [Path(str(motion[key])).name for key in ("name", "across") if motion.get(key)]
+    return f"file {' and '.join(files)}" if files else ""
 
 
 def _lines_table(case: Case) -> Table:

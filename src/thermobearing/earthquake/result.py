@@ -454,11 +454,12 @@ class EarthquakeResult(DatasetResult):
         return tables.make_tables(self)
 
     def notes(self) -> list[str]:
-        """Return sentences on the energy balance and on strain rates."""
+        """Return sentences on the energy balance, on pairs of motions and on strain rates."""
         found = []
         if self.runs:
             worst = float(self.energy["structure_residual"].abs().max())
             found.append(f"energy balance: largest residual {worst:.1e} of the input")
+            found += tables.pair_notes(self)
         rate = rate_note(self.tested_range.to_dict("records"))
         return [*found, rate] if rate else found
 
@@ -539,6 +540,7 @@ class EarthquakeResult(DatasetResult):
         others = {directory.MODES: self.modes_table}
         others |= {directory.DIRECTIONS: self.by_direction()} if self.in_plan else {}
         others[directory.COMPONENTS] = tables.components_frame(self)
+        others[directory.ROTATION] = tables.rotation_measures_frame(self)
         others[directory.LINES] = self.by_direction("lines")
         others[directory.PIERS] = self.by_direction("piers")
         if self.compared:

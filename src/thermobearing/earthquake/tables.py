@@ -3,6 +3,7 @@
 Heads, units and formats are in the register (data/quantities/earthquake.toml).
 """
 
+import tomllib
 from collections.abc import Hashable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
@@ -22,6 +23,7 @@ from thermobearing.earthquake.measures import (
     STRUCTURE,
     farthest,
 )
+from thermobearing.earthquake.motions import rotation_frame
 from thermobearing.model.earlier import REFERENCE
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
@@ -117,6 +119,7 @@ def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
         "peaks": _peaks_table(result),
         "directions": _directions_table(result),
         "components": _components_table(result),
+        "rotation": _rotation_table(result),
         "cold": _cold_table(result),
         "lines": _parts_table(result, "line"),
         "piers": _parts_table(result, "pier"),
@@ -143,7 +146,7 @@ def console_tables(result: "EarthquakeResult") -> list[Table]:
     peaks = [_peaks_table(one, CONSOLE, heads=SHORT) for one in each or [result]]
     note = max((table.note for table in peaks), key=len)
     shown = [replace(table, note="") for table in peaks[:-1]] + [replace(peaks[-1], note=note)]
-    last = ("directions", "components", "modes", "lines", "piers", "governing")
+    last = ("directions", "components", "rotation", "modes", "lines", "piers", "governing")
     shown += [found[name] for name in last if name in found]
     shown += bearing_check_tables(result, every_part=False).values()
     return [table.merged("ambient_degC") for table in shown]
@@ -208,6 +211,37 @@ def _directions_table(result: "EarthquakeResult") -> Table:
     names = [name for name in BY_DIRECTION if frame[name].notna().any()]
     note = "x: along the bridge, y: across it. The resultant is the largest of a run, which the "
     note += "two directions need not reach at once; of hinges it is the larger of both."
+    return make_table(frame, [*keys, *names], caption, keys=len(keys), note=note)
+
+
+def pair_notes(result: "EarthquakeResult") -> list[str]:
+    """Return a sentence on pairs that move a structure in one direction, if there are some."""
+    case = tomllib.loads(str(result.dataset.attrs["case"]))
+    pairs = [one for one in case["motions"] if {"across", "across_component", "angle"} & set(one)]
+    if not pairs or case["structure"].get("plan"):
+        return []
+    some = f"{len(pairs)} of {len(case['motions'])} motions have two records or an angle"
+    return [f"{some}; the structure is in one direction and is moved by their component along x"]
+
+
+def rotation_measures_frame(result: "EarthquakeResult") -> pd.DataFrame:
+    """Return RotD50 and RotD100 of the peaks of motions at several angles; see `rotation_frame`."""
+    motions = tomllib.loads(str(result.dataset.attrs["case"]))["motions"]
+    runs = result.by_direction()
+    labels = [name for name in _keys(runs) if name != "motion"]
+    return rotation_frame(runs, motions, labels, BY_DIRECTION)
+
+
+def _rotation_table(result: "EarthquakeResult") -> Table:
+    """Return the measures of motions at several angles; empty without one."""
+    frame = rotation_measures_frame(result)
+    caption = "Peaks over the angles of a motion: median (RotD50) and largest (RotD100)"
+    if not len(frame):
+        return make_table(frame, caption=caption)
+    own = Quantity("Angles", form="d", name="angles"), Quantity("Measure", name="measure")
+    keys: list[str | Quantity] = [*_keys(frame), *own]
+    names = [name for name in BY_DIRECTION if frame[name].notna().any()]
+    note = "Angles half a turn apart count once: they change the sign of the motion only."
     return make_table(frame, [*keys, *names], caption, keys=len(keys), note=note)
 
 

@@ -116,8 +116,8 @@ def pair_direction(angle: float) -> tuple[float, float]:
 def distinct_angles(angles: Sequence[float]) -> list[int]:
     """Return the places of angles [deg] that are not half a turn from an earlier one.
 
-    Half a turn changes the sign of both components and no largest absolute response of a structure
-    that is the same in both directions.
+    Half a turn changes the sign of the motion, and the sign of every response of a structure and
+    bearings that resist both signs alike.
     """
     turned = [round(float(angle) % HALF_TURN, 9) % HALF_TURN for angle in angles]
     return [place for place, angle in enumerate(turned) if angle not in turned[:place]]

@@ -174,7 +174,7 @@ SUMMARY, DATASET, HISTORY = "summary.json", "result.nc", "history.csv"
 RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv"
 TABLE, MODES, RIG, TESTED_RANGE = "table.csv", "modes.csv", "rig.csv", "tested_range.csv"
 PARTS, LINES, PIERS = "parts", "lines.csv", "piers.csv"
-DIRECTIONS, COMPONENTS = "directions.csv", "components.csv"
+DIRECTIONS, COMPONENTS, ROTATION = "directions.csv", "components.csv", "rotation.csv"
 STRUCTURE_PARTS, PERIODS = "parts.csv", "periods.csv"
 IDENTIFIED, COMPOUND = "bearing.toml", "compound.toml"
 FIT_TABLE, SAMPLES, SIDECARS = "fit.csv", "posterior.csv", "sidecars"
@@ -189,7 +189,7 @@ TITLE, LOGO = "report.toml", "report-logo"
 # All files that commands write into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {
     *(SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, MODES, RIG, TESTED_RANGE),
-    *(DIRECTIONS, COMPONENTS),
+    *(DIRECTIONS, COMPONENTS, ROTATION),
     *(PARTS, LINES, PIERS, STRUCTURE_PARTS, PERIODS, IDENTIFIED, COMPOUND, FIT_TABLE, SAMPLES),
     *(SIDECARS, MOTION, SPECTRUM, FACTORS, SCALE, BOUNDS, BOUNDS_TCL, BOUNDS_PYTHON, ROUNDS),
     *(CHECKS, BEARINGS, TEMPERATURES, VALIDATED_CYCLES, FOLDS, THERMOCOUPLES, ".DS_Store"),

@@ -203,7 +203,7 @@ class SequenceCase(Strict):
             if lines == 1
             else [f"the structure has {lines} bearing lines; it must have exactly one"]
         )
-        return [*found, *case.faults(), *case.length_faults([case.motions[0].load()])]
+        return [*found, *case.faults(), *case.motion_faults([case.motions[0].load()])]
 
 
 def _end_state_at(test: CyclicTest, rubber: float, at: float) -> float:

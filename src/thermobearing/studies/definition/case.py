@@ -244,7 +244,7 @@ def _with_case(
     found: list[str] = []
     for one in made:
         found += one.model_copy(update={"bearings": bearings}).faults()
-    found += made[0].length_faults(motions)
+    found += made[0].motion_faults(motions)
     if found:
         raise InputError([f"case: {text}" for text in dict.fromkeys(found)])
     structures = factors.structure.model_copy(update={"levels": [one.structure for one in made]})
