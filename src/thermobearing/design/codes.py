@@ -166,7 +166,7 @@ def _difference(row: dict[str, Any]) -> str:
     found = f"{100.0 * abs(mine / end - 1.0):.0f} % {side}"
     if np.isfinite([row["first_low"], row["first_high"]]).all():
         reaches = row["first_low"] <= high and row["first_high"] >= low
-        found += ", interval overlaps" if reaches else ", interval too"
+        found += ", interval overlaps" if reaches else ", no overlap"
     return found
 
 

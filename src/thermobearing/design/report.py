@@ -185,12 +185,13 @@ def _codes_table(codes: list[Summary]) -> dict[str, Table]:
     """Return the provisions of codes, if the summary has any."""
     if not codes:
         return {}
-    heads = {"code": "Code", "clause": "Clause", "says": "Provision", "origin": "Origin"}
+    heads = {"code": "Code and clause", "says": "Provision", "origin": "Origin"}
     names = [Quantity(head, name=name) for name, head in heads.items()]
     frame = pd.DataFrame(codes)
     note = f"{code_sentences(codes)[-1]}"
     if not note.startswith(UNCHECKED):
         frame["code"] += np.where(frame["unverified"], "*", "")
+    frame["code"] += "; clause: " + frame["clause"]
     return {"codes": make_table(frame, names, "Provisions of codes", note=note)}
 
 

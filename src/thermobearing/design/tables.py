@@ -167,8 +167,8 @@ UNCHECKED = "None of these provisions was checked against the text of the code"
 def _compared_table(summary: Summary) -> Table:
     """Compare the factors of a bearing with those of codes."""
     rows, codes = summary["compared"], summary["codes"]
-    columns = [Quantity("Quantity"), Quantity("First cycle", form=".2f")]
-    columns.append(Quantity("With self-heating", form=".2f"))
+    columns = [Quantity("Quantity"), Quantity("First", form=".2f")]
+    columns.append(Quantity("Heated", form=".2f"))
     cells = [[row["quantity"], _cell(row, "first"), _cell(row, "heated")] for row in rows]
     for code in codes:
         rubbers = list(rows[0]["codes"].get(code["name"], {}))
