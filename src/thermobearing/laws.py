@@ -1,27 +1,33 @@
 """Laws of your own: functions of a file that take the place of the laws of the package.
 
-A file registers a law (`register`), a bearing names it (`temperature_law.law`), and
-`model/constants.py` puts it into the constants of the coupled step. A temperature law is tabulated:
-the step reads its table with the code that reads the tables of bearing files, so that it needs no
-compiler and is available wherever a table is.
+A file registers a law (`register`), a bearing names it (`temperature_law.law`,
+`hysteresis_law.law`), and `model/constants.py` puts it into the constants of the coupled step. A
+temperature law is tabulated: the step reads its table with the code that reads the tables of
+bearing files, so that it needs no compiler and is available wherever a table is. A law of
+hysteresis is compiled to a C function by numba, or called as Python where there is no numba, and
+the step calls it by its address, which is valid in this process only.
 """
 
+import ctypes
 import hashlib
 import inspect
 import math
+import os
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from importlib.util import module_from_spec, spec_from_file_location
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from thermobearing.border.errors import InputError, nearest, read_bytes, shortened
+from thermobearing.core.compiled.kernel import has_numba
+from thermobearing.core.hysteresis import COMPONENTS, law_type
 from thermobearing.core.records import Floats
 
 __all__ = ["Law", "load", "register"]
@@ -34,7 +40,15 @@ SMALLEST, LARGEST = 1e-3, 1e3  # factors on a stiffness
 FIRST_STEP, SHORTEST = 10.0, 0.02  # between temperatures of the table [K]
 TABLE_ERROR = 1e-7  # largest relative difference of the table from the function
 MOST_PIECES = 1000
+MOST_PARAMETERS = 4  # of a law of hysteresis: LAW_1 to LAW_4 of the constants
+LARGEST_Z = 4.0  # relative to d_y (EULER_LIMIT in core/sharing.py)
+SLOPE_STEP, SLOPE_ERROR = 1e-6, 1e-5  # increment over d_y for differences, and their largest error
+ENERGY_ERROR = 1e-9  # largest gain in a cycle, relative to the largest Z and d
+AMPLITUDES = (0.3, 1.0, 3.0, 10.0)  # of checked cycles, over d_y
+INCREMENTS = 200  # of a checked cycle; and twice, and four times
+CONVERGED = 1e-9  # change of Z with shorter increments that needs no order
 DIFFERENCE = 1e-3  # for slopes of the logarithm [K]
+AXIS = np.array([0.6, 0.8])  # of the comparison of a plane with a line
 BOUNDS = 10.0  # default bounds of a parameter in a calibration: its default over and times this
 
 
@@ -45,8 +59,9 @@ class Law:
     Attributes
     ----------
     name : by which bearings name it.
-    kind : what it is of: "temperature".
+    kind : what it is of: "temperature" or "hysteresis".
     function : as registered.
+    plane : the function for motions in a plane; None if there is none.
     parameters : default values by name, each in the unit that the function expects.
     bounds : lowest and highest value in a calibration, by name, each in the same unit.
     range : in which a temperature law is tabulated [degC].
@@ -63,6 +78,7 @@ class Law:
     name: str
     kind: str
     function: Callable[..., Any]
+    plane: Callable[..., Any] | None
     parameters: dict[str, float]
     bounds: dict[str, tuple[float, float]]
     range: tuple[float, float]
@@ -73,6 +89,11 @@ class Law:
     def reference(self) -> str:
         """Name and digest, as results state them."""
         return f"{self.name}{MARK}{self.digest}"
+
+    @property
+    def addresses(self) -> tuple[int, int]:
+        """Addresses of the C functions on a line and in a plane; 0 where there is none."""
+        return _compiled(self)[0]
 
     def values(self, given: Mapping[str, float] | None) -> tuple[float, ...]:
         """Return the parameters in the order of the function, with defaults filled in."""
@@ -91,7 +112,9 @@ _APPLIED: list[str] = []  # laws that every bearing gets that is loaded; see `ap
 def register(
     name: str,
     *,
-    temperature: Callable[..., tuple[float, float]],
+    temperature: Callable[..., tuple[float, float]] | None = None,
+    hysteresis: Callable[..., tuple[float, float]] | None = None,
+    plane: Callable[..., Any] | None = None,
     bounds: Mapping[str, tuple[float, float]] | None = None,
     range: tuple[float, float] = USUAL_RANGE,
 ) -> Law:
@@ -103,10 +126,16 @@ def register(
     temperature : function of the temperature of a rubber layer [degC] and of parameters with
         default values; it returns the factors on the elastic and on the hysteretic stiffness, in
         [1e-3, 1e3]. They multiply the factors by m_T and n_T; set both to 0 for a complete law.
+    hysteresis : function of Z and of an increment of the displacement of a layer, both relative to
+        d_y, and of at most 4 parameters with default values; it returns Z at the end of the
+        increment, in [-4, 4], and dZ/dd there. Give this or `temperature`.
+    plane : the same function for motions in a plane: of Z_x, Z_y, the two components of the
+        increment, and the parameters; it returns Z_x, Z_y, and dZ/dd by rows (xx, xy, yx, yy).
+        Without it the law cannot be used in a plane.
     bounds : lowest and highest value of parameters in a calibration, by name, in the unit that the
         function expects; a tenth and ten times the default for others.
-    range : of temperatures in which the function is used [degC], within -150 to 300; beyond it the
-        logarithms of the factors continue with their slopes at the ends.
+    range : of temperatures in which a temperature law is used [degC], within -150 to 300; beyond it
+        the logarithms of the factors continue with their slopes at the ends.
 
     Returns
     -------
@@ -114,8 +143,10 @@ def register(
 
     Raises
     ------
-    InputError : a name, bounds or range that cannot be, or a function that fails, returns other
-        than two finite positive factors, or changes too abruptly for a table.
+    InputError : a name, bounds or range that cannot be; a function that fails; factors that are not
+        finite and positive, or change too abruptly for a table; a law of hysteresis whose slope is
+        not its derivative, that gains energy in a cycle, or does not converge with shorter
+        increments.
 
     Examples
     --------
@@ -133,26 +164,37 @@ def register(
     where = f'laws.register("{shortened(str(name))}")'
     if not isinstance(name, str) or not name.replace("-", "").replace(".", "").isidentifier():
         raise InputError('the name must consist of letters, digits, "-", "_" and "."', where)
-    if not callable(temperature):
-        raise InputError("temperature: must be a function", where)
+    function = hysteresis if temperature is None else temperature
+    if not callable(function) or None not in (temperature, hysteresis):
+        raise InputError("give one function: temperature or hysteresis", where)
+    if plane is not None and (hysteresis is None or not callable(plane)):
+        raise InputError("plane: must be a function, in addition to hysteresis", where)
     low, high = map(float, range)
     if not COLDEST <= low < high <= WARMEST:
         raise InputError(
             f"range = {low:g} to {high:g} degC: must be within {COLDEST:g} to {WARMEST:g}", where
         )
-    parameters = _parameters(temperature, 1, where)
-    file, digest = _source(temperature)
+    parameters = _parameters(function, 1 if hysteresis is None else 2, where)
+    if hysteresis is not None and len(parameters) > MOST_PARAMETERS:
+        raise InputError(f"a law of hysteresis has at most {MOST_PARAMETERS} parameters", where)
+    if plane is not None and _parameters(plane, 4, where) != parameters:
+        raise InputError("plane: needs the parameters of hysteresis, with the same defaults", where)
+    file, digest = _source(function)
     law = Law(
         name=name,
-        kind="temperature",
-        function=temperature,
+        kind="temperature" if hysteresis is None else "hysteresis",
+        function=function,
+        plane=plane,
         parameters=parameters,
         bounds=_all_bounds(parameters, bounds or {}, where),
         range=(low, high),
         file=file,
         digest=digest,
     )
-    tabulate(law, law.values(None))
+    if hysteresis is None:
+        tabulate(law, law.values(None))
+    else:
+        check_hysteresis(law)
     _KNOWN[name] = law
     return law
 
@@ -318,6 +360,153 @@ def with_digest(reference: str) -> str:
     """Return name and digest of a law that is registered; the text itself for others."""
     law = _KNOWN.get(reference)
     return reference if law is None else law.reference
+
+
+@cache
+def _compiled(law: Law) -> tuple[tuple[int, int], list[Any]]:
+    """Return the addresses of C functions on a line and in a plane, and what must stay alive."""
+    functions = [law.function, law.plane]
+    made = [f and _c_function(f, k, len(law.parameters)) for k, f in enumerate(functions, 1)]
+    return (made[0][0] if made[0] else 0, made[1][0] if made[1] else 0), made
+
+
+def _c_function(function: Callable[..., Any], components: int, parameters: int) -> tuple[int, Any]:
+    """Return the address of a C function, compiled by numba where possible, and its object."""
+    given = 2 * components
+    used, results = given + parameters, COMPONENTS[components]
+    if not has_numba() or os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+
+        def _write(*numbers: Any) -> None:
+            numbers[-1][0:results] = [float(one) for one in function(*numbers[:used])]
+
+        called = law_type(components)(_write)
+        return ctypes.cast(called, ctypes.c_void_p).value or 0, called
+    import numba
+
+    inner: Any = function
+    if not hasattr(function, "py_func"):
+        inner = numba.njit(error_model="numpy")(function)
+    names = [f"a{k}" for k in range(given + MOST_PARAMETERS)]
+    lines = [f"def law({', '.join(names)}, out):", f"    r = inner({', '.join(names[:used])})"]
+    lines += [f"    out[{k}] = r[{k}]" for k in range(results)]
+    space: dict[str, Any] = {"inner": inner}
+    exec("\n".join(lines), space)
+    kinds: Any = numba.types
+    wanted = kinds.void(*[kinds.float64] * len(names), kinds.CPointer(kinds.float64))
+    try:
+        made = numba.cfunc(wanted)(space["law"])
+    except numba.core.errors.NumbaError as error:
+        about = shortened(str(error).strip().splitlines()[-1], 200)
+        raise InputError(f"{function.__name__}: numba cannot compile it: {about}") from None
+    return made.address or 0, made
+
+
+def check_hysteresis(law: Law) -> None:
+    """Check a law of hysteresis with its default parameters on a line and in a plane."""
+    values = law.values(None)
+    on_line = partial(_moved, law, law.function, values)
+    for z, d in product(np.linspace(-0.97, 0.97, 7), (-2.1, -0.3, -1e-3, 1e-3, 0.3, 2.1)):
+        _check_slope(law, on_line, np.array([z]), np.array([d]))
+    for amplitude in AMPLITUDES:
+        _check_cycle(law, on_line, amplitude * np.array([[1.0]]))
+    for components, address in enumerate(law.addresses, 1):
+        if address:
+            _check_compiled(law, components, values)
+    if law.plane is None:
+        return
+    in_plane = partial(_moved, law, law.plane, values)
+    for z, d in product((-0.7, 0.4), (-1.3, 0.2)):
+        after, slope = on_line(np.array([z]), np.array([d]))
+        turned, slopes = in_plane(z * AXIS, d * AXIS)
+        if not np.allclose(turned, after * AXIS, rtol=0.0, atol=SLOPE_ERROR) or not np.isclose(
+            AXIS @ slopes @ AXIS, slope[0, 0], rtol=0.0, atol=SLOPE_ERROR
+        ):
+            raise InputError(
+                f'law "{law.name}": the function plane differs from hysteresis on the line through '
+                f"(0.6, 0.8), from Z = {z:g} by {d:g}"
+            )
+    for z_x, z_y, d_x, d_y in product((-0.5, 0.3), (0.4, -0.2), (-1.1, 0.2), (0.5, -0.01)):
+        _check_slope(law, in_plane, np.array([z_x, z_y]), np.array([d_x, d_y]))
+    for amplitude in AMPLITUDES:
+        _check_cycle(law, in_plane, amplitude * np.eye(2))
+
+
+def _moved(
+    law: Law, function: Callable[..., Any], values: tuple[float, ...], z: Floats, d: Floats
+) -> tuple[Floats, Floats]:
+    """Return Z after an increment [c] and its slope [c, c]."""
+    where = f'law "{law.name}" from Z = {_shown(z)} by {_shown(d)}'
+    try:
+        found = np.array(function(*z.tolist(), *d.tolist(), *values), dtype=float)
+    except Exception as error:
+        about = shortened(str(error) or type(error).__name__)
+        raise InputError(f"{where}: {type(error).__name__}: {about}") from None
+    if found.shape != (COMPONENTS[len(z)],):
+        raise InputError(f"{where}: must return {COMPONENTS[len(z)]} numbers")
+    if not np.isfinite(found).all() or np.abs(found[: len(z)]).max() > LARGEST_Z:
+        raise InputError(
+            f"{where}: returns {_shown(found)}: must be finite, and Z from -{LARGEST_Z:g} to "
+            f"{LARGEST_Z:g} (relative to d_y)"
+        )
+    return found[: len(z)], found[len(z) :].reshape(len(z), len(z))
+
+
+def _shown(numbers: Floats) -> str:
+    return ", ".join(f"{one:.4g}" for one in numbers)
+
+
+def _check_slope(law: Law, move: Callable[..., Any], z: Floats, d: Floats) -> None:
+    """Compare the slope with differences, of one side where it jumps."""
+    after, slope = move(z, d)
+    for k, one in enumerate(np.eye(len(z))):
+        sides = [(move(z, d + h * one)[0] - after) / h for h in (SLOPE_STEP, -SLOPE_STEP)]
+        error = min(np.abs(side - slope[:, k]).max() for side in [*sides, sum(sides) / 2])
+        if error > SLOPE_ERROR:
+            raise InputError(
+                f'law "{law.name}" from Z = {_shown(z)} by {_shown(d)}: dZ/dd is '
+                f"{_shown(slope[:, k])}, but differences give {_shown(sides[0])}"
+            )
+
+
+def _check_cycle(law: Law, move: Callable[..., Any], axes: Floats) -> None:
+    """Check that a steady cycle gains no energy, and that shorter increments converge.
+
+    A cycle on a line is a sine; in a plane a circle.
+    """
+    ends: list[Floats] = []
+    for parts in (INCREMENTS, 2 * INCREMENTS, 4 * INCREMENTS):
+        angle = np.linspace(0.0, 4.0 * np.pi, 2 * parts + 1)
+        path = np.column_stack([np.sin(angle), 1.0 - np.cos(angle)])[:, : len(axes)] @ axes
+        z, work, largest = np.zeros(len(axes)), 0.0, 0.0
+        for k, d in enumerate(np.diff(path, axis=0)):
+            before, (z, _) = z, move(z, d)
+            work += float(0.5 * (before + z) @ d) if k >= parts else 0.0
+            largest = max(largest, float(np.abs(z).max()))
+        if work < -ENERGY_ERROR * max(largest, 1e-3) * axes.max():
+            raise InputError(
+                f'law "{law.name}": a cycle of amplitude {axes.max():g} d_y returns more energy '
+                f"than it takes ({work:.3g} in units of d_y^2 times the hysteretic stiffness)"
+            )
+        ends.append(z)
+    first, second = (float(np.abs(b - a).max()) for a, b in pairwise(ends))
+    if second > max(CONVERGED, 0.7 * first):
+        raise InputError(
+            f'law "{law.name}": Z in a cycle of amplitude {axes.max():g} d_y does not converge '
+            f"with shorter increments: it changes by {first:.2g} and then by {second:.2g}"
+        )
+
+
+def _check_compiled(law: Law, components: int, values: tuple[float, ...]) -> None:
+    """Compare the C function with the Python function."""
+    function = law.function if components == 1 else law.plane
+    assert function is not None
+    z, d = np.array([0.3, -0.4])[:components], np.array([-0.7, 0.2])[:components]
+    room = (ctypes.c_double * COMPONENTS[components])()
+    more = (*values, *[0.0] * (MOST_PARAMETERS - len(values)))
+    law_type(components)(law.addresses[components - 1])(*z, *d, *more, room)
+    after, slope = _moved(law, function, values, z, d)
+    if not np.allclose(room, [*after, *slope.ravel()], rtol=1e-9, atol=1e-12):
+        raise InputError(f'law "{law.name}": compiled by numba it gives other numbers')
 
 
 @lru_cache(maxsize=256)

@@ -15,6 +15,7 @@ from thermobearing.bearing.model import (
     SOFTEST,
     Bearing,
     Clock,
+    HysteresisLaw,
     Materials,
     Scragging,
     SmallLoops,
@@ -90,7 +91,8 @@ class Compound(Sourced):
     rubber, lead, rate : see those classes; `lead` is None if not known, `rate` without
         rate dependence.
     materials : thermal properties, including side film and steel, used in the calibration.
-    temperature_law, tested_range, scragging : as in a bearing; they are independent of size.
+    temperature_law, hysteresis_law, tested_range, scragging : as in a bearing; independent of
+        size.
 
     Examples
     --------
@@ -106,6 +108,7 @@ class Compound(Sourced):
     rubber: CompoundRubber
     materials: Materials
     temperature_law: TemperatureLaw | None = None
+    hysteresis_law: HysteresisLaw | None = None
     tested_range: Validity | None = None
     scragging: Scragging | None = None
     lead: CompoundLead | None = None

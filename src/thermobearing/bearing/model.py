@@ -93,6 +93,24 @@ class TemperatureLaw(Strict):
         return None
 
 
+class HysteresisLaw(Strict):
+    """A registered law of Z in place of Eq. 4.35.
+
+    Attributes
+    ----------
+    law : name of a law of `laws.register`, with its digest or without.
+    parameters : those that differ from the defaults of the law.
+
+    Examples
+    --------
+    >>> HysteresisLaw(law="mine", parameters={"power": 1.5}).law
+    'mine'
+    """
+
+    law: Name
+    parameters: dict[str, float] | None = None
+
+
 TEMPERATURE_COEFFICIENTS = ("elastic_temperature_coefficient", "hysteretic_temperature_coefficient")
 
 
@@ -103,16 +121,18 @@ def with_laws(data: Any, names: Sequence[str], *, over: bool = True) -> Any:
     """
     for name in names if isinstance(data, dict) else ():
         law = find_law(name)
-        own = data.get("temperature_law")
-        own = own.model_dump() if isinstance(own, TemperatureLaw) else own
+        key = f"{law.kind}_law"
+        own = data.get(key)
+        own = own.model_dump() if isinstance(own, Strict) else own
         if not over and isinstance(own, dict) and own.get("law") is not None:
+            continue
+        data = data | {key: {"law": law.reference}}
+        if law.kind == "hysteresis":
             continue
         rubber = data.get("hysteresis")
         rubber = rubber.model_dump() if isinstance(rubber, Strict) else rubber
-        data = data | {
-            "temperature_law": {"law": law.reference},
-            "hysteresis": updated(rubber, dict.fromkeys(TEMPERATURE_COEFFICIENTS, 0.0)),
-        }
+        zeros = dict.fromkeys(TEMPERATURE_COEFFICIENTS, 0.0)
+        data["hysteresis"] = updated(rubber, zeros)
     return data
 
 
@@ -432,6 +452,7 @@ class Bearing(Sourced):
         scragged rubber, `lead` without lead cores, `rate` without rate dependence.
     poor_fit : why the calibrated parameters should not be used; such a file does not load.
     tested_range : calibration range (`Validity`); None if not given.
+    hysteresis_law : a law of Z in place of Eq. 4.35 (`HysteresisLaw`); None: none.
     exposure : factors for long cold and ageing (`Exposure`); None: no factors.
     """
 
@@ -444,6 +465,7 @@ class Bearing(Sourced):
     materials: Materials
     hysteresis: RubberHysteresis
     temperature_law: TemperatureLaw | None = None
+    hysteresis_law: HysteresisLaw | None = None
     tested_range: Validity | None = None
     scragging: Scragging | None = None
     lead: LeadCores | None = None

@@ -34,7 +34,7 @@ WITHOUT_SIZE = (
     "small_loops",
 )
 OF_LEAD = ("yield_stress", "softening", "reference_temperature", "surface_ratio", "clock")
-COPIED = ("materials", "temperature_law", "tested_range", "scragging")
+COPIED = ("materials", "temperature_law", "hysteresis_law", "tested_range", "scragging")
 RULES = {  # key of a bearing: key of its compound, rule that divides the size out, and back
     "hysteresis.layer_stiffness": ("rubber.shear_modulus", "K_r t_r/A", "K_r = G_r A/t_r"),
     "hysteresis.yield_displacement": ("rubber.yield_strain", "d_y/t_r", "d_y = gamma_y t_r"),

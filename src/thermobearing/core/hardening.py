@@ -98,7 +98,7 @@ def clear(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> bo
     """
     d, d_y = layer.d + step, rubber.yield_displacement
     crosses = d * layer.d <= 0.0
-    if rubber.integrator == EULER or all_lanes(crosses):
+    if rubber.integrator == EULER or rubber.law != 0 or all_lanes(crosses):
         return False
     largest = max(abs(layer.z), layer.amplitude)
     steepest = max(1.0, 1.0 + rubber.unloading_curvature * largest * largest)
@@ -179,7 +179,8 @@ def _margin_in_plane(
     moved = steepest * norm(step)  # |Z| changes by at most that, and the eigenvalue by a multiple
     least = _least_hardening(b, d_y, d, z0)[0]
     lowest = least - 2.0 * (h / d_y * (1.0 + moved / d_y) + b * norm(d)) * moved
-    fine = no(harmful) | (ke + kh * (h + lowest) >= start * ke)
+    bounded = rubber.law_in_plane == 0  # by the closed form
+    fine = no(harmful) | (bounded & (ke + kh * (h + lowest) >= start * ke))
     if all_lanes(fine):
         return 1.0, zero(step)
     z: Any

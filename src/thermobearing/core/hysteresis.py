@@ -25,8 +25,12 @@ forgotten. On steady loops there are no inner branches, and the law is the publi
 Over a straight increment of length a in the direction e, the part p = Z . e follows the law of a
 line, and the part q across it decays with the same f(u) = du/de:  q'/q = sqrt(f(p')/f(p)).
 Explicit Euler and closed small loops are for a line only.
+
+**A law of a user** is a C function that kernels call by its address. It moves Z/d_y over a straight
+increment of d/d_y, and gives dZ/dd at its end.
 """
 
+import ctypes
 import math
 from typing import Any
 
@@ -43,13 +47,76 @@ from thermobearing.core.vector import (
     isotropic,
     norm,
     outer,
+    over,
     pick,
     plus,
     scaled,
 )
 
+COMPONENTS = {1: 2, 2: 6}  # numbers that a law of a user returns on a line and in a plane
+LEAST_STEP = 1e-9  # increment, relative to d_y, that shows the slope at its start
 NO_MOTION = 1e-12  # displacement, relative to d_y, too small for its direction to matter
 SHORT = 1e-7  # the same, below which differences of a closed form are taken from its limit
+
+
+def law_type(components: int) -> Any:
+    """Return the C type of a user's law: Z and d (x, y), four parameters, and room for results."""
+    return ctypes.CFUNCTYPE(
+        None, *[ctypes.c_double] * (2 * components + 4), ctypes.POINTER(ctypes.c_double)
+    )
+
+
+def _call(components: int, address: int, *numbers: float) -> Any:
+    found = (ctypes.c_double * COMPONENTS[components])()
+    law_type(components)(address)(*numbers, found)
+    return tuple(found)
+
+
+def call_on_line(
+    address: int, z: float, d: float, a: float, b: float, c: float, e: float
+) -> tuple[float, float]:
+    """Call a law of a user on a line: Z and its slope, all relative to d_y.
+
+    Compiled kernels have other code for it (lanes/choices.py).
+    """
+    found: tuple[float, float] = _call(1, address, z, d, a, b, c, e)
+    return found
+
+
+def call_in_plane(
+    address: int,
+    zx: float,
+    zy: float,
+    dx: float,
+    dy: float,
+    a: float,
+    b: float,
+    c: float,
+    e: float,
+) -> tuple[float, float, float, float, float, float]:
+    """Call a law of a user in a plane: Z and the rows of its slope, all relative to d_y."""
+    found: tuple[float, ...] = _call(2, address, zx, zy, dx, dy, a, b, c, e)
+    return found  # type: ignore[return-value]
+
+
+@compiled
+def own_on_line(rubber: Rubber, z: float, moved: float) -> tuple[float, float]:
+    """Z and dZ/dd after a motion by the law of a user."""
+    d_y, r = rubber.yield_displacement, rubber
+    u, slope = call_on_line(r.law, z / d_y, moved / d_y, r.law_1, r.law_2, r.law_3, r.law_4)
+    return u * d_y, slope
+
+
+@compiled
+def own_in_plane(rubber: Rubber, z: Pair, moved: Pair) -> tuple[Pair, Square]:
+    """`own_on_line` in a plane."""
+    d_y, r = rubber.yield_displacement, rubber
+    u: Any = over(z, d_y)
+    d: Any = over(moved, d_y)
+    ux, uy, xx, xy, yx, yy = call_in_plane(
+        r.law_in_plane, u[0], u[1], d[0], d[1], r.law_1, r.law_2, r.law_3, r.law_4
+    )
+    return (ux * d_y, uy * d_y), ((xx, xy), (yx, yy))
 
 
 @compiled
@@ -232,6 +299,8 @@ def _advance_on_line(
     d_y, curvature = rubber.yield_displacement, rubber.unloading_curvature
     layer = old.layers[j]
     z, centre, sigma = layer.z, 0.0, 1.0
+    if rubber.law != 0:
+        return own_on_line(rubber, z, moved)
     if rubber.integrator == EULER:
         return euler_increment(z, moved, d_y, curvature)
     if rubber.closed_loops:
@@ -250,6 +319,8 @@ def _advance_in_plane(
 ) -> tuple[Pair, Square]:
     """`advance` in a plane."""
     z: Any = old.layers[j].z
+    if rubber.law_in_plane != 0:
+        return own_in_plane(rubber, z, moved)
     return plane_increment(z, moved, rubber.yield_displacement, rubber.unloading_curvature)
 
 
@@ -260,6 +331,10 @@ advance = choice(_advance_on_line, _advance_in_plane, at=3)
 def _start_slope_on_line(rubber: Rubber, old: State, j: int, step: float) -> float:
     """dZ/dd where layer j sets out in the direction of `step`."""
     sigma, centre = direction(step), 0.0
+    if rubber.law != 0:
+        return own_on_line(rubber, old.layers[j].z, sigma * LEAST_STEP * rubber.yield_displacement)[
+            1
+        ]
     if rubber.closed_loops:
         centre = entry(old.layers[j], old.turns[j], sigma)[2]
     d_y = rubber.yield_displacement
@@ -270,6 +345,9 @@ def _start_slope_on_line(rubber: Rubber, old: State, j: int, step: float) -> flo
 def _start_slope_in_plane(rubber: Rubber, old: State, j: int, step: Pair) -> Square:
     """`start_slope` in a plane: I - (gamma + beta sign(step . Z)) Z Z'."""
     z: Any = old.layers[j].z
+    if rubber.law_in_plane != 0:
+        least = scaled(direction(step), LEAST_STEP * rubber.yield_displacement)
+        return own_in_plane(rubber, z, least)[1]
     per = -1.0 / (rubber.yield_displacement * rubber.yield_displacement)
     curvature = select(dot(z, step) < 0.0, rubber.unloading_curvature, per)
     return plus(isotropic(z, 1.0), outer(scaled(z, curvature), z))

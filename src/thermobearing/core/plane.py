@@ -70,5 +70,8 @@ def line_only_options(constants: Constants) -> list[str]:
         "integrator = euler": rubber.integrator == EULER,
         "small_loops = closed": rubber.closed_loops,
         "hardening = monotone": rubber.monotone,
+        "a hysteresis_law whose registration has no function plane": (
+            rubber.law != 0 and rubber.law_in_plane == 0
+        ),
     }
     return [name for name, found in chosen.items() if found]

@@ -221,6 +221,12 @@ class Rubber(NamedTuple):
     mullins_renewal: float  # l
     sharing_start: float  # layer tangent / (alpha_0 e^{..} K_r) below which w leaves zero
     sharing_full: float  # and at which it is one
+    law: int = 0  # address of a user's law of Z on a line (core/hysteresis.py); 0 for none
+    law_in_plane: int = 0  # the same in a plane
+    law_1: float = 0.0  # its parameters
+    law_2: float = 0.0
+    law_3: float = 0.0
+    law_4: float = 0.0
 
 
 class Lead(NamedTuple):

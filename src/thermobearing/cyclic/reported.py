@@ -136,9 +136,13 @@ def model_assumptions(
     found.append(said["exposure"]["counted" if aged else "absent"])
     if analysis.get("hardening") == "monotone":
         found.append(said["hardening"]["monotone"])
+    named = sorted({t["hysteresis_law"]["law"] for t in layered if t.get("hysteresis_law")})
+    found += [said["small_loops"]["own"].format(names=", ".join(named))] if named else []
+    layered = [table for table in layered if not table.get("hysteresis_law")]
     laws = [analysis.get("small_loops") or t["hysteresis"].get("small_loops") for t in layered]
     found += [said["small_loops"]["closed"]] if "closed" in laws else []
-    found += [said["small_loops"]["published"]] if set(laws) != {"closed"} else []
+    open_loops = any(law != "closed" for law in laws)
+    found += [said["small_loops"]["published"]] if open_loops else []
     return found
 
 

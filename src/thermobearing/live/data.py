@@ -172,6 +172,9 @@ def live_data(
 
 def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any]:
     """Return what the engine needs to test some bearings; InputError without a module."""
+    for bearing, _ in models:
+        if bearing.hysteresis_law is not None:
+            raise InputError(f"{bearing.name}: a live page cannot have a hysteresis_law")
     with _built():
         known = read_description(FOLDER)
     entries = {name: known["entries"][name] for name in KERNELS}

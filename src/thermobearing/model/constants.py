@@ -1,7 +1,7 @@
 """Constants of the coupled step, computed from a bearing."""
 
 from collections.abc import Iterable
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -264,6 +264,17 @@ def _viscous(bearing: Bearing, *, heats: bool) -> Viscous:
     return Viscous(bearing.rate.stiffness, bearing.rate.damping / bearing.rate.stiffness, heats)
 
 
+def _own_law(bearing: Bearing) -> dict[str, Any]:
+    """Return the numbers of a registered law of hysteresis, by field of `Rubber`."""
+    if bearing.hysteresis_law is None:
+        return {}
+    law = find_law(bearing.hysteresis_law.law, "hysteresis")
+    on_line, in_plane = law.addresses
+    values = law.values(bearing.hysteresis_law.parameters)
+    numbers = {f"law_{k}": value for k, value in enumerate(values, 1)}
+    return {"law": on_line, "law_in_plane": in_plane, **numbers}
+
+
 def _rubber(
     bearing: Bearing, integrator: Integrator, *, monotone: bool, closed_loops: bool
 ) -> Rubber:
@@ -302,4 +313,5 @@ def _rubber(
         mullins_renewal=virgin.mullins_renewal,
         sharing_start=SHARING_START,
         sharing_full=SHARING_FULL,
+        **_own_law(bearing),
     )

@@ -6,6 +6,7 @@ states and calls the coupled step; it adds no physics.
 """
 
 import copy
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -217,7 +218,14 @@ class BearingElement:
     def __getstate__(self) -> dict[str, Any]:
         """Return what a copy has in common; prepared calls belong to the own arrays."""
         prepared = ("_run_step", "_accept")
-        return {key: value for key, value in vars(self).items() if key not in prepared}
+        kept = {key: value for key, value in vars(self).items() if key not in prepared}
+        return kept | {"_process": os.getpid()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Refuse a law of a user from another process, where its address means nothing."""
+        vars(self).update(state)
+        if self._constants.rubber.law != 0 and state["_process"] != os.getpid():
+            raise InputError("an element with a hysteresis_law cannot move to another process")
 
     @property
     def state(self) -> State:

@@ -138,6 +138,16 @@ class ModelOptions(Strict):
             found.append(f"exposure: {TWICE}")
         if self._small_loops(bearing) == "closed" and self.integrator == "euler":
             found.append('small_loops = "closed": needs integrator = "exact", not "euler"')
+        if bearing.hysteresis_law is not None:
+            own = (
+                ("small_loops", self._small_loops(bearing), "closed"),
+                ("integrator", self.integrator, "euler"),
+            )
+            found += [
+                f'{key} = "{value}": not with the hysteresis_law of "{bearing.name}"'
+                for key, value, refused in own
+                if value == refused
+            ]
         if bearing.lead is None:
             needs_lead = [
                 ("model", self.model, self.model == "lead-alone"),

@@ -80,7 +80,7 @@ def write_material(
     Parameters
     ----------
     file : to be written.
-    element : from `tb.element`; its committed state is that at the start.
+    element : from `tb.element`, without a hysteresis_law; its committed state is that at the start.
     units : force and length of the model, such as "kN-mm", "kN-m" or "N-m".
     count : number of equal bearings side by side that an element stands for.
     rate : speed [mm/s] of static analyses, > 0. Steps without velocity then last as long as this
@@ -103,6 +103,8 @@ def write_material(
     >>> write_material(Path(folder, "pier"), pier, units="kN-m").name
     'pier'
     """
+    if element.constants.rubber.law != 0:
+        raise InputError("element: a file cannot hold a hysteresis_law; use add_material or serve")
     file = Path(file)
     file.write_bytes(_pack(element, units, count, rate)[0])
     return file

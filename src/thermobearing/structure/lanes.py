@@ -251,6 +251,7 @@ def _constants_shape(constants: Constants) -> Any:
         rubber.monotone,
         rubber.closed_loops,
         rubber.integrator,
+        (rubber.law, rubber.law_in_plane),
         rubber.virgin,
         constants.lead.published,
         constants.viscous.heats,

@@ -1,14 +1,16 @@
-"""What numba makes of the functions of `choose.py`."""
+"""What numba makes of the functions of `choose.py`, and of calls of a user's law."""
 
 from typing import Any
 
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.core.typing.templates import signature
 from numba.extending import lower_builtin, type_callable
 
+from thermobearing.core.hysteresis import COMPONENTS, call_in_plane, call_on_line
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
-from thermobearing.core.lanes.kinds import LaneType, MaskType, first_type
+from thermobearing.core.lanes.kinds import DOUBLE, PLACE, LaneType, MaskType, first_type
 
 
 @type_callable(select)
@@ -66,3 +68,51 @@ def _asked(function: Any, result: Any, of_mask: Any, of_bool: Any) -> None:
 _asked(any_lane, lambda _: types.boolean, _any, _same)
 _asked(all_lanes, lambda _: types.boolean, _all, _same)
 _asked(no, types.unliteral, _not, _not)
+
+
+def _typed_call(components: int, given: Any) -> Any:
+    wide = first_type(LaneType, given) or types.float64
+    found = types.UniTuple(wide, COMPONENTS[components])
+    return signature(found, types.int64, *[wide] * (len(given) - 1))
+
+
+@type_callable(call_on_line)
+def _type_on_line(_: Any) -> Any:
+    return lambda address, z, d, a, b, c, e: _typed_call(1, (address, z, d, a, b, c, e))
+
+
+@type_callable(call_in_plane)
+def _type_in_plane(_: Any) -> Any:
+    def typed(
+        address: Any, zx: Any, zy: Any, dx: Any, dy: Any, a: Any, b: Any, c: Any, e: Any
+    ) -> Any:
+        return _typed_call(2, (address, zx, zy, dx, dy, a, b, c, e))
+
+    return typed
+
+
+@lower_builtin(call_on_line, types.int64, *[types.Any] * 6)
+@lower_builtin(call_in_plane, types.int64, *[types.Any] * 8)
+def _lower_call(context: Any, builder: Any, sig: Any, values: Any) -> Any:
+    """Call the function at the address, in lockstep for each lane."""
+    address, *numbers = values
+    kind, count = sig.return_type.dtype, sig.return_type.count
+    room = cgutils.alloca_once(builder, DOUBLE, count)
+    wanted = ir.FunctionType(ir.VoidType(), [DOUBLE] * len(numbers) + [DOUBLE.as_pointer()])
+    function = builder.inttoptr(address, wanted.as_pointer())
+
+    def called(*given: Any) -> list[Any]:
+        builder.call(function, [*given, room])
+        return [builder.load(cgutils.gep(builder, room, k)) for k in range(count)]
+
+    if not isinstance(kind, LaneType):
+        return context.make_tuple(builder, sig.return_type, called(*numbers))
+    found = [ir.Constant(context.get_value_type(kind), ir.Undefined)] * count
+    for lane in range(kind.width):
+        place = ir.Constant(PLACE, lane)
+        each = called(*(builder.extract_element(one, place) for one in numbers))
+        found = [
+            builder.insert_element(whole, one, place)
+            for whole, one in zip(found, each, strict=True)
+        ]
+    return context.make_tuple(builder, sig.return_type, found)

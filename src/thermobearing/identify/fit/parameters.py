@@ -22,7 +22,9 @@ from thermobearing.laws import find_law
 SHAPE, D_Y = "hysteresis.shape", "hysteresis.yield_displacement"
 ALPHA, K_R = "hysteresis.post_yield_ratio", "hysteresis.layer_stiffness"
 HARDENING = "hysteresis.hardening"
-LAW = "temperature_law.parameters."  # of a registered law, before the name of a parameter
+# Of registered laws, before the name of a parameter.
+LAW, HYSTERESIS = "temperature_law.parameters.", "hysteresis_law.parameters."
+LAWS = (LAW, HYSTERESIS)
 M_T = "hysteresis.elastic_temperature_coefficient"
 N_T = "hysteresis.hysteretic_temperature_coefficient"
 K_L, SIGMA_Y = "lead.stiffness", "lead.yield_stress"
@@ -195,8 +197,8 @@ def dotted_value(bearing: Bearing, key: str) -> float | None:
     part: Any = bearing
     for name in key.split("."):
         part = part.get(name) if isinstance(part, Mapping) else getattr(part, name, None)
-    if part is None and (kind := KINDS.get(key)) is not None:
-        return kind.blind if key.startswith(LAW) else None
+    if part is None and key.startswith(LAWS) and key in KINDS:
+        return KINDS[key].blind
     return None if part is None else float(part)
 
 
@@ -217,30 +219,32 @@ def _replace_value(part: Any, names: Sequence[str], value: float) -> Any:
 
 def available(bearing: Bearing) -> list[Kind]:
     """Return the kinds of parameters that a bearing has."""
-    found = [kind for kind in KINDS.values() if not kind.key.startswith(LAW)]
+    found = [kind for kind in KINDS.values() if not kind.key.startswith(LAWS)]
     own = _law_kinds(bearing)
     return [k for k in found if getattr(bearing, k.key.split(".")[0]) is not None] + own
 
 
 def _law_kinds(bearing: Bearing) -> list[Kind]:
-    """Return the parameters of the temperature law of a bearing, and make them known."""
-    named = bearing.temperature_law and bearing.temperature_law.law
-    if not named:
-        return []
-    law, found = find_law(named, "temperature"), []
-    for name, (low, high) in law.bounds.items():
-        kind = Kind(
-            key=f"{LAW}{name}",
-            symbol=f"{law.name}.{name}",
-            scale="log" if low > 0.0 else "linear",
-            lower=low,
-            upper=high,
-            blind=law.parameters[name],
-            group="temperature",
-        )
-        KINDS[kind.key] = kind
-        ALIASES[kind.symbol] = kind.key
-        found.append(kind)
+    """Return the parameters of the registered laws of a bearing, and make them known."""
+    found = []
+    for before, part in zip(LAWS, (bearing.temperature_law, bearing.hysteresis_law), strict=True):
+        if part is None or part.law is None:
+            continue
+        law = find_law(part.law)
+        for name, (low, high) in law.bounds.items():
+            kind = Kind(
+                key=f"{before}{name}",
+                symbol=f"{law.name}.{name}",
+                scale="log" if low > 0.0 else "linear",
+                lower=low,
+                upper=high,
+                of_yielding=before == HYSTERESIS,
+                blind=law.parameters[name],
+                group="temperature" if before == LAW else "turns",
+            )
+            KINDS[kind.key] = kind
+            ALIASES[kind.symbol] = kind.key
+            found.append(kind)
     return found
 
 
@@ -264,8 +268,10 @@ def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
     in an LRB) has one stiffness and one coefficient.
     """
     linear = bearing.hysteresis.post_yield_ratio == 1.0
-    own = [kind.key for kind in _law_kinds(bearing)]
-    held = {M_T, N_T, *own} if at_one_temperature(ambients) else {M_T, N_T} if own else set()
+    own = {kind.key for kind in _law_kinds(bearing) if kind.key.startswith(LAW)}
+    held = {M_T, N_T} if own or at_one_temperature(ambients) else set()
+    held |= own if at_one_temperature(ambients) else set()
+    held |= set() if bearing.hysteresis_law is None else {SHAPE}
     kinds = (kind for kind in available(bearing) if kind.usual and kind.key not in held)
     return [kind.key for kind in kinds if not (linear and kind.of_yielding)]
 
