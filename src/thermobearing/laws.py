@@ -377,7 +377,8 @@ def _c_function(function: Callable[..., Any], components: int, parameters: int) 
     if not has_numba() or os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
 
         def _write(*numbers: Any) -> None:
-            numbers[-1][0:results] = [float(one) for one in function(*numbers[:used])]
+            for k, one in enumerate(function(*numbers[:used])):
+                numbers[-1][k] = one
 
         called = law_type(components)(_write)
         return ctypes.cast(called, ctypes.c_void_p).value or 0, called

@@ -15,7 +15,9 @@ import thermobearing as tb
 from tests.unit.studies import small_study
 from thermobearing import laws
 from thermobearing.cli import app
+from thermobearing.core.hysteresis import plane_increment
 from thermobearing.core.step import tabled
+from thermobearing.live.data import engine_data
 from thermobearing.model.constants import _law_pieces
 from thermobearing.model.options import build_model
 from thermobearing.studies.definition.designs import plan
@@ -140,7 +142,7 @@ def no_default(temperature: float, slope: float) -> tuple[float, float]:
         (lambda t: (1.0, 1.5 + math.sin(100.0 * t)), {}, ["too abruptly", "pieces"]),
         (no_default, {}, ["slope", "default"]),
         (lambda: (1.0, 1.0), {}, ["1 arguments"]),
-        (1.0, {}, ["must be a function"]),
+        (1.0, {}, ["give one function"]),
         (lambda t, a=1.0: (1.0, a), {"bounds": {"b": (0, 1)}}, ['no parameter "b"']),
         (lambda t, a=1.0: (1.0, a), {"bounds": {"a": (2, 3)}}, ["contain its default 1"]),
         (lambda t: (1.0, 1.0), {"range": (0, 400)}, ["-150 to 300"]),
@@ -254,3 +256,155 @@ def test_parameters_are_calibrated(file: Path) -> None:
     assert law.parameters is not None
     assert law.parameters["elastic"] == pytest.approx(400.0, rel=0.02)
     assert law.parameters["hysteretic"] == pytest.approx(700.0, rel=0.02)
+
+
+def closed_form(z: float, d: float, shape: float = -0.864) -> tuple[float, float]:
+    """The law of Eq. 4.35 relative to d_y, for shape < 1."""
+    sigma = 1.0 if d >= 0.0 else -1.0
+    u, e = sigma * z, abs(d)
+    c = (1.0 - shape) / (1.0 + shape)
+    if u < 0.0:
+        k = math.sqrt(c)
+        way = math.atan(-k * u) / k
+        if e < way:
+            t = math.tan(k * e)
+            u, e = (u + t / k) / (1.0 - k * u * t), 0.0
+        else:
+            u, e = 0.0, e - way
+    if u >= 0.0:
+        t = math.tanh(e)
+        u = (u + t) / (1.0 + u * t)
+    return sigma * u, 1.0 - u * u if u >= 0.0 else 1.0 + c * u * u
+
+
+def closed_form_in_plane(
+    zx: float, zy: float, dx: float, dy: float, shape: float = -0.864
+) -> tuple[float, float, float, float, float, float]:
+    """The same in a plane, by the kernel of the package."""
+    z, slope = plane_increment.py_func((zx, zy), (dx, dy), 1.0, (1.0 - shape) / (1.0 + shape))
+    return (*z, *slope[0], *slope[1])
+
+
+OWN_ERROR = 1e-9  # of the same law by another function, relative to the peak
+
+
+@pytest.fixture(scope="module")
+def own() -> laws.Law:
+    return tb.laws.register("eq-4.35", hysteresis=closed_form, bounds={"shape": (-0.95, 0.9)})
+
+
+@pytest.fixture
+def with_own(own: laws.Law, monkeypatch: pytest.MonkeyPatch) -> tb.Bearing:
+    monkeypatch.setitem(laws._KNOWN, own.name, own)
+    return tb.changed_bearing(HDR, law=own.name)
+
+
+def test_the_published_law_as_a_law_of_ones_own(with_own: tb.Bearing) -> None:
+    for ambient in (-20.0, 23.0):
+        test = tb.cyclic_test(strain=[2.5, 0.3], cycles=2, rest=None)  # -20: layers soften
+        mine, same = (tb.run(one, test, ambient) for one in (with_own, HDR))
+        peak = np.abs(same["force"].values).max()
+        assert_allclose(mine["force"].values, same["force"].values, atol=OWN_ERROR * peak)
+        assert abs(mine.energy["mechanical_residual"].iloc[0]) < 1e-12
+    other = tb.changed_bearing(with_own, hysteresis_law={"parameters": {"shape": 0.0}})
+    assert not np.allclose(tb.run(other, SHORT)["force"], tb.run(HDR, SHORT)["force"], atol=1.0)
+
+
+def test_a_law_of_hysteresis_in_an_earthquake_and_in_lockstep(own: laws.Law, with_own: Any) -> None:
+    shape = tb.load_bearing("shen-hdr-bridge").hysteresis.shape
+    mine = tb.changed_bearing(
+        "shen-hdr-bridge", hysteresis_law={"law": own.name, "parameters": {"shape": shape}}
+    )
+    runs = [tb.bridge(one, "jra-ii-i-1", -20, duration=3) for one in (mine, "shen-hdr-bridge")]
+    same_force(*runs, "bearing_force")
+    study = small_study({"duration": "3 s"}, bearing=["shen-hdr-bridge"])
+    other = small_study({"duration": "3 s"}, bearing=[mine])
+    tables = [run_shard(one, plan(one)) for one in (study, other)]
+    assert_allclose(
+        tables[0]["bearing_force_max_kN"], tables[1]["bearing_force_max_kN"], rtol=OWN_ERROR
+    )
+
+
+def test_in_a_plane(with_own: tb.Bearing) -> None:
+    circle = tb.cyclic_test(strain=[1.0], cycles=1, path="circle")
+    with pytest.raises(tb.InputError, match="function plane"):
+        tb.run(with_own, circle)
+    with pytest.raises(tb.InputError, match="function plane"):
+        tb.element(with_own, components=2)
+
+
+def test_a_law_in_a_plane_without_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(laws, "has_numba", lambda: False)
+    tb.laws.register("slow", hysteresis=closed_form, plane=closed_form_in_plane)
+    mine = tb.changed_bearing(HDR, law="slow")
+    for path in (None, "circle"):
+        test = tb.cyclic_test(strain=[0.5], cycles=1, path=path, dt=0.02)
+        runs = [tb.run(one, test, 0.0) for one in (mine, HDR)]
+        peak = np.abs(runs[1]["force"].values).max()
+        assert_allclose(*(one["force"].values for one in runs), atol=OWN_ERROR * peak)
+
+
+def gaining(z: float, d: float) -> tuple[float, float]:
+    after = -math.tanh(d) + z / math.cosh(d)
+    return after, -1.0 / math.cosh(d) ** 2 - z * math.sinh(d) / math.cosh(d) ** 2
+
+
+def one_euler_step(z: float, d: float) -> tuple[float, float]:
+    slope = 1.0 - abs(z) * (1.0 if z * d >= 0.0 else -1.0)
+    return z + slope * d, slope
+
+
+@pytest.mark.parametrize(
+    ("function", "more", "piece"),
+    [
+        (lambda z, d: (closed_form(z, d)[0], 1.0), {}, "dZ/dd is 1, but differences give"),
+        (gaining, {}, "returns more energy than it takes"),
+        (lambda z, d: (z + d, 1.0), {}, "must be finite, and Z from -4 to 4"),
+        (lambda z, d: (math.nan, 1.0), {}, "returns nan"),
+        (lambda z, d: z, {}, "must return 2 numbers"),
+        (lambda z, d: (math.log(z), 1.0), {}, "ValueError"),
+        (lambda z, d, a=1.0, b=1.0, c=1.0, e=1.0, f=1.0: (z, 0.0), {}, "at most 4 parameters"),
+        (closed_form, {"temperature": lambda t: (1.0, 1.0)}, "one function"),
+        (closed_form, {"plane": closed_form}, "the function needs"),
+        (
+            closed_form,
+            {"plane": lambda x, y, dx, dy, shape=-0.864: (x, y, 1.0, 0.0, 0.0, 1.0)},
+            "differs from hysteresis on the line",
+        ),
+    ],
+)
+def test_a_law_of_hysteresis_that_cannot_be_is_refused(
+    function: Callable[..., Any], more: dict[str, Any], piece: str
+) -> None:
+    with pytest.raises(tb.InputError) as caught:
+        tb.laws.register("mine", hysteresis=function, **more)
+    assert piece in str(caught.value)
+    assert not laws._KNOWN
+
+
+def test_what_a_law_of_hysteresis_does_not_go_with(with_own: tb.Bearing) -> None:
+    for more in ({"small_loops": "closed"}, {"integrator": "euler"}):
+        with pytest.raises(tb.InputError, match=f"{next(iter(more))}.*hysteresis_law"):
+            tb.run(with_own, SHORT, **more)
+    element = tb.element(with_own)
+    with pytest.raises(tb.InputError, match="cannot hold"):
+        tb.opensees.write_material("x", element)
+    state = element.__getstate__() | {"_process": -1}
+    with pytest.raises(tb.InputError, match="another process"):
+        tb.BearingElement.__new__(tb.BearingElement).__setstate__(state)
+    with pytest.raises(tb.InputError, match="live page"):
+        engine_data([(with_own, build_model(with_own))])
+    with pytest.raises(tb.InputError, match="is a hysteresis law, not a temperature law"):
+        tb.run(tb.changed_bearing(HDR, temperature_law={"law": "eq-4.35"}), SHORT)
+
+
+def test_a_parameter_of_hysteresis_is_calibrated(with_own: tb.Bearing) -> None:
+    truth = tb.changed_bearing(with_own, hysteresis_law={"parameters": {"shape": -0.6}})
+    record = tb.synthetic_record(truth, 20.0, SHORT, noise=0.002)
+    found = tb.identify_bearing(
+        record, with_own, free=["eq-4.35.shape", "K_r"], starts=1, blind=False
+    )
+    law = found.bearing.hysteresis_law
+    assert law is not None
+    assert law.parameters is not None
+    assert law.parameters["shape"] == pytest.approx(-0.6, abs=0.01)

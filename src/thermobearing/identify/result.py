@@ -18,7 +18,7 @@ from thermobearing.border.toml import sourced_toml, to_table, with_sources
 from thermobearing.core.records import Floats
 from thermobearing.identify.comparison import Comparison, cycles_frame, unused_columns
 from thermobearing.identify.fit.forward import Prediction
-from thermobearing.identify.fit.parameters import LAW, M_T, N_T, ParameterSet
+from thermobearing.identify.fit.parameters import ParameterSet, is_of_temperature
 from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.start import Sensitivity
 from thermobearing.identify.records.checks import CheckReport
@@ -368,7 +368,7 @@ def _range_of_law(found: "Identification") -> TemperatureLaw | None:
     no range; the rubber was warmer than the air, but no test shows by how much.
     """
     law = found.bearing.temperature_law
-    if not any(key in (M_T, N_T) or key.startswith(LAW) for key in found.uncertainty.estimates):
+    if not any(map(is_of_temperature, found.uncertainty.estimates)):
         return law
     ambients = [record.ambient for record in found.records]
     low, high = (min(ambients), max(ambients)) if len(set(ambients)) > 1 else (None, None)

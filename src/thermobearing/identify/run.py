@@ -176,7 +176,7 @@ def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str
     ambients = [record.ambient for record in case.records]
     if case.free is None or case.one_temperature or not at_one_temperature(ambients):
         return case, []
-    others, held = split_at_one_temperature(case.free)
+    others, held = split_at_one_temperature(case.bearing, case.free)
     if not held:
         return case, []
     why = (

@@ -253,11 +253,17 @@ def at_one_temperature(ambients: Iterable[float]) -> bool:
     return float(np.ptp(list(ambients))) < SPAN
 
 
-def split_at_one_temperature(free: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Return the other free parameters, and the symbols of the temperature coefficients."""
+def split_at_one_temperature(bearing: Bearing, free: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return the other free parameters, and the symbols of those of temperature."""
+    _law_kinds(bearing)
     symbols = {name: _full_key(name.split("=")[0], "free: ") for name in free}
-    warm = {name: KINDS[key].symbol for name, key in symbols.items() if key in (M_T, N_T)}
+    warm = {name: KINDS[key].symbol for name, key in symbols.items() if is_of_temperature(key)}
     return [name for name in free if name not in warm], [warm[n] for n in free if n in warm]
+
+
+def is_of_temperature(key: str) -> bool:
+    """Return whether a parameter, by dotted key, is one of a temperature law."""
+    return key in (M_T, N_T) or key.startswith(LAW)
 
 
 def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
