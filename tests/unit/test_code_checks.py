@@ -185,6 +185,10 @@ def test_checks_are_in_files_tables_and_documents(bridge, tmp_path):
     [
         (["eurocode"], {}, "codes"),
         (["jra", 3], {}, "codes"),
+        (None, {}, "codes"),
+        ([], {}, "codes"),
+        ([["jra"]], {}, "codes"),
+        (["jra"], {"rotation": None}, "rotation"),
         (["jra"], {"rotation": 0.3}, "rotation"),
         (["jra"], {"rotation": math.nan}, "rotation"),
         (["jra"], {"rotation": "0.01 rad"}, "rotation"),
@@ -195,6 +199,8 @@ def test_checks_are_in_files_tables_and_documents(bridge, tmp_path):
 def test_bad_input(bridge, codes, options, key):
     with pytest.raises(tb.InputError, match=key):
         tb.check_bearings(bridge, codes, **options)
+    with pytest.raises(tb.InputError, match="no result of a bridge"):
+        tb.check_bearings(3)
 
 
 def test_codes_are_known_once():

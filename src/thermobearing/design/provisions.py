@@ -15,10 +15,11 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
-from thermobearing.border.units import NEWTON_PER_KILONEWTON
+from thermobearing.border.units import NEWTON_PER_KILONEWTON, is_number, one_or_several
 from thermobearing.core.records import Floats
 from thermobearing.design.peaks import PeakRule, counted, few_motions, mean_group
 from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.earthquake.measures import DIRECTION, DIRECTIONS
 from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.checks import (
@@ -45,7 +46,6 @@ Measure = Literal[
 LEVEL_1 = "level 1"  # begins the groups of motions of Level 1
 LARGEST_ROTATION, ZONES = 0.2, (1, 2, 3, 4)  # [rad]; of AASHTO
 ALL_WAYS = np.linspace(0.0, 0.5 * math.pi, 91)  # directions of a displacement in a plane [rad]
-DIRECTION, RESULTANT = "direction", "resultant"  # of a dataset of two components
 
 
 class _CodeCheck(Strict):
@@ -107,13 +107,13 @@ def load_codes(codes: Sequence[str], rotation: float = 0.0, zone: int = 4) -> li
     ['mean', 'mean of seven']
     """
     known: dict[str, _Code] = {code.name: code for code in _known().codes}
-    names = [codes] if isinstance(codes, str) else list(codes)
+    names = [str(name) for name in one_or_several(codes) or [""]]
     faults = [
-        f'codes: "{name}" must be "jra" or "aashto"{nearest(str(name), known)}'
+        f'codes: "{name}" must be "jra" or "aashto"{nearest(name, known)}'
         for name in names
         if name not in known
     ]
-    if isinstance(rotation, bool | str) or not 0.0 <= rotation <= LARGEST_ROTATION:
+    if not (is_number(rotation) and 0.0 <= rotation <= LARGEST_ROTATION):
         faults.append(f"rotation = {rotation!r}: must be 0 to {LARGEST_ROTATION:g} rad")
     if isinstance(zone, bool) or zone not in ZONES:
         faults.append(f"zone = {zone!r}: must be 1, 2, 3 or 4")
@@ -204,7 +204,7 @@ def _displacements(
     """
     name = "bearing_displacement_max"
     if DIRECTION in data.dims:
-        data = data.sel({DIRECTION: RESULTANT})
+        data = data.sel({DIRECTION: DIRECTIONS[-1]})
     every = counted(data, name, motions, rule, runs)
     found: dict[int | None, Any] = {None: every}
     for level in (1, 2):
@@ -258,6 +258,8 @@ def check_bearings(
     ['limit not available', 'OK', 'OK', 'OK', 'limit not available']
     """
     chosen = load_codes(codes, rotation, zone)
+    if not isinstance(result, EarthquakeResult):
+        raise InputError(f"{type(result).__name__} is no result of a bridge", "check_bearings()")
     if result.outcome != "completed":
         raise InputError(f"the analysis did not complete ({result.outcome}); no code is checked")
     case = validated(EarthquakeCase, tomllib.loads(result.dataset.attrs["case"]), "result")
@@ -290,9 +292,8 @@ def _rows(
     motions = dict(zip(dict.fromkeys(table["motion"]), case.motions, strict=True))
     for key, mine in table.groupby(labels, sort=False):
         name, ambient, *others = map(str, key)
-        directions = (
-            ALL_WAYS if DIRECTION in data.dims else ALL_WAYS[-1 if "y" in others else 0 :][:1]
-        )
+        alone = ALL_WAYS[-1:] if "y" in others else ALL_WAYS[:1]
+        directions = ALL_WAYS if DIRECTION in data.dims else alone
         shaken = [motions[motion] for motion in mine["motion"]]
         moved = _displacements(data, shaken, code.peaks, mine.index.to_numpy())
         for k, line in enumerate(names):
