@@ -61,6 +61,7 @@ PART_PANELS = (  # part, column, label
     ("pier", "displacement_max_mm", "pier displacement [mm]"),
     ("pier", "ductility", "pier ductility"),
 )
+ABOVE = 1.08  # upper end of an axis from zero, of the largest value
 PART_SPREAD = 0.9  # of the room of a part that its dots take
 SHOWN = {  # columns of the table of runs: label
     "bearing_strain_max": "bearing strain",
@@ -438,7 +439,7 @@ class EarthquakeFigures(Panels):
             ticks: drawing.Look = {"rotation": 30, "ha": "right", "rotation_mode": "anchor"}
             ax.set_xticks(range(len(names[part])), names[part], **ticks)
             ax.set_xlim(-0.6, len(names[part]) - 0.4)
-            ax.set_ylim(bottom=0.0)
+            ax.set_ylim(0.0, ABOVE * float(ax.dataLim.y1) or 1.0)  # of equal dots too
             ax.grid(False, axis="x")
             drawing.name_axes(ax, "", label)
         handles = [
