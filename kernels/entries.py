@@ -55,9 +55,9 @@ def _run_everything() -> None:
     soaked_hours(device, tb.Hourly([1.0, 2.0, 3.0]))
     constants = device.constants
     still, first = np.zeros(1, dtype=np.int32), np.ones(1, dtype=bool)
-    pair = Segment("recorded", "", np.ones((1, 2)), np.ones(1), still, first)
+    segment = Segment("recorded", "", np.ones((1, 2)), np.ones(1), still, first)
     run_segments(
-        constants, [pair], Ambient.constant(-20.0), np.full(len(constants.cells.capacity), -20.0)
+        constants, [segment], Ambient.constant(-20.0), np.full(len(constants.cells.capacity), -20.0)
     )
     line = Line(constants, np.full(len(constants.cells.capacity), -20.0))
     prepared, ground = prepare_structure(load_structure("pier-p1")), np.array([0.0, 1.0, 0.0])
@@ -68,8 +68,11 @@ def _run_everything() -> None:
     along = prepared.matrices
     both = {name: np.stack([getattr(along, name)] * 2, axis=-1) for name in ("load", "line_rows")}
     plan = replace(prepared, matrices=replace(along, **both))
+    pair = np.stack([ground] * 2, axis=-1)
     with suppress(Recorded):
-        run_structure(plan, [line], np.stack([ground] * 2, axis=-1), 0.01, np.zeros(2))
+        run_structure(plan, [line], pair, 0.01, np.zeros(2))
+    with suppress(Recorded):
+        run_lanes([Run(plan, [line], pair, 0.01, -20.0)])
 
 
 def record() -> dict[str, tuple[Any, ...]]:

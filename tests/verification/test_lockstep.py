@@ -5,12 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 
 from tests import tolerances as tol
 from tests.reference.lockstep import march_lanes
 from tests.verification.models import assembled, changed
 from tests.verification.structures import ground_of, real_bearing
+from tests.verification.test_structures_in_plan import eccentric_deck
 from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing, Scragging, TemperatureLaw
 from thermobearing.core import types
@@ -19,6 +20,7 @@ from thermobearing.core.march import march
 from thermobearing.core.records import rows
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks, with_shared_cells
+from thermobearing.structure.matrices import displacement_row
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import Line, StructureHistory, prepare_structure, run_structure
 
@@ -195,28 +197,59 @@ SCALES = {  # what the end of a run is a part of
 }
 
 
+def in_plan(run: Run) -> Run:
+    """The same with a second motion across, and a mass beside the bearings: it twists."""
+    prepared = prepare_structure(eccentric_deck())
+    other = 0.8 * ground_of("jra-ii-i-2", run.dt, run.dt * (len(run.ground) - 1))
+    ground = 0.5 * np.stack([run.ground, other], axis=-1)
+    return dataclasses.replace(run, prepared=prepared, lines=[*run.lines] * 4, ground=ground)
+
+
 @pytest.mark.thorough
-def test_bridges_in_lockstep_are_bridges_alone() -> None:
-    runs = shakes()
+@pytest.mark.parametrize("plan", [False, True])
+def test_bridges_in_lockstep_are_bridges_alone(plan: bool) -> None:
+    runs = [in_plan(run) for run in shakes()] if plan else shakes()
     together = run_lanes(runs)
     assert not any(one.alone for one in together)
-    bent = [float(one.hinges["rotation"][0]) for one in together]
-    yields = runs[0].prepared.structure.hinges[0].yield_rotation
-    assert min(bent) < yields < max(bent)
+    if not plan:
+        bent = [float(one.hinges["rotation"][0]) for one in together]
+        yields = runs[0].prepared.structure.hinges[0].yield_rotation
+        assert min(bent) < yields < max(bent)
     for run, found in zip(runs, together, strict=True):
         wanted = run_peaks(run)
         assert (found.outcome, found.steps) == (wanted.outcome, wanted.steps)
         known = list_numbers(wanted)
         for name, values in list_numbers(found).items():
             if not name.endswith(NOISE):
-                scale = np.abs(known[SCALES.get(name, name)])
+                scale = known[SCALES.get(name, name)]
+                if scale.shape != values.shape:  # components of a vector, and its peaks
+                    scale = scale[..., -1:]
                 apart = np.abs(values - known[name])
-                assert np.all(apart <= tol.LANE_PEAK * scale), name
+                assert np.all(apart <= tol.LANE_PEAK * np.abs(scale)), name
 
 
 def with_rows(run: Run) -> StructureHistory:
     air = np.full(len(run.ground) - 1, run.ambient)
     return run_structure(run.prepared, run.lines, run.ground, run.dt, air)
+
+
+def test_peaks_in_plan_are_those_of_the_rows() -> None:
+    """The largest of each component and of the resultant."""
+    run = in_plan(shakes(duration=8.0)[7])
+    found, history = run_peaks(run), with_rows(run)
+    assert (found.outcome, found.iterations) == (history.outcome, history.iterations)
+    for line in range(4):
+        for name in ("displacement", "force"):
+            values = np.asarray(history.bearing(line)[name])
+            size = np.hypot(values[:, 0], values[:, 1]).max()
+            assert_array_equal(found.lines[name][line, :2], np.abs(values).max(axis=0))
+            assert_allclose(found.lines[name][line, 2], size, rtol=tol.LOOP)
+    assert_array_equal(found.watches["displacement"][:, 0], np.abs(history.rows.q).max(axis=0))
+    place = displacement_row(run.prepared.structure, "deck", 0.0, 1e4, 5e3)[None]
+    watched = dataclasses.replace(run, places=place, carried=np.ones(1))
+    acceleration = np.einsum("tn,nc->tc", history.rows.a, place[0]) + run.ground
+    wanted = [*np.abs(acceleration).max(axis=0), np.hypot(*acceleration.T).max()]
+    assert_allclose(run_peaks(watched).watches["acceleration"][0], wanted, rtol=tol.LOOP)
 
 
 @pytest.mark.thorough

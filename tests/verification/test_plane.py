@@ -17,7 +17,6 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.core.hysteresis import plane_increment
-from thermobearing.core.lanes.memory import WIDTH, side_by_side
 from thermobearing.core.lead import core_force
 from thermobearing.core.plane import march_plane, step_plane
 from thermobearing.core.step import step
@@ -498,14 +497,12 @@ def test_what_is_for_a_line_only_is_refused(options: dict[str, Any]) -> None:
     assert " = ".join(*options.items()) in str(refused.value)
 
 
-def test_states_of_a_line_and_lockstep_are_refused() -> None:
+def test_states_of_a_line_are_refused() -> None:
     line, plane = tb.element(HDR), tb.element(HDR, components=2)
     with pytest.raises(tb.InputError, match="restore"):
         plane.restore(line.save())
     with pytest.raises(tb.InputError, match="components"):
         tb.element(HDR, components=3)
-    with pytest.raises(ValueError, match="plane"):
-        side_by_side([plane.state] * WIDTH)
 
 
 def test_plain_python_gives_the_same_numbers() -> None:

@@ -1,8 +1,7 @@
 """Coupled steps in a plane: the kernels of a line (step.py, march.py) with pairs for vectors.
 
 States and scratch come from `new_state` and `new_workspace` with two components. Explicit Euler,
-closed small loops and monotone hardening are for a line only (`line_only_options`), and so are
-runs in lockstep.
+closed small loops and monotone hardening are for a line only (`line_only_options`).
 """
 
 from collections.abc import Callable

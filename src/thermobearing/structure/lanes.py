@@ -18,7 +18,12 @@ from thermobearing.core.records import Floats, Ints, Rows, rows
 from thermobearing.core.types import COMPLETED, Books, Constants, SharedCells
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.structure.forces import Bearings, Kind, build_bearings, line_kinds, start_states
-from thermobearing.structure.newmark import lanes_march, peaks_march
+from thermobearing.structure.newmark import (
+    lanes_march,
+    peaks_march,
+    plane_lanes_march,
+    plane_march,
+)
 from thermobearing.structure.run import (
     BETA,
     GAMMA,
@@ -56,12 +61,14 @@ class Run:
 
     prepared: Prepared
     lines: Sequence[Line]  # one per bearing line of the structure
-    ground: Floats  # [steps + 1] acceleration at the ends of steps [mm/s2], linear between
+    # [steps + 1], or [steps + 1, 2] in plan: acceleration at the ends of steps [mm/s2], linear
+    # between
+    ground: Floats
     dt: float  # of the steps [s]
     ambient: float  # temperature [degC]
-    # [p, n] displacements to watch besides bearings and hinges, per coordinate; the coordinates
-    # themselves by default. [p] 1 for those that the ground carries, so that its acceleration is
-    # added; 0 (by default) for differences and rotations.
+    # [p, n], or [p, n, 2] in plan: displacements to watch besides bearings and hinges, per
+    # coordinate; the coordinates themselves by default. [p] 1 for those that the ground carries, so
+    # that its acceleration is added; 0 (by default) for differences and rotations.
     places: Floats | None = None
     carried: Floats | None = None
     method: Method = "average-acceleration"  # of Newmark
@@ -92,16 +99,22 @@ class Left(NamedTuple):
     hinges: Rows[HingePeak]
 
 
-def _no_rows(system: System, bearings: Bearings, count: int = 0) -> MotionRows:
-    """Return room for `count` rows in double precision, as lanes need it."""
-    none = room_for(system, bearings, count)
-    cells: Any = tuple(np.zeros((count, len(kind.lines), 0)) for kind in bearings)
-    return none._replace(cells=cells)
+def _no_rows(system: System, bearings: Bearings) -> MotionRows:
+    """Return no room for rows; in double precision, as lanes need it."""
+    cells: Any = tuple(np.zeros((0, len(kind.lines), 0)) for kind in bearings)
+    return room_for(system, bearings, 0)._replace(cells=cells)
 
 
 def _watched(run: Run) -> tuple[Floats, Floats]:
-    """Return the watched displacements, and which of them the ground carries."""
-    places = np.eye(len(run.prepared.matrices.load)) if run.places is None else run.places
+    """Return the watched displacements, and which of them the ground carries.
+
+    A coordinate in plan is watched as the first component of a vector.
+    """
+    load = run.prepared.matrices.load
+    places = run.places
+    if places is None:
+        places = np.zeros((len(load), *load.shape))
+        places.reshape(*places.shape[:2], -1)[..., 0] = np.eye(len(load))
     carried = np.zeros(len(places)) if run.carried is None else run.carried
     return (
         np.ascontiguousarray(places, dtype=np.float64),
@@ -114,8 +127,8 @@ def _empty_peaks(run: Run, system: System) -> Peaks:
     peaks = Peaks(
         places=places,
         carried=carried,
-        watches=rows(Watch, len(places)),
-        lines=rows(LinePeak, len(run.lines)),
+        watches=rows(Watch, len(places), components=system.load.ndim),
+        lines=rows(LinePeak, len(run.lines), components=system.load.ndim),
         hinges=rows(HingePeak, len(system.hinges)),
     )
     peaks.lines["rubber_temperature"] = COLDEST
@@ -137,7 +150,8 @@ def _stored_in(kinds: Sequence[tuple[Ints, Any]], lines: int) -> Floats:
 
 def _modelled_books(bearings: Bearings, lines: int) -> Rows[Books]:
     """Return the records of the modelled bearings of all lines [b]."""
-    found = rows(Books, lines)
+    components = bearings[0].states.books["displacement"].ndim - 1
+    found = rows(Books, lines, components=components)
     for kind in bearings:
         for m, line in enumerate(kind.lines):
             found[int(line)] = kind.states.books[m, 0]
@@ -200,12 +214,13 @@ def _marched(run: Run, kept: int) -> tuple[Left, Floats, int, int, MotionRows]:
     )
     motion, peaks = new_motion(system), _empty_peaks(run, system)
     air = np.full(len(run.ground) - 1, run.ambient)
-    shaking = Shaking(run.ground, float(run.dt), air, _none_kept(run))
+    shaking = Shaking(np.ascontiguousarray(run.ground), float(run.dt), air, _none_kept(run))
     stored = _stored_in([(kind.lines, kind.states) for kind in bearings], len(run.lines))
-    room = _no_rows(system, bearings, min(kept, 1))
+    room = room_for(system, bearings, min(kept, 1))
     if kept:
         shaking.keep[kept - 1] = True
-    done, _, outcome = peaks_march(
+    march = peaks_march if system.load.ndim == 1 else plane_march
+    done, _, outcome = march(
         system, bearings, motion, _build_scheme(run, HALVINGS), shaking, room, peaks
     )
     left = Left(bearings, motion.books, peaks.watches, peaks.lines, peaks.hinges)
@@ -263,7 +278,7 @@ def _likeness(run: Run) -> Any:
     """Return what runs in one lockstep have in common."""
     _check_method(run)
     matrices, constants = run.prepared.matrices, [line.constants for line in run.lines]
-    sizes = len(run.ground), len(matrices.load)
+    sizes = run.ground.shape, len(matrices.load)
     watched = None if run.places is None else len(run.places)
     moving = tuple(bool(line.speed != 0.0) for line in run.lines)
     kinds: list[Any] = []
@@ -335,7 +350,8 @@ class Company:
         places, carried = side_by_side([_watched(run) for run in filled])
         bearings = self._bearings(filled, starts, work)
         outcomes = aligned((1, WIDTH), np.float64)
-        done = lanes_march(
+        march = lanes_march if runs[0].ground.ndim == 1 else plane_lanes_march
+        done = march(
             self._once([self._system(run) for run in filled]),
             bearings,
             motion,

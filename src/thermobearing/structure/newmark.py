@@ -340,3 +340,29 @@ def lanes_march(
     ended = as_lanes(outcomes, WIDTH)
     ended[0] = outcome
     return done
+
+
+@compiled
+def plane_lanes_march(
+    system: System,
+    bearings: Bearings,
+    motion: Motion,
+    scheme: Scheme,
+    shaking: Shaking,
+    rows: MotionRows,
+    peaks: Peaks,
+    outcomes: Floats,
+) -> int:
+    """`lanes_march` of structures in plan."""
+    done, _, outcome = plane_march(
+        as_lanes(system, WIDTH),
+        as_lanes(bearings, WIDTH),
+        as_lanes(motion, WIDTH),
+        scheme,
+        as_lanes(shaking, WIDTH),
+        as_lanes(rows, WIDTH),
+        as_lanes(peaks, WIDTH),
+    )
+    ended = as_lanes(outcomes, WIDTH)
+    ended[0] = outcome
+    return done

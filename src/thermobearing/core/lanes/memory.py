@@ -33,29 +33,27 @@ def _lane_row(row: np.dtype[Any]) -> np.dtype[Any]:
     """The numpy type of a record with lanes in place of floats."""
     fields = []
     for name in row.names or ():
-        if row[name].shape:
-            raise ValueError("runs in a plane")
-        wide = row[name] == np.float64
-        fields.append((name, row[name], (WIDTH,)) if wide else (name, row[name]))
+        base, shape = row[name].base, row[name].shape
+        fields.append((name, base, (*shape, WIDTH) if base == np.float64 else shape))
     return np.dtype(fields)
 
 
 @cache
 def _has_numbers(row: np.dtype[Any]) -> bool:
     """Whether a record has whole numbers too."""
-    return any(row[name] != np.float64 for name in row.names or ())
+    return any(row[name].base != np.float64 for name in row.names or ())
 
 
 def _row_shape(row: np.dtype[Any]) -> tuple[int, ...]:
-    """Of the floats of one entry: one for each field of a record."""
-    return (len(row.names),) if row.names else ()
+    """Of the floats of one entry: one for each number of a record."""
+    return (row.itemsize // 8,) if row.names else ()
 
 
 def plain(own: Any) -> Any:
     """The floats of an array, those of a record along its last axis; not a copy."""
     if not own.dtype.names:
         return own
-    return own.reshape(-1).view(np.float64).reshape(*own.shape, len(own.dtype.names))
+    return own.reshape(-1).view(np.float64).reshape(*own.shape, *_row_shape(own.dtype))
 
 
 def _remade(given: T, parts: Sequence[Any]) -> T:
@@ -70,7 +68,7 @@ def side_by_side(parts: Sequence[T]) -> T:
 
     Raises
     ------
-    ValueError : they differ in shape, in a whole number or in a choice, or move in a plane.
+    ValueError : they differ in shape, in a whole number or in a choice.
     """
     first: Any = parts[0]
     every: Sequence[Any] = parts

@@ -59,7 +59,9 @@ def lane_kind(kind: Any, width: int) -> Any:
     if not isinstance(kind, types.Array):
         return kind
     if isinstance(kind.dtype, types.Record):
-        record = _viewed_record(kind.dtype, lambda _: LaneType(width), aligned=False)
+        record = _viewed_record(
+            kind.dtype, lambda one: _nested(one.shape[:-1], LaneType(width)), aligned=False
+        )
         return types.Array(record, kind.ndim, kind.layout, aligned=False)
     if kind.dtype != types.float64:
         return kind
@@ -68,9 +70,8 @@ def lane_kind(kind: Any, width: int) -> Any:
     return types.Array(LaneType(width), kind.ndim - 1, "C", aligned=False)
 
 
-def _nested(shape: tuple[int, ...]) -> Any:
+def _nested(shape: tuple[int, ...], kind: Any = types.float64) -> Any:
     """The type of a vector or a matrix."""
-    kind: Any = types.float64
     for count in reversed(shape):
         kind = types.UniTuple(kind, count)
     return kind
@@ -97,7 +98,10 @@ def plane_kind(kind: Any, shape: tuple[int, ...] = ()) -> Any:
             return kind
         record = _viewed_record(kind.dtype, lambda one: _nested(one.shape), aligned=True)
         return types.Array(record, kind.ndim, kind.layout)
-    return types.Array(_nested(shape), kind.ndim - len(shape), "C") if shape else kind
+    if not shape:
+        return kind
+    vectors = _nested(shape, kind.dtype)
+    return types.Array(vectors, kind.ndim - len(shape), "C", aligned=kind.aligned)
 
 
 def converted(context: Any, builder: Any, old: Any, value: Any, new: Any) -> Any:
