@@ -193,6 +193,11 @@ FACTORS: list[tuple[dict[str, Any], str]] = [
     ({"bearing": ["shen-hdr-bridge", "shen-hdr-bridge"]}, 'two have the name "shen-hdr-bridge"'),
     ({"motion": ["jra-ii-i-9999"]}, "factors.motion.levels[0]"),
     ({"structure": ["pier-p2"]}, "factors.structure.levels[0]"),
+    ({"structure": ["five-span-bridge"]}, '"five-span-bridge" is in plan'),
+    (
+        {"motion": {"levels": [{"name": "jra-ii-i-1", "across": "jra-ii-i-2"}], "matched": "II-I"}},
+        "single records can be matched",
+    ),
     ({"ambient": [23]}, "has no unit"),
     ({"scale": {"of": "intensity", "levels": [2]}}, "has no unit"),
     ({"scale": {"of": "intensity", "levels": ["2 m"]}}, "factors.scale.levels[0]"),

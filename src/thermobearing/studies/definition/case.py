@@ -259,6 +259,11 @@ def _study_faults(study: Study) -> list[str]:
         faults.append("case.laboratory.mode: a study has one mode")
     if study.case.specimen is not None:
         faults.append("case.laboratory.specimen: a study is calculated; leave it out")
+    faults += [
+        f'factors.structure: "{one.name}" is in plan; a study has structures in one direction'
+        for one in factors.structure.levels
+        if one.plan
+    ]
     keys: dict[tuple[str, str], list[str]] = {}
     for name in factors.numbers:
         keys.setdefault(spelled(name), []).append(name)
