@@ -183,9 +183,12 @@ def _compared_table(summary: Summary) -> Table:
     columns.append(Quantity("Difference"))
     for cell, row in zip(cells, rows, strict=True):
         cell.append(row["difference"])
-    band = summary["samples"] > 1
     note = (
-        f"{'In brackets: 5 to 95 % of the samples' if band else 'One bearing has no interval'}. "
+        "In brackets: 5 to 95 % of the samples. "
+        if summary["samples"] > 1
+        else "One bearing has no interval; samples of a posterior give one. "
+    )
+    note += (
         "Difference: first cycle from the nearest factor of a code. Codes: divided by their factor "
         "at the reference temperature and linear between their temperatures; K_eq and h_eq of the "
         "bilinear loop with their factors of Q_d and K_d. "

@@ -6,11 +6,10 @@ them, and `validate` uses them too.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
@@ -32,10 +31,12 @@ from thermobearing.report.pieces import (
     Trace,
 )
 from thermobearing.report.words import counted, degrees, joined, number, percent, quantity, tidy
-from thermobearing.results import drawing
 from thermobearing.results.directory import IDENTIFIED
 from thermobearing.results.ranges import MARKED, parted
 from thermobearing.results.saved import SavedResult
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Row = Mapping[Any, Any]
 STRONG = 0.9  # correlation that is reported
@@ -526,7 +527,9 @@ def _certified_range(bearing: Row, warnings: int) -> list[str]:
 def _certified_loops(saved: SavedResult) -> ReportFigure:
     """Return the loops of tests and model, in panels side by side."""
 
-    def _draw() -> Figure:
+    def _draw() -> "Figure":
+        from thermobearing.results import drawing
+
         records = saved.summary["records"]
         groups = list(saved["fit"].groupby("record", sort=False))[:3]
         figure, axes = drawing.panels(1, len(groups), (7.0, 1.6), "")
