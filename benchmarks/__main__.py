@@ -20,6 +20,7 @@ ITEMS = {
     "numpy_stepper": "Speed",
     "opensees": "Speed",
     "structure": "Speed",
+    "whole_bridge": "Speed",
     "study": "Studies",
     "lockstep": "Speed",
     "bearing_lines": "Waiting",

@@ -276,7 +276,7 @@ def check_bearings(
         rows += found
     attributes = {"bearing_checks": as_attribute(rows), "warnings": as_attribute(said)}
     checked = EarthquakeResult(result.dataset.assign_attrs(attributes))
-    checked.compared = result.compared
+    checked.compared, checked.one_component = result.compared, result.one_component
     return checked
 
 

@@ -251,8 +251,8 @@ def _combined(x: Floats, y: Floats) -> dict[str, Floats]:
     The larger one; 100 % of one with 30 % of the other, whichever resultant is larger; the square
     root of the sum of squares.
     """
-    rule = np.fmax(np.hypot(x, RULE * y), np.hypot(RULE * x, y))
-    return {"x": x, "y": y, "larger": np.fmax(x, y), "rule": rule, "srss": np.hypot(x, y)}
+    rule = np.maximum(np.hypot(x, RULE * y), np.hypot(RULE * x, y))
+    return {"x": x, "y": y, "larger": np.maximum(x, y), "rule": rule, "srss": np.hypot(x, y)}
 
 
 def components_frame(result: "EarthquakeResult") -> pd.DataFrame:
@@ -261,7 +261,8 @@ def components_frame(result: "EarthquakeResult") -> pd.DataFrame:
     Columns: bearing, motion, ambient_degC, quantity (column of the table of runs), combination (x,
     y: the peak of that direction; larger, rule, srss of both, compared with the resultant),
     one_component, two_components, two_over_one. Of hinges and temperatures only the larger one is
-    compared with that of two components. Empty without `result.one_component`.
+    compared with that of two components. Runs that ended early are left out. Empty without
+    `result.one_component`.
     """
     if result.one_component is None:
         return pd.DataFrame()
@@ -270,9 +271,11 @@ def components_frame(result: "EarthquakeResult") -> pd.DataFrame:
     apart = {name: _peaks_by_run(one.sel(direction=name), keys) for name in one.directions}
     runs, none = two["x"].index, pd.DataFrame(columns=two["x"].columns, dtype=float)
     x, y = (apart.get(name, none).reindex(runs) for name in DIRECTIONS[:2])
+    still = ~runs.isin(apart["y"].index) if "y" in apart else np.ones(len(runs), dtype=bool)
+    y.loc[still, list(COMPARED_PEAKS)] = 0.0  # no motion across the bridge
     parts = []
     for name in COMPARED_PEAKS:
-        found = _combined(x[name].to_numpy(float), y[name].fillna(0.0).to_numpy(float))
+        found = _combined(x[name].to_numpy(float), y[name].to_numpy(float))
         if name.startswith("pier_ductility"):
             found = {key: found[key] for key in ("x", "y", "larger")}
         elif name.endswith("_K"):
@@ -291,7 +294,11 @@ def components_frame(result: "EarthquakeResult") -> pd.DataFrame:
 
 
 def _peaks_by_run(result: "EarthquakeResult", keys: list[str]) -> pd.DataFrame:
-    return pd.concat([result.table, result.largest_rises()], axis=1).set_index(keys)
+    table = pd.concat([result.table, result.largest_rises()], axis=1).set_index(keys)
+    peaks = list(COMPARED_PEAKS)
+    table[peaks] = table[peaks].astype(float)
+    table.loc[table["outcome"] != "completed", peaks] = np.nan
+    return table
 
 
 def components_summary(frame: pd.DataFrame) -> pd.DataFrame:
