@@ -143,6 +143,28 @@ def test_a_line_in_a_plane_is_along_x() -> None:
             wrong()
 
 
+@pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge"])
+def test_a_pier_in_plan_hands_over_both_directions(name: str) -> None:
+    """An earthquake, a test that unloads the bearing where it was left, an earthquake."""
+    plan = tb.load_structure("pier-p1").model_copy(update={"plan": True})
+    pair = tb.MotionPair(tb.load_motion("jra-ii-i-1"), tb.load_motion("jra-ii-i-2"))
+    options: dict[str, Any] = {"structure": plan, "keep": tb.Keep(every=1)}
+    first = tb.bridge(name, pair, -20.0, duration=4.0, **options)
+    left = end_state(first, name)
+    assert left.across is not None
+    x, y = left.displacement, left.across.displacement
+    assert min(abs(x or 0.0), abs(y)) > 1.0
+    test = tb.run(name, ([0.0, 20.0, 25.0], [x, x, 0.0], [y, y, 0.0]), -20.0, initial=first)
+    assert_array_equal(test["force"].values[0, 0], [left.force, left.across.force])
+    assert_array_equal(test["temperature"].values[0, 0], np.float32(left.temperature))
+    last = tb.bridge(name, pair, -20.0, duration=2.0, initial=test, **options)
+    assert last.outcome == "completed"
+    assert_allclose(last["bearing_force"].values[0, 0, :2], test["force"].values[0, -1], rtol=1e-7)
+    assert last.energy["mechanical_residual"].abs().max() < tol.ENERGY_BOOKS
+    with pytest.raises(tb.InputError, match="of a test in a plane"):
+        tb.bridge(name, pair.first, -20.0, duration=1.0, initial=test)
+
+
 REFUSED = {
     "another bearing": ({"bearing": "shen-lhdr-specimen"}, "not of this"),
     "another stack": ({"stack": "full"}, "temperatures, but the model has 37 cells"),

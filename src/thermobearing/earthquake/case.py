@@ -402,8 +402,6 @@ class EarthquakeCase(Strict):
             found.append(f'two need a structure with plan = true; "{self.structure.name}" has none')
         if self.analysis.method == "predictor-corrector":
             found.append('analysis.method = "predictor-corrector" is for one')
-        if self.initial_state is not None:
-            found.append("an initial state is that of a bearing on a line")
         options = [
             name
             for bearing in self._all_bearings()
@@ -423,7 +421,8 @@ class EarthquakeCase(Strict):
             return ["initial_state: goes with neither weather nor the bilinear model"]
         if self.lines:
             return ["initial_state: goes with no lines of their own"]
-        fault = misfit(self.initial_state, build_model(bearing, self.analysis).constants)
+        constants = build_model(bearing, self.analysis).constants
+        fault = misfit(self.initial_state, constants, self.components)
         return [f"initial_state: {fault}"] if fault else []
 
     def count_steps(self, motion: GroundMotion | MotionPair) -> tuple[int, float]:

@@ -17,6 +17,7 @@ from thermobearing.cyclic.case import beyond, rig_demand
 from thermobearing.cyclic.dataset import depth_attributes, stack_labels
 from thermobearing.cyclic.protocol import lengths
 from thermobearing.cyclic.reported import heat_flow
+from thermobearing.cyclic.result import COMPONENT
 from thermobearing.earthquake import measures
 from thermobearing.earthquake.case import EarthquakeCase, in_weather
 from thermobearing.earthquake.measures import DIRECTION
@@ -69,9 +70,12 @@ def _last_lead(task: "Task", end: Any) -> float:
 def _labelled_ends(
     case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> dict[str, Any]:
-    """Return the states at the end of all runs as variables; none in plan or of several lines."""
+    """Return the states at the end of all runs as variables; nothing of several bearing lines.
+
+    In plan with one component they are those of the runs in each direction.
+    """
     warm = [task.device.stack is not None for task in tasks]
-    if not any(warm) or len(tasks[0].case.structure.bearings) > 1 or case.structure.plan:
+    if not any(warm) or len(case.structure.bearings) > 1:
         return {}
     ends: list[dict[str, Any]] = []
     for task, history, has_heat in zip(tasks, histories, warm, strict=True):
@@ -85,14 +89,13 @@ def _labelled_ends(
     dims |= {key: handover.DIMENSIONS.get(key) for key in memory}
     data: dict[str, Any] = {}
     for key, dimension in dims.items():
-        parts = [np.atleast_1d(end.get(key, np.nan)) for end in ends]
-        stacked = padded(parts, (max(len(part) for part in parts),), float)
+        wide = [COMPONENT] * (case.components > 1 and key in handover.ACROSS)
+        dims = ["run", *([] if dimension is None else [dimension]), *wide]
+        parts = [np.asarray(end.get(key, np.full([0] * (len(dims) - 1), np.nan))) for end in ends]
+        stacked = padded(parts, tuple(np.max([part.shape for part in parts], axis=0)), float)
         name = handover.PREFIX + key if key in memory else key
-        about = quantity(name).attributes
-        if dimension is None:
-            data[name] = (("run",), stacked[:, 0], about)
-        elif stacked.size:
-            data[name] = (("run", dimension), stacked, about)
+        if stacked.size:
+            data[name] = (dims, stacked, quantity(name).attributes)
     return data
 
 
@@ -103,7 +106,7 @@ def padded(parts: Sequence[Floats], shape: tuple[int, ...], dtype: Any = np.floa
         inside = tuple(slice(0, size) for size in part.shape)
         if part.shape != shape:
             stacked[run] = np.nan
-        stacked[run][inside] = part
+        stacked[(run, *inside)] = part
     return stacked
 
 

@@ -207,7 +207,9 @@ def run_task(task: Task) -> StructureHistory:
         keep_cells="cells" in case.analysis.keep,
     )
     if case.initial_state is not None and case.initial_state.zero:
-        history.rows.bearings["displacement"][:] -= case.initial_state.zero
+        along = history.rows.bearings["displacement"]
+        along = along[..., 0] if case.components > 1 else along
+        along -= case.initial_state.zero
     if history.outcome != COMPLETED:
         return history if outside is None else replace(history, note=outside.note)
     moved = [largest(lengths(history.bearing(b)["displacement"])) for b in range(len(task.lines))]
@@ -221,7 +223,7 @@ def lines_to_shake(task: Task) -> list[Line]:
     case, lab = task.case, task.case.laboratory
     begun = None
     if case.initial_state is not None:
-        begun = begun_from(case.initial_state, task.device.constants)
+        begun = begun_from(case.initial_state, task.device.constants, components=case.components)
     return [
         Line(
             one.device.constants,

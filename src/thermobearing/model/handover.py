@@ -244,7 +244,7 @@ def misfit(given: SpecimenState, constants: Constants, components: int = 1) -> s
     """Return why a bearing cannot start from this state; empty if it can."""
     if given.across is not None and components == 1:
         return (
-            "is of a test in a plane; continue in a plane (along x: a recorded history with "
+            "is of a test in a plane; continue in a plane (a test along x: a recorded history with "
             "displacement_y_mm = 0), or give its temperatures alone"
         )
     layer_count = len(constants.multiplicity)
