@@ -4,11 +4,8 @@ import json
 import subprocess
 import sys
 import time
-from itertools import permutations
-from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 import thermobearing as tb
 from benchmarks.rows import Row, at_least, at_most, failed, plain
@@ -25,7 +22,6 @@ from thermobearing.structure.run import Line, prepare_structure, run_structure
 STRUCTURE, BEARING, MOTION, LINE = "pier-p1", "shen-lhdr-bridge", "jra-ii-i-1", 5
 DT, DURATION, AMBIENT = 0.005, 40.0, -20.0
 LIMIT_MS, LIMIT_RATIO, LIMIT_STUDY = 40.0, 100.0, 6.0
-WHOLE, LIMIT_WHOLE = "five-span-bridge", 30.0
 LIMIT_PLAN = 2.2  # of the time in one direction
 PLAN = "pier P1 on LHDR in plan with two components, over the same in one direction"
 ACROSS = "jra-ii-i-2"
@@ -54,32 +50,13 @@ def one_analysis(*, plan: bool = False) -> float:
     return 1e3 * times[0]
 
 
-def study(**keys: Any) -> tuple[float, int]:
-    """Wall time of a study on all cores, without figures and files [s]; its runs.
-
-    Of the default study, or of other keys of its case. BLAS has one thread, as in the command.
-    """
-    case = make_earthquake_case({"command": "bridge"}, "bench", **keys)
-    with threadpool_limits(1):
-        run_earthquake(case)
-        begin = time.perf_counter()
-        result = run_earthquake(case)
-        return time.perf_counter() - begin, result.runs
-
-
-def whole_bridge() -> Row:
-    """Measure a bridge of six lines in both directions: 4 pairs, 3 temperatures, 2 bearings."""
-    records = [load_motion(f"jra-ii-i-{number}") for number in (1, 2, 3)]
-    pairs = [tb.MotionPair(*two) for two in list(permutations(records, 2))[:4]]
-    wall, runs = study(
-        structure=WHOLE,
-        motions=pairs,
-        bearings=["shen-hdr-bridge", "shen-lhdr-bridge"],
-        ambient=[-20.0, 0.0, 23.0],
-        components=2,
-    )
-    what = f"{WHOLE} with two components, {runs} runs of 50 s, two cores"
-    return at_most(what, wall, LIMIT_WHOLE, "s")
+def study() -> tuple[float, int]:
+    """Wall time of the default study on all cores, without figures and files [s]; its runs."""
+    case = make_earthquake_case({"command": "bridge"}, "bench")
+    run_earthquake(case)
+    begin = time.perf_counter()
+    result = run_earthquake(case)
+    return time.perf_counter() - begin, result.runs
 
 
 def rows() -> list[Row]:
@@ -90,7 +67,6 @@ def rows() -> list[Row]:
         at_most("pier P1 on LHDR, 40 s, 8000 steps of 5 ms, one core", ours, LIMIT_MS, "ms"),
         at_most(PLAN, plan / ours, LIMIT_PLAN, "", f"{plan:.0f} ms"),
         at_most(f"default bridge study, {runs} runs, two cores", wall, LIMIT_STUDY, "s"),
-        whole_bridge(),
     ]
     command = [sys.executable, "-m", "benchmarks.opensees_pier_model"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

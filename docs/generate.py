@@ -57,7 +57,6 @@ BENCH_SHOWN = (
     "pier P1 on LHDR, 40 s, 8000 steps of 5 ms, one core",
     "coupled step in a plane, circle, shen-hdr-specimen, over one on a line",
     "pier P1 on LHDR in plan with two components, over the same in one direction",
-    "five-span-bridge with two components, 24 runs of 50 s, two cores",
     "OpenSees, pier P1 on LeadRubberX with lead heating",
 )
 
