@@ -90,12 +90,12 @@ def _labelled_ends(
     data: dict[str, Any] = {}
     for key, dimension in dims.items():
         wide = [COMPONENT] * (case.components > 1 and key in handover.ACROSS)
-        dims = ["run", *([] if dimension is None else [dimension]), *wide]
-        parts = [np.asarray(end.get(key, np.full([0] * (len(dims) - 1), np.nan))) for end in ends]
+        axes = [*([] if dimension is None else [dimension]), *wide]
+        parts = [np.asarray(end.get(key, np.full([0] * len(axes), np.nan))) for end in ends]
         stacked = padded(parts, tuple(np.max([part.shape for part in parts], axis=0)), float)
         name = handover.PREFIX + key if key in memory else key
         if stacked.size:
-            data[name] = (dims, stacked, quantity(name).attributes)
+            data[name] = (["run", *axes], stacked, quantity(name).attributes)
     return data
 
 
@@ -103,10 +103,10 @@ def padded(parts: Sequence[Floats], shape: tuple[int, ...], dtype: Any = np.floa
     """Return tables of several runs as one, of that shape each, with NaN where a table ends."""
     stacked = np.empty((len(parts), *shape), dtype=dtype)
     for run, part in enumerate(parts):
-        inside = tuple(slice(0, size) for size in part.shape)
         if part.shape != shape:
             stacked[run] = np.nan
-        stacked[(run, *inside)] = part
+        place: tuple[int | slice, ...] = (run, *(slice(0, size) for size in part.shape))
+        stacked[place] = part
     return stacked
 
 
