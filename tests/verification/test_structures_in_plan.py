@@ -13,7 +13,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import to_table
 from thermobearing.core.types import Floats
-from thermobearing.structure.matrices import build_matrices, displacement_row
+from thermobearing.structure.matrices import build_matrices, displacement_row, line_stiffness
 from thermobearing.structure.model import DIRECTIONS, Structure, along, load_structure
 from thermobearing.structure.report import EFFECTIVE_MASSES
 from thermobearing.structure.result import examine_structure
@@ -166,6 +166,8 @@ def test_mass_matrix_is_the_kinetic_energy_of_points() -> None:
     assert_allclose(0.5 * rates @ matrices.mass @ rates, energy, rtol=tol.LOOP)
     assert_allclose(-(rates @ matrices.load), momentum, rtol=tol.LOOP)
     assert_allclose(matrices.mass, matrices.mass.T)
+    shares = examine_structure(structure).table[list(EFFECTIVE_MASSES)]
+    assert_allclose(shares.sum(), 1.0, rtol=1e-9)
 
 
 def test_stretches_and_hinges_in_plan() -> None:
@@ -184,6 +186,10 @@ def test_stretches_and_hinges_in_plan() -> None:
     wanted = [named[f"pier rotation {way}"] - named[f"footing rotation {way}"] for way in "xy"]
     assert_allclose(matrices.hinge_rows @ q, wanted)
     assert displacement_row(structure, "ground", 5.0).shape == (len(q), 2)
+    each = np.array([1.0, 3.0])  # kN/mm, of one of five bearings
+    stretches = np.tensordot(matrices.line_rows, q, (1, 0))
+    energy = 0.5 * 5.0 * each @ np.square(stretches).sum(axis=1)
+    assert_allclose(0.5 * q @ line_stiffness(structure, matrices, each) @ q, energy)
 
 
 def test_a_symmetric_structure_has_the_modes_of_one_direction() -> None:
@@ -265,6 +271,7 @@ def test_the_whole_bridge_moves_like_pier_p1(measured: Recorder) -> None:
     """
     bridge, pier = load_structure("five-span-bridge"), load_structure("pier-p1")
     lines = [line for line in bridge.bearings if line.base != "ground"]
+    assert [bridge.point(line)[0] for line in lines] == [4e4, 8e4, 12e4, 16e4]
     deck = bridge.masses[0].model_copy(update={"mass": len(lines) * pier.masses[0].mass})
     changes = {"bearings": lines, "masses": [deck, *bridge.masses[1:]]}
     alone = along(bridge.model_copy(update=changes), "x")
