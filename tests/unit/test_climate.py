@@ -436,10 +436,12 @@ def test_consecutive_cold_days() -> None:
 def test_a_typical_year_has_one_winter_and_no_return_period() -> None:
     days = np.full((365, 24), 10.0)
     days[:2] = days[-3:] = -12.0  # a cold spell over the turn of the year
+    days[331:338] = -12.0  # another one, over the first of December, the coldest month
     year = tb.Hourly(days.ravel(), begins=np.datetime64("2001-01-01T00"), recurs=True)
     found = find_cold(year)
     assert (found.winters, found.return_period, found.design_temperature) == (1, None, -12.0)
-    assert found.cold_days["run_longest_days"].tolist() == [5, 5, 5]
+    assert found.cold_days["run_longest_days"].tolist() == [7, 7, 7]
+    assert found.cold_days["days_per_year"].tolist() == [12.0] * 3
     with pytest.raises(tb.InputError, match="needs a complete year"):
         find_cold(tb.Hourly(days[:200].ravel(), begins=np.datetime64("2001-01-01T00")))
     with pytest.raises(tb.InputError, match="from 2 to 1000 years"):

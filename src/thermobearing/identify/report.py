@@ -31,6 +31,7 @@ from thermobearing.report.pieces import (
     Trace,
 )
 from thermobearing.report.words import counted, degrees, joined, number, percent, quantity, tidy
+from thermobearing.results.base import COMPLETED
 from thermobearing.results.directory import IDENTIFIED
 from thermobearing.results.ranges import MARKED, parted
 from thermobearing.results.saved import SavedResult
@@ -454,8 +455,9 @@ def build_certificate(saved: SavedResult) -> Pieces:
     summary = saved.summary
     if saved.command != "identify" or "parameters" not in summary:
         raise InputError("only a calibration (`identify`) has a certificate", str(saved.path))
-    if summary["outcome"] != "completed":
-        why = f"{summary['outcome'].replace('_', ' ')}: {summary['sentence']}"
+    outcome = str(summary["outcome"])
+    if outcome != COMPLETED:
+        why = f"{outcome.replace('_', ' ')}: {summary['sentence']}"
         raise InputError(f"there is no certificate of this calibration ({why})", str(saved.path))
     bearing, _ = split_sources(read_toml(saved.path / IDENTIFIED))
     named = {**bearing, "name": summary["bearing"]}
