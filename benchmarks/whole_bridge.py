@@ -53,8 +53,7 @@ def rows() -> list[Row]:
 def table() -> str:
     """Return two components over one at a time: mean, lowest and highest of the motions."""
     result, one = _study(2)[0], _study(1)[0]
-    result.one_component = one
-    rows = components_summary(components_frame(result))
+    rows = components_summary(components_frame(result, one))
     lines = ["| | " + " | ".join(SHOWN) + " |", "|---" * (len(SHOWN) + 1) + "|"]
     for (bearing, ambient), mine in rows.groupby(["bearing", "ambient_degC"], sort=False):
         found = mine.set_index(["quantity", "combination"])[["mean", "min", "max"]]

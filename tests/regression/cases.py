@@ -61,6 +61,9 @@ WRITTEN = {
     "hybrid-slow": "hybrid laboratory.toml",
     "sequence": "sequence sequence.toml",
     "bridge-lines": "bridge lines.toml",
+    "bridge-plan": f"bridge --structure five-span-bridge --bearing {LEAD_BRIDGE} "
+    "--motion jra-ii-i-1 --across jra-ii-i-2 --angle 30deg --ambient -20 --duration 3 "
+    "--components 1 --components 2",
     "structures-show": "structures show pier-p1 --fixed-base",
     "motions-show": "motions show station.NS --baseline",
     "motions-spectrum": "motions spectrum shake.csv --type II --ground II --damping 0.1",

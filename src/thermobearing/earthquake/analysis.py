@@ -23,13 +23,15 @@ from thermobearing.earthquake.case import (
     make_earthquake_case,
 )
 from thermobearing.earthquake.motions import Motion
-from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.result import COMPONENTS, EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
+from thermobearing.earthquake.tables import components_frame
 from thermobearing.model.earlier import REFERENCE, Model, models_that_fit
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelKeywords, ModelOptions, model_table
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
+from thermobearing.results.writing import as_attribute
 from thermobearing.structure.model import DampingKind, MassModel, Structure
 from thermobearing.structure.run import Method
 
@@ -347,6 +349,8 @@ def compare_components(
     if faults:
         raise InputError(faults, case.command)
     found, one = (run_earthquake(own, executor=executor, progress=progress) for own in cases)
+    rows = as_attribute(components_frame(found, one).to_dict("records"))
+    found = EarthquakeResult(found.dataset.assign_attrs({COMPONENTS: rows}))
     found.one_component = one
     return found
 

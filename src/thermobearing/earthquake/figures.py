@@ -30,7 +30,7 @@ from thermobearing.earthquake.panels import (
     part_names,
     select_part,
 )
-from thermobearing.earthquake.tables import COMBINATIONS, components_frame
+from thermobearing.earthquake.tables import COMBINATIONS
 from thermobearing.quantities.register import quantity
 from thermobearing.results import drawing
 from thermobearing.results.profiles import draw_profile_panels
@@ -582,7 +582,7 @@ class EarthquakeFigures(Panels):
         A row of panels for each bearing: each direction, and the resultant over the larger of both
         one-directional peaks, over 100 % of one with 30 % of the other, and over their SRSS.
         """
-        frame = components_frame(self._result)
+        frame = self._result.components
         names = [name for name in COMBINATIONS if name in set(frame["combination"])]
         peaks = list(dict.fromkeys(frame["quantity"]))
         figure, cells = self._grid(
@@ -615,7 +615,7 @@ class EarthquakeFigures(Panels):
         of_all = (*OF_RESULTANT, "comparison") if result.in_plan else ()
         found = {name: draw for name, draw in found.items() if name in of_all}
         found |= {"orbit": self.orbit} if result.in_plan else {}
-        found |= {"components": self.components} if result.one_component is not None else {}
+        found |= {"components": self.components} if len(result.components) else {}
         for way in result.directions:
             own = result.sel(direction=way).plot.draw_all()
             found |= {f"{name}_{way}": draw for name, draw in own.items() if name not in found}

@@ -28,6 +28,7 @@ from thermobearing.results.writing import write_csv, write_dataset
 LARGEST_DAMPING_SHARE = 0.25
 # Of the input, either way: a delay of 5 ms comes to 3 % in the default hybrid test.
 LARGEST_ACTUATOR_SHARE = 0.05
+COMPONENTS = "components"  # attribute of a dataset: rows that compare two components with one
 LABELS = ("bearing", "motion", "ambient", "mode", DIRECTION)  # of a run
 RUN = dict(zip(LABELS, measures.KEYS, strict=True))
 HISTORY = {  # columns of a history: name in the dataset
@@ -74,7 +75,7 @@ class EarthquakeResult(DatasetResult):
         and a verdict in summary.json to what is shown and saved.
     one_component : EarthquakeResult, optional
         Result of the same analysis with one component of the ground motion at a time, from
-        `compare_components`; adds a table, a figure and components.csv.
+        `compare_components`; not saved, as `components` is.
     """
 
     _figures = "EarthquakeFigures"
@@ -160,6 +161,15 @@ class EarthquakeResult(DatasetResult):
     def modes(self) -> list[str]:
         """Mode of the laboratory of each run; empty without one."""
         return [str(mode) for mode in self.dataset["mode"].values]
+
+    @property
+    def components(self) -> pd.DataFrame:
+        """Peaks with two components of the ground motion over those with one at a time, if known.
+
+        One row per run, quantity and combination of the one-directional peaks: x, y, the larger
+        one, 100 % of one with 30 % of the other (rule), the root of the sum of squares (srss).
+        """
+        return self._rows(COMPONENTS)
 
     @property
     def in_plan(self) -> bool:
@@ -514,8 +524,8 @@ class EarthquakeResult(DatasetResult):
         compared: dict[str, Any] = {}
         if self.compared:
             compared["verdict"] = tables.verdict(tables.comparison_table(self.compared))
-        if self.one_component is not None:
-            rows = tables.components_summary(tables.components_frame(self))
+        if len(self.components):
+            rows = tables.components_summary(self.components)
             compared["two_components_over_one"] = rows.to_dict("records")
         return {
             "command": attrs["command"],
@@ -539,7 +549,7 @@ class EarthquakeResult(DatasetResult):
         write_csv(folder / directory.TABLE, self.table)
         others = {directory.MODES: self.modes_table}
         others |= {directory.DIRECTIONS: self.by_direction()} if self.in_plan else {}
-        others[directory.COMPONENTS] = tables.components_frame(self)
+        others[directory.COMPONENTS] = self.components
         others[directory.ROTATION] = tables.rotation_measures_frame(self)
         others[directory.LINES] = self.by_direction("lines")
         others[directory.PIERS] = self.by_direction("piers")

@@ -255,18 +255,15 @@ def _combined(x: Floats, y: Floats) -> dict[str, Floats]:
     return {"x": x, "y": y, "larger": np.maximum(x, y), "rule": rule, "srss": np.hypot(x, y)}
 
 
-def components_frame(result: "EarthquakeResult") -> pd.DataFrame:
+def components_frame(result: "EarthquakeResult", one: "EarthquakeResult") -> pd.DataFrame:
     """Return two components of the ground motion compared with one at a time, a row for each peak.
 
     Columns: bearing, motion, ambient_degC, quantity (column of the table of runs), combination (x,
     y: the peak of that direction; larger, rule, srss of both, compared with the resultant),
     one_component, two_components, two_over_one. Of hinges and temperatures only the larger one is
-    compared with that of two components. Runs that ended early are left out. Empty without
-    `result.one_component`.
+    compared with that of two components. Runs that ended early are left out.
     """
-    if result.one_component is None:
-        return pd.DataFrame()
-    keys, one = list(KEYS[:3]), result.one_component
+    keys = list(KEYS[:3])
     two = {name: _peaks_by_run(result.sel(direction=name), keys) for name in DIRECTIONS}
     apart = {name: _peaks_by_run(one.sel(direction=name), keys) for name in one.directions}
     runs, none = two["x"].index, pd.DataFrame(columns=two["x"].columns, dtype=float)
@@ -310,7 +307,7 @@ def components_summary(frame: pd.DataFrame) -> pd.DataFrame:
 
 def _components_table(result: "EarthquakeResult") -> Table:
     """Return the mean ratios of two components to one at a time; empty without both."""
-    frame = components_frame(result)
+    frame = result.components
     caption = "Two components of the ground motion over one at a time, mean over the motions"
     if not len(frame):
         return make_table(frame, caption=caption)
