@@ -291,7 +291,7 @@ def rotation_frame(
 ) -> pd.DataFrame:
     """Return RotD50 and RotD100 of peaks over the angles of each motion at several angles.
 
-    `runs` has a row for each run, `labels` are its columns that tell runs of a motion apart,
+    `runs` has a row for each run, `labels` are its columns that distinguish runs of a motion,
     `names` those of peaks. A peak of which an angle failed is NaN. Columns of the result: the
     labels, motion (without the angle), angles (their number), measure, peaks.
     """

@@ -98,7 +98,7 @@ class MotionResult(Result):
 
     @property
     def records(self) -> list[str]:
-        """What tells the records of a pair apart: components, names, or their order."""
+        """Words that distinguish the records of a pair: components, names, or their order."""
         if self.across is None:
             return []
         both = [self.motion, self.across.motion]
