@@ -20,6 +20,7 @@ from thermobearing.laws import find_law, laws_to_apply
 
 LawCelsius = Annotated[float, in_unit("degC"), Field(ge=-150, le=300)]
 Factor = Annotated[float, Field(ge=1e-3, le=1e3)]
+LawNumber = Annotated[float, Field(ge=-1e12, le=1e12)]  # has the limits of its law besides
 Factors = Annotated[list[Factor], Field(min_length=2, max_length=100)]
 
 
@@ -52,7 +53,7 @@ class TemperatureLaw(Strict):
     elastic: Factors | None = None
     hysteretic: Factors | None = None
     law: Name | None = None
-    parameters: dict[str, float] | None = None
+    parameters: dict[str, LawNumber] | None = None
 
     @classmethod
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
@@ -108,7 +109,7 @@ class HysteresisLaw(Strict):
     """
 
     law: Name
-    parameters: dict[str, float] | None = None
+    parameters: dict[str, LawNumber] | None = None
 
 
 TEMPERATURE_COEFFICIENTS = ("elastic_temperature_coefficient", "hysteretic_temperature_coefficient")
