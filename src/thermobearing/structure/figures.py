@@ -20,7 +20,7 @@ from matplotlib.transforms import Bbox
 from thermobearing.core.records import Floats
 from thermobearing.results import drawing
 from thermobearing.structure.matrices import displacement_row, mean_height
-from thermobearing.structure.model import GROUND, Structure
+from thermobearing.structure.model import GROUND, Mass, Spring, Structure
 from thermobearing.structure.report import EFFECTIVE_MASSES
 from thermobearing.structure.result import StructureResult
 
@@ -142,7 +142,7 @@ def _lay_out(structure: Structure) -> _Layout:
     for deck in decks:
         under = [seats[line.name] for line in structure.bearings if line.body == deck]
         columns[deck] = 0.5 * (min(under) + max(under))
-    seat = min(0.14 * spacing, 0.8 * (_gap(seats.values()) or spacing))
+    seat = float(np.clip(0.8 * (_gap(seats.values()) or spacing), 0.02 * spacing, 0.14 * spacing))
     return _Layout(columns, seats, ends, decks, spacing, rise, seat, bool(scaled), bool(placed))
 
 
@@ -242,8 +242,7 @@ class StructureFigures(drawing.Figures):
         for body in structure.bodies:
             place = layout.columns[body.name], layout.ends[body.name]
             alike.setdefault(place, []).append(body.name)
-        for names in alike.values():
-            self._body(ax, names)
+        bodies = [self._body(ax, names) for names in alike.values()]
         for spring in structure.springs:
             self._spring(ax, spring)
         for hinge in structure.hinges:
@@ -253,10 +252,7 @@ class StructureFigures(drawing.Figures):
         for mass in structure.masses:
             y = M * mass.height if layout.scaled else layout.ends[mass.body][1]
             y = float(np.clip(y, *layout.ends[mass.body]))
-            x = layout.columns[mass.body]
-            if layout.placed and mass.body in layout.decks:
-                x = M * structure.point(mass)[0]
-            ax.plot([x], [y], markersize=7, zorder=7, **HANDLES["mass"])
+            ax.plot([self._across(mass)], [y], markersize=7, zorder=7, **HANDLES["mass"])
         ax.axhline(low, color=drawing.GREY, linewidth=0.8, linestyle=(0, (6, 3)), zorder=0)
         if not layout.placed:
             ax.set_xticks([])
@@ -266,6 +262,7 @@ class StructureFigures(drawing.Figures):
         handles = [Line2D([], [], label=label, **HANDLES[part]) for part, label in labels]
         look: drawing.Look = {"loc": "outside lower center", "frameon": False}
         figure.legend(handles=handles, fontsize=drawing.SMALL, **look)
+        _separate(figure, bodies)
         _make_room(ax, heads, _separate(figure, heads))
         return figure
 
@@ -394,6 +391,12 @@ class StructureFigures(drawing.Figures):
             found.append(ax.annotate(words, (M * x, M * y), (0, -9), **look))
         return found
 
+    def _across(self, part: Mass | Spring) -> float:
+        """Return the place of a part in an elevation: of the pier that it is on, or its own."""
+        if self._structure.plan and part.body in self._layout.decks:
+            return M * self._structure.point(part)[0]
+        return self._layout.columns[part.body]
+
     def _sizes(self) -> list[tuple[str, str]]:
         """Return a line of the legend for each kind of part: equal ones share their size."""
         found = []
@@ -501,8 +504,11 @@ class StructureFigures(drawing.Figures):
         beyond = OVERHANG * self._layout.spacing * (1.0 if len(lines) > 1 else 3.0)
         return np.array([min(under) - beyond, max(under) + beyond])
 
-    def _body(self, ax: Axes, names: list[str]) -> None:
-        """Draw a deck across, anything else upright; `names` are of bodies at one place."""
+    def _body(self, ax: Axes, names: list[str]) -> Annotation:
+        """Draw a deck across, anything else upright; `names` are of bodies at one place.
+
+        Returns the names as drawn.
+        """
         name = names[0]
         layout, (low, high) = self._layout, self._layout.ends[name]
         x = layout.columns[name]
@@ -512,10 +518,15 @@ class StructureFigures(drawing.Figures):
             ax.plot(span, [high, high], color=DECK, linewidth=11, **look)
             seats = sorted(layout.seats[b.name] for b in self._structure.bearings if b.body == name)
             free = seats if len(seats) > 1 else [span[0], x]  # of bearings and of the mass
+            part = 0.37
+            if layout.placed:
+                own = [mass for mass in self._structure.masses if mass.body in names]
+                masses = [self._across(mass) for mass in own]
+                free, part = sorted([*span, *seats, *masses]), 0.5
             widest = int(np.argmax(np.round(np.diff(free), 6)))
-            at = (free[widest] + 0.37 * (free[widest + 1] - free[widest]), high)
-            ax.annotate(", ".join(names), at, (0, 0), ha="center", va="center", **TEXT | ON_DECK)
-            return
+            at = (free[widest] + part * (free[widest + 1] - free[widest]), high)
+            words = ", ".join(names)
+            return ax.annotate(words, at, (0, 0), ha="center", va="center", **TEXT | ON_DECK)
         if low == high:
             across = [x - 0.15 * layout.spacing, x + 0.15 * layout.spacing]
             ax.plot(across, [low] * 2, color=PIER, linewidth=6)
@@ -524,14 +535,14 @@ class StructureFigures(drawing.Figures):
             ax.plot([x, x], [low, high], color=PIER, alpha=0.45, linewidth=width, **look)
         words = "\n".join(textwrap.fill(name, 10) for name in names)
         at = (x - NAME * layout.spacing, 0.5 * (low + high))
-        ax.annotate(words, at, (0, 0), ha="right", va="center", fontweight="bold", **TEXT)
+        look = TEXT | {"ha": "right", "va": "center", "fontweight": "bold"}
+        return ax.annotate(words, at, (0, 0), **look)
 
     def _spring(self, ax: Axes, spring: Any) -> None:
         """Draw teeth towards its base, or an open ring against rotation."""
         layout = self._layout
-        x, low = layout.columns[spring.body], layout.ends[spring.body][0]
-        if layout.placed and spring.body in layout.decks:
-            x = M * self._structure.point(spring)[0]
+        low = layout.ends[spring.body][0]
+        x = self._across(spring)
         y, rise = max(M * spring.height, low), layout.rise
         if spring.stiffness is None:
             ax.plot([x], [low], "o", color="none", markeredgecolor=SPRING, markersize=15, zorder=5)
