@@ -32,6 +32,7 @@ from thermobearing.core.records import Floats
 
 __all__ = ["Law", "load", "register"]
 
+BUILT_IN = ("published", "closed")  # laws of small loops (core/hysteresis.py), of every bearing
 MARK = "@"  # between the name of a law and the digest of its source
 LARGEST_FILE = 1_000_000  # bytes of a file with laws
 USUAL_RANGE = (-60.0, 150.0)  # in which a temperature law is tabulated by default [degC]
@@ -164,6 +165,8 @@ def register(
     where = f'laws.register("{shortened(str(name))}")'
     if not isinstance(name, str) or not name.replace("-", "").replace(".", "").isidentifier():
         raise InputError('the name must consist of letters, digits, "-", "_" and "."', where)
+    if name in BUILT_IN:
+        raise InputError("this is the name of a built-in law", where)
     function = hysteresis if temperature is None else temperature
     if not callable(function) or None not in (temperature, hysteresis):
         raise InputError("give one function: temperature or hysteresis", where)
@@ -318,12 +321,13 @@ def load_again(files: Sequence[str]) -> None:
 
 @contextmanager
 def applied(files: Sequence[str | Path]) -> Iterator[None]:
-    """Load files, and use their laws in every bearing that is loaded meanwhile.
+    """Load files, and use their laws and built-in ones in every bearing that is loaded meanwhile.
 
     Of several laws of one kind the bearing must name one itself.
     """
-    names = [name for file in files for name in load(file)]
-    kinds = [_KNOWN[name].kind for name in names]
+    given = [[str(file)] if str(file) in BUILT_IN else load(file) for file in files]
+    names = [name for some in given for name in some]
+    kinds = [_KNOWN[name].kind if name in _KNOWN else name for name in names]
     _APPLIED[:] = [n for n, kind in zip(names, kinds, strict=True) if kinds.count(kind) == 1]
     try:
         yield
@@ -341,7 +345,7 @@ def find_law(reference: str, kind: str = "") -> Law:
     name, _, digest = reference.partition(MARK)
     law = _KNOWN.get(name)
     if law is None:
-        known = nearest(name, _KNOWN) if _KNOWN else "; no law is registered"
+        known = nearest(name, [*BUILT_IN, *_KNOWN])
         raise InputError(
             f'law = "{reference}": is not registered{known}. Give the file that registers it: '
             "--law FILE, or tb.laws.load(FILE) in Python"

@@ -159,7 +159,7 @@ def test_a_law_that_cannot_be_is_refused(
 
 
 def test_names_parameters_and_digests_are_checked(file: Path) -> None:
-    with pytest.raises(tb.InputError, match="no law is registered"):
+    with pytest.raises(tb.InputError, match="known: closed, published"):
         tb.changed_bearing(HDR, law="arrhenius")
     assert tb.laws.load(file) == ["arrhenius"]
     with pytest.raises(tb.InputError, match="did you mean"):
@@ -396,6 +396,22 @@ def test_what_a_law_of_hysteresis_does_not_go_with(with_own: tb.Bearing) -> None
         engine_data([(with_own, build_model(with_own))])
     with pytest.raises(tb.InputError, match="is a hysteresis law, not a temperature law"):
         tb.run(tb.changed_bearing(HDR, temperature_law={"law": "eq-4.35"}), SHORT)
+
+
+def test_built_in_laws_use_the_same_door(with_own: tb.Bearing, tmp_path: Path) -> None:
+    test = tb.cyclic_test(strain=[1.0, 0.2], cycles=1, rest=None)
+    closed = tb.changed_bearing(with_own, law="closed")
+    assert closed.hysteresis_law is None
+    mine, same = tb.run(closed, test), tb.run(HDR, test, small_loops="closed")
+    assert_array_equal(mine["force"], same["force"])
+    published = tb.run(tb.changed_bearing(with_own, law="published"), test)
+    assert_array_equal(published["force"], tb.run(HDR, test)["force"])
+    words = ["cyclic", "--strain", "0.2", "--cycles", "1", "--law", "closed", "--no-figures"]
+    done = CliRunner().invoke(app, [*words, "-o", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    assert 'small_loops = "closed"' in (tmp_path / "out" / "case.resolved.toml").read_text()
+    with pytest.raises(tb.InputError, match="built-in"):
+        tb.laws.register("closed", hysteresis=closed_form)
 
 
 def test_a_parameter_of_hysteresis_is_calibrated(with_own: tb.Bearing) -> None:

@@ -16,7 +16,7 @@ from thermobearing.bearing.exposure import Exposure
 from thermobearing.border.library import Sourced
 from thermobearing.border.schema import RATIO, Name, Strict, in_unit, updated
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
-from thermobearing.laws import find_law, laws_to_apply
+from thermobearing.laws import BUILT_IN, find_law, laws_to_apply
 
 LawCelsius = Annotated[float, in_unit("degC"), Field(ge=-150, le=300)]
 Factor = Annotated[float, Field(ge=1e-3, le=1e3)]
@@ -116,11 +116,17 @@ TEMPERATURE_COEFFICIENTS = ("elastic_temperature_coefficient", "hysteretic_tempe
 
 
 def with_laws(data: Any, names: Sequence[str], *, over: bool = True) -> Any:
-    """Return the table of a bearing with registered laws, and m_T = n_T = 0 for one of temperature.
+    """Return the table of a bearing with laws, and m_T = n_T = 0 for a registered temperature law.
 
     `over`: also replace a law that the table names itself.
     """
     for name in names if isinstance(data, dict) else ():
+        rubber = data.get("hysteresis")
+        rubber = rubber.model_dump() if isinstance(rubber, Strict) else rubber
+        if name in BUILT_IN:
+            data = data | {"hysteresis": updated(rubber, {"small_loops": name})}
+            data.pop("hysteresis_law", None)
+            continue
         law = find_law(name)
         key = f"{law.kind}_law"
         own = data.get(key)
@@ -130,8 +136,6 @@ def with_laws(data: Any, names: Sequence[str], *, over: bool = True) -> Any:
         data = data | {key: {"law": law.reference}}
         if law.kind == "hysteresis":
             continue
-        rubber = data.get("hysteresis")
-        rubber = rubber.model_dump() if isinstance(rubber, Strict) else rubber
         zeros = dict.fromkeys(TEMPERATURE_COEFFICIENTS, 0.0)
         data["hysteresis"] = updated(rubber, zeros)
     return data

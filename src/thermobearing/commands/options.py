@@ -98,12 +98,12 @@ COMPARE = Annotated[
     ),
 ]
 LAW = Annotated[
-    list[Path] | None,
+    list[str] | None,
     option(
         "--law",
-        help="Python file that registers a law of your own; it is executed, and every bearing "
-        "uses the law. May be repeated.",
-        metavar="FILE.py",
+        help="Law that every bearing uses: closed or published (small loops), or a Python file "
+        "that registers a law of your own, which is executed. May be repeated.",
+        metavar="NAME/FILE.py",
         panel=MODEL,
     ),
 ]
