@@ -17,6 +17,7 @@ from thermobearing import laws
 from thermobearing.cli import app
 from thermobearing.core.hysteresis import plane_increment
 from thermobearing.core.step import tabled
+from thermobearing.identify.fit.parameters import M_T, N_T
 from thermobearing.live.data import engine_data
 from thermobearing.model.constants import _law_pieces
 from thermobearing.model.options import build_model
@@ -244,12 +245,12 @@ def test_parameters_are_calibrated(file: Path) -> None:
         start, temperature_law={"parameters": {"elastic": 400.0, "hysteretic": 700.0}}
     )
     records = [tb.synthetic_record(truth, at, SHORT, noise=0.002) for at in (-20.0, 20.0)]
-    found = tb.identify_bearing(
-        records,
-        start,
-        free=["arrhenius.elastic", "arrhenius.hysteretic", "K_r"],
-        starts=1,
-        blind=False,
+    found = tb.identify_bearing(records, start, starts=1, blind=False)  # free by default
+    estimates = found.uncertainty.estimates
+    assert not {M_T, N_T} & set(estimates)
+    error = estimates["temperature_law.parameters.hysteretic"].stderr
+    assert (
+        abs(estimates["temperature_law.parameters.hysteretic"].value - 700.0) < 4.0 * error < 80.0
     )
     law = found.bearing.temperature_law
     assert law is not None
@@ -349,9 +350,10 @@ def gaining(z: float, d: float) -> tuple[float, float]:
     return after, -1.0 / math.cosh(d) ** 2 - z * math.sinh(d) / math.cosh(d) ** 2
 
 
-def one_euler_step(z: float, d: float) -> tuple[float, float]:
-    slope = 1.0 - abs(z) * (1.0 if z * d >= 0.0 else -1.0)
-    return z + slope * d, slope
+def saturating(z: float, d: float) -> tuple[float, float]:
+    """Lose some Z in each increment, however short it is."""
+    after = math.tanh(z + d)
+    return after, 1.0 - after * after
 
 
 @pytest.mark.parametrize(
@@ -359,6 +361,7 @@ def one_euler_step(z: float, d: float) -> tuple[float, float]:
     [
         (lambda z, d: (closed_form(z, d)[0], 1.0), {}, "dZ/dd is 1, but differences give"),
         (gaining, {}, "returns more energy than it takes"),
+        (saturating, {}, "does not converge with shorter increments"),
         (lambda z, d: (z + d, 1.0), {}, "must be finite, and Z from -4 to 4"),
         (lambda z, d: (math.nan, 1.0), {}, "returns nan"),
         (lambda z, d: z, {}, "must return 2 numbers"),

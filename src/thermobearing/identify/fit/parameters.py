@@ -261,6 +261,13 @@ def split_at_one_temperature(bearing: Bearing, free: Sequence[str]) -> tuple[lis
     return [name for name in free if name not in warm], [warm[n] for n in free if n in warm]
 
 
+def replaced_by_laws(bearing: Bearing) -> set[str]:
+    """Return the keys of what the registered laws of a bearing stand for."""
+    law = bearing.temperature_law
+    found = {M_T, N_T} if law is not None and law.law is not None else set()
+    return found if bearing.hysteresis_law is None else {*found, SHAPE}
+
+
 def is_of_temperature(key: str) -> bool:
     """Return whether a parameter, by dotted key, is one of a temperature law."""
     return key in (M_T, N_T) or key.startswith(LAW)
@@ -274,11 +281,12 @@ def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
     in an LRB) has one stiffness and one coefficient.
     """
     linear = bearing.hysteresis.post_yield_ratio == 1.0
-    own = {kind.key for kind in _law_kinds(bearing) if kind.key.startswith(LAW)}
-    held = {M_T, N_T} if own or at_one_temperature(ambients) else set()
-    held |= own if at_one_temperature(ambients) else set()
-    held |= set() if bearing.hysteresis_law is None else {SHAPE}
-    kinds = (kind for kind in available(bearing) if kind.usual and kind.key not in held)
+    held, one = replaced_by_laws(bearing), at_one_temperature(ambients)
+    kinds = (
+        kind
+        for kind in available(bearing)
+        if kind.usual and kind.key not in held and not (one and is_of_temperature(kind.key))
+    )
     return [kind.key for kind in kinds if not (linear and kind.of_yielding)]
 
 

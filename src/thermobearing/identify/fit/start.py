@@ -167,6 +167,7 @@ def _candidates(problem: Problem, groups: Sequence[Group]) -> list[str]:
     usual = kinds.default_free(bearing, [record.ambient for record in problem.records])
     linear = bearing.hysteresis.post_yield_ratio == 1.0
     known = {key for group in groups for key in group.keys}
+    known -= kinds.replaced_by_laws(bearing)
     more = [kind.key for kind in kinds.available(bearing) if kind.key in known]
     more = [key for key in more if not (linear and key in kinds.OF_YIELDING)]
     return list(dict.fromkeys([*usual, *more]))

@@ -138,9 +138,9 @@ def _assumed_groups(
     left out.
     """
     linear = bearing.hysteresis.post_yield_ratio == 1.0
-    found = []
+    found, without = [], {*identified, *kinds.replaced_by_laws(bearing)}
     for group in groups:
-        keys = [key for key in group.keys if key not in identified]
+        keys = [key for key in group.keys if key not in without]
         if linear:
             keys = [key for key in keys if key not in kinds.OF_YIELDING]
         values = [kinds.dotted_value(bearing, key) for key in keys]
