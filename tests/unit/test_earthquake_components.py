@@ -160,6 +160,17 @@ def test_what_does_not_go_with_two_components(change: dict[str, Any], key: str) 
         make_earthquake_case({"command": "bridge"}, "test", **table)
 
 
+def test_hinges_have_no_resultant(compared: EarthquakeResult) -> None:
+    with pytest.raises(InputError, match="direction"):
+        compared.plot.hinge()
+
+
+@pytest.mark.parametrize("components", [0, 2.5, "both", [1, 3], ["x"]])
+def test_bad_numbers_of_components(components: Any) -> None:
+    with pytest.raises(InputError, match="components"):
+        shaken(PAIR, components=components)
+
+
 def test_without_a_pair_there_is_nothing_to_compare() -> None:
     with pytest.raises(InputError, match="pairs"):
         shaken(components=[1, 2])

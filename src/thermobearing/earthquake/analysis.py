@@ -141,16 +141,17 @@ def bridge(
     return run(case, executor=executor, progress=progress)
 
 
-def one_or_both(components: int | Sequence[int] | None) -> tuple[int | None, bool]:
+def one_or_both(components: Any) -> tuple[Any, bool]:
     """Return the number of components of a case, and whether one and two are compared.
 
     >>> one_or_both([1, 2]), one_or_both(1), one_or_both(None)
     ((2, True), (1, False), (None, False))
     """
-    given = [components] if isinstance(components, int) else list(components or [])
-    if len(given) > 1 and sorted(given) != [1, 2]:
+    if not isinstance(components, list | tuple):  # the case checks one
+        return components, False
+    if len(components) > 1 and sorted(components) != [1, 2]:
         raise InputError(f"components = {components!r}: must be 1, 2, or both")
-    return (max(given) if given else None), len(given) > 1
+    return (max(components) if components else None), len(components) > 1
 
 
 @renamed(_RECORDS, **_EARLIER_NAMES)

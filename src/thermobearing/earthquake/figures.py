@@ -269,6 +269,8 @@ class EarthquakeFigures(Panels):
 
     def hinge(self, ax: Axes | None = None) -> Figure:
         """Return moment against rotation of the pier base, as Fig. 6.21 and 6.22."""
+        if self._result.in_plan:
+            raise InputError('hinge: the directions have own hinges; result.sel(direction="x")')
         view = self._select("pier", None)
         draw = view._curve("pier_rotation", "pier_moment", 1e3, MN_M)
         labels = "rotation [mrad]", "moment [MN m]"
