@@ -203,7 +203,7 @@ def _earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
     return {
         "command": case.command,
         "bearings": ", ".join(bearing.name for bearing in case.bearings),
-        "motions": ", ".join(motion.name for motion in case.motions),
+        "motions": ", ".join(motion.title for motion in case.motions),
         "ambient": climates,
         "runs": f"{count}, {case.analysis.method}, dt {case.analysis.dt:g} s",
         **_structure_facts(case.structure, case.analysis.damping),

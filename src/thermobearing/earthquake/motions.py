@@ -80,6 +80,12 @@ class Motion(Strict):
         """Whether it has a record across the first one."""
         return self.across is not None or self.across_component is not None
 
+    @property
+    def title(self) -> str:
+        """The label, or the names of its records."""
+        names = dict.fromkeys(name for name in (self.name, self.across) if name)
+        return self.label or "+".join(names)
+
     def load(self) -> GroundMotion:
         """Return the motion along the bridge under its label, not yet scaled.
 
