@@ -19,14 +19,7 @@ from thermobearing.bearing.model import AxialForce, Bearing
 from thermobearing.border.cases import absolute, load_all, read_case
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library, Sourced, sources_to_keep
-from thermobearing.border.schema import (
-    Name,
-    Strict,
-    in_unit,
-    overridden,
-    text_with_unit,
-    updated,
-)
+from thermobearing.border.schema import Name, Strict, in_unit, overridden, text_with_unit, updated
 from thermobearing.border.toml import split_sources, to_table, to_toml
 from thermobearing.climate.readers import read_air
 from thermobearing.core.plane import line_only_options

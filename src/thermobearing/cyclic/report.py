@@ -34,23 +34,9 @@ from thermobearing.cyclic.tables import (
 )
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
-from thermobearing.report.content import (
-    RIG,
-    TESTED_RANGE,
-    TESTS,
-    input_table,
-    limit_checks,
-)
+from thermobearing.report.content import RIG, TESTED_RANGE, TESTS, input_table, limit_checks
 from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
-from thermobearing.report.words import (
-    change,
-    counted,
-    degrees,
-    joined,
-    number,
-    percent,
-    quantity,
-)
+from thermobearing.report.words import change, counted, degrees, joined, number, percent, quantity
 from thermobearing.results import drawing
 from thermobearing.results.time_axis import duration
 

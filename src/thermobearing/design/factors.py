@@ -296,13 +296,7 @@ def scale_study(
     ten minutes [K], stress of cycle 5 over cycle 1), and the results by factor.
     """
     bearing = as_bearing(bearing)
-    cycles = {
-        "step": "cycles",
-        "strain": STRAIN,
-        "wave": "sine",
-        "period": PERIOD,
-        "count": COUNT,
-    }
+    cycles = {"step": "cycles", "strain": STRAIN, "wave": "sine", "period": PERIOD, "count": COUNT}
     test = CyclicTest(dt=0.005, steps=[cycles, {"step": "rest", "duration": REST}])
     results = {
         float(factor): run(scaled_bearing(bearing, factor), test, ambient, **options)

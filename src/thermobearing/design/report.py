@@ -32,17 +32,8 @@ from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
 from thermobearing.report.pieces import EXCEEDED, PASSED, Check, Pieces
-from thermobearing.report.words import (
-    degrees,
-    identity_rows,
-    joined,
-    number,
-    percent,
-    tidy,
-)
-from thermobearing.report.words import (
-    quantity as quantity_words,
-)
+from thermobearing.report.words import degrees, identity_rows, joined, number, percent, tidy
+from thermobearing.report.words import quantity as quantity_words
 from thermobearing.results.directory import BEARINGS, RESOLVED
 from thermobearing.results.saved import SavedResult
 from thermobearing.structure.report import structure_table

@@ -22,12 +22,7 @@ from thermobearing.cyclic.result import Result as CyclicResult
 from thermobearing.design import codes
 from thermobearing.design.bounds import BOUNDS_NOTE, bound_models, opensees_text
 from thermobearing.design.case import DesignCase, make_design_case
-from thermobearing.design.peaks import (
-    coldest_sentences,
-    envelope,
-    few_motions,
-    peak_rule,
-)
+from thermobearing.design.peaks import coldest_sentences, envelope, few_motions, peak_rule
 from thermobearing.design.sizing import EqualBearing, Round, third_cycle
 from thermobearing.design.tables import (
     bounds_sentences,

@@ -25,12 +25,7 @@ from thermobearing.climate.hourly import Hourly
 from thermobearing.climate.site import find_cold
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN
 from thermobearing.design.bounds import AIR, BEARINGS, bounds_study, first_motions
-from thermobearing.design.case import (
-    DesignCase,
-    bearing_weight,
-    load_design_case,
-    make_design_case,
-)
+from thermobearing.design.case import DesignCase, bearing_weight, load_design_case, make_design_case
 from thermobearing.design.factors import (
     PERIOD,
     STRAINS,

@@ -16,12 +16,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.cyclic.case import Earlier, InitialState, Keep, Rig
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.run import run
-from thermobearing.earthquake.case import (
-    EarthquakeCase,
-    Kept,
-    Laboratory,
-    make_earthquake_case,
-)
+from thermobearing.earthquake.case import EarthquakeCase, Kept, Laboratory, make_earthquake_case
 from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import COMPONENTS, EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake

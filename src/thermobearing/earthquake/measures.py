@@ -372,11 +372,7 @@ def _loop_numbers(
     bearing = task.reported.device.bearing
     area = None if isinstance(bearing, BilinearBearing) else bearing.area
     loop = largest_loop(
-        moved,
-        force,
-        work,
-        area=area or 1.0,
-        total_rubber_thickness=bearing.total_rubber_thickness,
+        moved, force, work, area=area or 1.0, total_rubber_thickness=bearing.total_rubber_thickness
     )
     if loop is None:
         return dict.fromkeys((*names, *LOOP_TIMES), np.nan)

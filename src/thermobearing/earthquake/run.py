@@ -259,9 +259,7 @@ def judged(
 
 
 def _refuse_too_much(
-    case: EarthquakeCase,
-    devices: Sequence[Device],
-    motions: Sequence[GroundMotion | MotionPair],
+    case: EarthquakeCase, devices: Sequence[Device], motions: Sequence[GroundMotion | MotionPair]
 ) -> None:
     lines, climates = len(case.structure.bearings), case.climates * len(case.modes)
     lines, climates = lines * case.components, climates * len(case.directions)

@@ -28,14 +28,7 @@ from thermobearing.core.march import copy_state
 from thermobearing.core.plane import count_components, line_only_options, plain, step_plane
 from thermobearing.core.records import Floats
 from thermobearing.core.step import step
-from thermobearing.core.types import (
-    COMPLETED,
-    SOFTENED,
-    Constants,
-    State,
-    new_state,
-    new_workspace,
-)
+from thermobearing.core.types import COMPLETED, SOFTENED, Constants, State, new_state, new_workspace
 from thermobearing.model.earlier import Model
 from thermobearing.model.handover import SpecimenState, begun_from
 from thermobearing.model.options import ModelKeywords, ModelOptions, build_model, model_table

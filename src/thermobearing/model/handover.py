@@ -202,10 +202,7 @@ def specimen_state(
 
 
 def begun_from(
-    given: SpecimenState,
-    constants: Constants,
-    lead: float | None = None,
-    components: int = 1,
+    given: SpecimenState, constants: Constants, lead: float | None = None, components: int = 1
 ) -> State:
     """Return the state of a bearing that continues from a test; its energies restart at zero.
 

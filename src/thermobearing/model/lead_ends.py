@@ -8,13 +8,7 @@ import numpy as np
 from thermobearing.bearing.model import Bearing, Material
 from thermobearing.core.records import Floats, Rows, filled, rows
 from thermobearing.core.types import LeadCell, Mode
-from thermobearing.model.lead_impedance import (
-    MOST_TERMS,
-    ROOM,
-    LeadSizes,
-    Medium,
-    fill_network,
-)
+from thermobearing.model.lead_impedance import MOST_TERMS, ROOM, LeadSizes, Medium, fill_network
 from thermobearing.model.stack import MM_PER_M, EndFace, Stack, film_at_face
 
 

@@ -25,11 +25,7 @@ from thermobearing.model.constants import (
     build_constants,
     lead_clock,
 )
-from thermobearing.model.earlier import (
-    ONE_CELL,
-    BilinearParameters,
-    apply_model,
-)
+from thermobearing.model.earlier import ONE_CELL, BilinearParameters, apply_model
 from thermobearing.model.earlier import Model as ModelName
 from thermobearing.model.stack import EndFace, Scheme, Stack, build_stack, through_side
 

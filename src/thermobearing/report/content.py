@@ -28,14 +28,7 @@ from thermobearing.report.pieces import (
     Plot,
     ReportFigure,
 )
-from thermobearing.report.words import (
-    counted,
-    identity_rows,
-    joined,
-    plain,
-    printed_unit,
-    tidy,
-)
+from thermobearing.report.words import counted, identity_rows, joined, plain, printed_unit, tidy
 from thermobearing.results.directory import COMPARISON, FIGURES, SUMMARY
 from thermobearing.results.ranges import NOT_GIVEN, SLACK, TESTED, parted, rate_note, ring_note
 from thermobearing.results.saved import SavedResult
@@ -144,10 +137,7 @@ IN_EARTHQUAKES = {name: title for name, title in TESTS.items() if name != "strai
 
 
 def limit_checks(
-    rows: Iterable[Row],
-    titles: Mapping[str, str],
-    source: str,
-    bearings: Sequence[str] = (),
+    rows: Iterable[Row], titles: Mapping[str, str], source: str, bearings: Sequence[str] = ()
 ) -> list[Check]:
     """Return a check for each end of each limit: the run that goes farthest.
 

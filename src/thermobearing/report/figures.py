@@ -17,14 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from thermobearing.core.records import Floats
-from thermobearing.report.pieces import (
-    Document,
-    FigureBlock,
-    Paragraph,
-    Plot,
-    ReportFigure,
-    Trace,
-)
+from thermobearing.report.pieces import Document, FigureBlock, Paragraph, Plot, ReportFigure, Trace
 from thermobearing.results import drawing
 
 LOOK: dict[Any, Any] = {

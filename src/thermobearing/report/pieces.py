@@ -16,11 +16,7 @@ if TYPE_CHECKING:
 
 # Verdicts of a check, and their signs; the third where there is no limit, or no value.
 PASSED, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
-VERDICTS = {
-    PASSED: "\N{CHECK MARK}",
-    EXCEEDED: "\N{MULTIPLICATION X}",
-    NOT_JUDGED: "\N{EN DASH}",
-}
+VERDICTS = {PASSED: "\N{CHECK MARK}", EXCEEDED: "\N{MULTIPLICATION X}", NOT_JUDGED: "\N{EN DASH}"}
 
 
 class Link(str):

@@ -16,11 +16,7 @@ from thermobearing.border.errors import InputError, is_file, nearest
 from thermobearing.border.library import Library, is_path
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.units import with_unit
-from thermobearing.earthquake.case import (
-    EarthquakeCase,
-    make_earthquake_case,
-    settle_surroundings,
-)
+from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case, settle_surroundings
 from thermobearing.earthquake.motions import settle_motions
 from thermobearing.identify.uncertainty.posterior import posterior_bearings
 from thermobearing.motions.record import GroundMotion

@@ -36,12 +36,7 @@ from thermobearing.motions.matching import LARGEST_MISFIT, misfit
 from thermobearing.motions.process import resampled
 from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.synthesis import check_record, make_motion, match_spectrum
-from thermobearing.motions.targets import (
-    STANDARD_NAMES,
-    DesignSpectrum,
-    find_kind,
-    load_spectrum,
-)
+from thermobearing.motions.targets import STANDARD_NAMES, DesignSpectrum, find_kind, load_spectrum
 from thermobearing.studies.definition.record import MotionFactor, Study
 from thermobearing.studies.run.processes import call_on_processes, go_on
 

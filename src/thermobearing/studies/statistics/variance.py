@@ -53,13 +53,7 @@ def _sobol_indices(
     middle = np.concatenate([a, b]).mean()
     a, b, swapped = a - middle, b - middle, swapped - middle
     sums = np.column_stack(
-        [
-            np.ones(len(a)),
-            a + b,
-            a**2 + b**2,
-            *(b * (swapped - a)),
-            *(0.5 * (a - swapped) ** 2),
-        ]
+        [np.ones(len(a)), a + b, a**2 + b**2, *(b * (swapped - a)), *(0.5 * (a - swapped) ** 2)]
     )
     parts = sums.sum(axis=0)[None, :] if draw is None else draw.sums(sums)
     count, total, squares = parts[:, 0], parts[:, 1], parts[:, 2]
