@@ -160,6 +160,14 @@ def test_what_does_not_go_with_two_components(change: dict[str, Any], key: str) 
         make_earthquake_case({"command": "bridge"}, "test", **table)
 
 
+def test_each_direction_alone_has_its_periods() -> None:
+    """The arm of the bearings across the bridge makes the pier softer there."""
+    found = shaken(PAIR, structure=two_piers(height_across="14 m"), components=1, duration=0.5)
+    x, y = (found.sel(direction=way).dataset.attrs["periods_s"] for way in ("x", "y"))
+    assert found.dataset.attrs["periods_s"] == x
+    assert y[0] > 1.01 * x[0]
+
+
 def test_hinges_have_no_resultant(compared: EarthquakeResult) -> None:
     with pytest.raises(InputError, match="direction"):
         compared.plot.hinge()

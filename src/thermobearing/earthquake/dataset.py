@@ -400,7 +400,6 @@ def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
 
 
 def _attributes(case: EarthquakeCase, tasks: Sequence["Task"], interrupted: bool) -> dict[str, Any]:
-    prepared = tasks[0].prepared if tasks else None
     attrs: dict[str, Any] = {
         "command": case.command,
         "structure": case.structure.name,
@@ -422,12 +421,20 @@ def _attributes(case: EarthquakeCase, tasks: Sequence["Task"], interrupted: bool
     }
     if in_weather(case.model_dump(include={"weather", "lines"})):
         attrs["surroundings"] = heat_flow(to_table(case.analysis), [])
-    if prepared is None:
-        return attrs
-    matrices = prepared.matrices
-    attrs["periods_s"] = np.asarray(prepared.modes.periods).tolist()
-    attrs["damping_ratios"] = np.asarray(prepared.ratios).tolist()
-    attrs["coordinates"] = list(matrices.coordinates)
+    for k, direction in enumerate(dict.fromkeys(task.direction for task in tasks)):
+        own = _mode_attributes([task for task in tasks if task.direction == direction])
+        attrs |= own if k == 0 else {f"{name}@{direction}": value for name, value in own.items()}
+    return attrs
+
+
+def _mode_attributes(tasks: Sequence["Task"]) -> dict[str, Any]:
+    """Return periods and damping of the structure of some runs."""
+    prepared = tasks[0].prepared
+    attrs: dict[str, Any] = {
+        "periods_s": np.asarray(prepared.modes.periods).tolist(),
+        "damping_ratios": np.asarray(prepared.ratios).tolist(),
+        "coordinates": list(prepared.matrices.coordinates),
+    }
     first = {task.device.bearing.name: task for task in reversed(tasks)}
     for name, task in reversed(first.items()):
         attrs[f"initial_periods_s:{name}"] = _initial_periods(task).tolist()

@@ -128,7 +128,9 @@ class EarthquakeResult(DatasetResult):
             place = chosen_runs(labels, direction)[0]
             data = data.isel({DIRECTION: place}, drop=True).assign_attrs(direction)
         elif DIRECTION in chosen:
-            data = data.assign_attrs({DIRECTION: chosen[DIRECTION]})
+            end = f"@{chosen[DIRECTION]}"  # of attributes of a direction that is not the first
+            own = {k.removesuffix(end): v for k, v in data.attrs.items() if k.endswith(end)}
+            data = data.assign_attrs(own | {DIRECTION: chosen[DIRECTION]})
         labels = {name: data[name].values for name in LABELS if name in data.coords}
         runs = chosen_runs(labels, chosen) if chosen else range(self.runs)
         return EarthquakeResult(selected(data, "run", list(runs), self.run_names))
@@ -480,7 +482,8 @@ class EarthquakeResult(DatasetResult):
         say(f"{title} ({attrs['mass']} mass, {attrs['method']})", "bold")
         periods = ", ".join(f"{value:.3f}" for value in _numbers(attrs.get("periods_s", [])))
         ratios = ", ".join(f"{value:.1%}" for value in _numbers(attrs.get("damping_ratios", [])))
-        say(f"periods {periods} s with equivalent stiffness")
+        way = "" if self.in_plan or not self.directions else f" along {self.directions[0]}"
+        say(f"periods{way} {periods} s with equivalent stiffness")
         say(f"viscous damping {attrs['damping']}: ratios of these modes {ratios}")
         if "surroundings" in attrs:
             say(attrs["surroundings"])

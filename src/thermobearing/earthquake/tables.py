@@ -487,7 +487,10 @@ def _periods_table(result: "EarthquakeResult") -> Table:
         columns.append(replace(period, name=name, head=f"Initial period, {name}"))
     note = "Initial periods use the stiffness of the bearings before yielding, at the temperature "
     note += "of the first run."
-    return make_table(frame, columns, "Natural periods and viscous damping", note=note)
+    caption = "Natural periods and viscous damping"
+    if result.directions and not result.in_plan:
+        caption += f" along {result.directions[0]}"
+    return make_table(frame, columns, caption, note=note)
 
 
 def balance_table(result: "EarthquakeResult", *, bearing: bool = False) -> Table:
