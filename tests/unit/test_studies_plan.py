@@ -16,8 +16,11 @@ from thermobearing.bearing.new import new_bearing
 from thermobearing.border.errors import InputError
 from thermobearing.climate.generator import generate_weather
 from thermobearing.earthquake import run
+from thermobearing.motions.pair import MotionPair
+from thermobearing.structure.lanes import run_peaks
 from thermobearing.studies.definition import designs, record
 from thermobearing.studies.definition.case import make_study
+from thermobearing.studies.run import shard
 from thermobearing.studies.run.prepare import Preparer
 
 BEARINGS = ["shen-hdr-bridge", "shen-bilinear-bridge"]
@@ -93,6 +96,44 @@ def test_large_studies_are_carried_out_in_lockstep(samples: int, many: bool) -> 
     made = study(design, scale=drawn, ambient=air)
     assert designs.in_lockstep(made) == many
     assert not designs.in_lockstep(made.model_copy(update={"keep": record.Keep(histories="all")}))
+
+
+def in_plan(**changes: Any) -> record.Study:
+    angles = [
+        {"name": MOTIONS[0], "across": MOTIONS[1], "angle": f"{angle} deg"} for angle in (0, 30)
+    ]
+    return study(structure="five-span-bridge", motion={"levels": angles}, **changes)
+
+
+@pytest.mark.parametrize(
+    "scale", [{}, {"measure": "PGV"}, {"measure": "Sa", "period": "1 s", "damping": 0.05}]
+)
+def test_the_intensity_of_a_pair_is_its_median_over_directions(scale: dict[str, Any]) -> None:
+    """RotD50 from records that are turned one by one."""
+    made = in_plan(scale={"levels": [1.5], **scale})
+    runs, pair = designs.plan(made), designs.Levels(made).motions[0]
+    assert isinstance(pair, MotionPair)
+    axes = [replace(pair, angle=float(angle)).along("x") for angle in range(180)]
+    peaks = [record.intensity(one, made.factors.scale) for one in axes]
+    wanted = 1.5 * float(np.median(peaks))
+    found = runs[record.COLUMNS[made.factors.scale.measure]]
+    assert_allclose(found, [wanted, wanted], rtol=tol.PLANE_TURNED)
+
+
+def test_peaks_of_studies_in_plan_are_those_of_histories(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Resultants of displacements and forces, the larger of the hinges of a pier."""
+    monkeypatch.setattr(shard, "run_lanes", lambda runs: [run_peaks(one) for one in runs])
+    made = in_plan()
+    preparer = Preparer(made)
+    tasks = [preparer.make_task(row) for row in designs.plan(made).to_dict("records")]
+    alone, peaks = (list(shard._measure_all(tasks, lockstep=way)) for way in (False, True))
+    for one, other in zip(alone, peaks, strict=True):
+        assert one.numbers["outcome"] == other.numbers["outcome"] == "completed"
+        for name in set(shard.RESULT_COLUMNS) - set(shard.TEXTS):
+            assert_allclose(other.numbers[name], one.numbers[name], rtol=tol.LOOP, err_msg=name)
+    books = run.run_task(tasks[1]).bearing(1)["displacement"]
+    assert np.hypot(*books.T).max() <= alone[1].numbers["bearing_displacement_max_mm"]
+    assert alone[0].numbers["pier_moment_max_kN_m"] != alone[1].numbers["pier_moment_max_kN_m"]
 
 
 HEAT = {"bearing.materials.rubber.conductivity": {"levels": [0.9, 1.1]}}
@@ -193,7 +234,8 @@ FACTORS: list[tuple[dict[str, Any], str]] = [
     ({"bearing": ["shen-hdr-bridge", "shen-hdr-bridge"]}, 'two have the name "shen-hdr-bridge"'),
     ({"motion": ["jra-ii-i-9999"]}, "factors.motion.levels[0]"),
     ({"structure": ["pier-p2"]}, "factors.structure.levels[0]"),
-    ({"structure": ["five-span-bridge"]}, '"five-span-bridge" is in plan'),
+    ({"structure": ["five-span-bridge"]}, "takes pairs, which act together"),
+    ({"structure": ["five-span-bridge", "pier-p1"]}, "are two studies"),
     (
         {"motion": {"levels": [{"name": "jra-ii-i-1", "across": "jra-ii-i-2"}], "matched": "II-I"}},
         "single records can be matched",

@@ -247,6 +247,24 @@ def _with_case(
     return made[0], factors.model_copy(update={"structure": structures})
 
 
+def _plan_faults(study: Study) -> list[str]:
+    """Return what does not go with structures in plan, which are shaken by pairs."""
+    motion, plans = study.factors.motion, [one.plan for one in study.factors.structure.levels]
+    if not any(plans):
+        return []
+    if not all(plans):
+        return ["factors.structure: structures in plan and in one direction are two studies"]
+    pairs = motion.matched is None and all(one.is_pair for one in motion.levels or [])
+    if not pairs or study.case.components == 1:
+        return [
+            "factors.motion: a study of structures in plan takes pairs, which act together; give "
+            "every motion across, and leave out components"
+        ]
+    if study.keep.histories != "none":
+        return ["keep.histories: not of structures in plan"]
+    return []
+
+
 def _study_faults(study: Study) -> list[str]:
     """Return the errors in the combination of the parts of a study."""
     factors, faults = study.factors, []
@@ -255,11 +273,7 @@ def _study_faults(study: Study) -> list[str]:
         faults.append("case.laboratory.mode: a study has one mode")
     if study.case.specimen is not None:
         faults.append("case.laboratory.specimen: a study is calculated; leave it out")
-    faults += [
-        f'factors.structure: "{one.name}" is in plan; a study has structures in one direction'
-        for one in factors.structure.levels
-        if one.plan
-    ]
+    faults += _plan_faults(study)
     keys: dict[tuple[str, str], list[str]] = {}
     for name in factors.numbers:
         keys.setdefault(spelled(name), []).append(name)

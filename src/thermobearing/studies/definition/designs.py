@@ -26,6 +26,7 @@ from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.motions import Motion
 from thermobearing.identify.fit.parameters import ALIASES
 from thermobearing.identify.uncertainty.posterior import posterior_bearings
+from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
 from thermobearing.studies.definition.motions import factor_motions, motion_levels
 from thermobearing.studies.definition.record import (
@@ -406,9 +407,12 @@ class Levels:
         return np.asarray((np.cumsum(taken) - taken)[level] + np.maximum(sample, 0))
 
     @cached_property
-    def motions(self) -> list[GroundMotion]:
-        """Ground motions, not scaled."""
-        return factor_motions(self.study.factors.motion)
+    def motions(self) -> Sequence[GroundMotion | MotionPair]:
+        """Ground motions, not scaled; pairs for structures in plan."""
+        factor = self.study.factors.motion
+        if self.study.case.components > 1:
+            return [motion.load_pair() for motion in motion_levels(factor)]
+        return factor_motions(factor)
 
     @cached_property
     def listed(self) -> list[Motion]:
@@ -447,6 +451,11 @@ def _shared_digest(study: Study) -> bytes:
     return _digest(_digest(table), *hourly, study.factors.ambient.history)
 
 
+def _samples(motion: GroundMotion | MotionPair) -> Floats:
+    """Return the accelerations of a motion, of a pair in both directions of the structure."""
+    return motion.rotated() if isinstance(motion, MotionPair) else motion.acceleration
+
+
 def _run_ids(
     study: Study, levels: Levels, places: Mapping[str, Ints], numbers: Mapping[str, Floats]
 ) -> list[str]:
@@ -460,7 +469,7 @@ def _run_ids(
     parts = {
         "structure": [_digest(one) for one in study.factors.structure.levels],
         "bearing": [_digest(one) for one in levels.bearings],
-        "motion": [_digest(one.dt, one.acceleration, level.factor) for one, level in pairs],
+        "motion": [_digest(one.dt, _samples(one), level.factor) for one, level in pairs],
     }
     counts = [len(parts[name]) for name in THINGS]
     combined = np.ravel_multi_index(tuple(places[name] for name in THINGS), counts)

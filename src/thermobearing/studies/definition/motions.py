@@ -167,7 +167,10 @@ def motions_to_be(factor: MotionFactor) -> list[GroundMotion]:
 
 
 def factor_motions(factor: MotionFactor) -> list[GroundMotion]:
-    """Return the motions of the levels, not scaled; matched here if that was not done before."""
+    """Return the motions of the levels, not scaled; matched here if that was not done before.
+
+    Of pairs these are the components along the bridge.
+    """
     if factor.matched is None:
         return [motion.load() for motion in factor.levels or ()]
     return list(factor.matched_motions() or factor.matched_motions(_made(factor, {}, 1, None)))

@@ -25,8 +25,14 @@ from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Temperature
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.motions import Motion
+from thermobearing.motions.pair import MotionPair, pair_direction, rotation_measures
 from thermobearing.motions.record import GroundMotion, acceleration_unit
-from thermobearing.motions.spectrum import DAMPING, response_spectrum
+from thermobearing.motions.spectrum import (
+    ANGLES,
+    DAMPING,
+    response_spectrum,
+    rotated_spectrum,
+)
 from thermobearing.motions.synthesis import LARGEST_SEED
 from thermobearing.structure.model import Structure
 
@@ -391,9 +397,26 @@ class NumberFactor(Drawn, Picked):
 COLUMNS = {"PGA": "PGA_m_s2", "PGV": "PGV_m_s", "Sa": "Sa_m_s2"}
 
 
-def intensity(motion: GroundMotion, scale: ScaleFactor) -> float:
-    """Return the measure of an unscaled motion: PGA, Sa [m/s2] or PGV [m/s]."""
-    if scale.measure == "PGA":
+def _directional(pair: MotionPair, scale: ScaleFactor) -> Floats:
+    """Return a measure of an unscaled pair [angle] along one axis: mm/s2 or mm/s."""
+    if scale.measure == "Sa":
+        found = rotated_spectrum(
+            pair, np.array([scale.period]), scale.damping or DAMPING
+        ).acceleration
+        return np.asarray(found[:, 0])
+    both = np.array([[one.acceleration, one.velocity] for one in (pair.first, pair.second)])
+    turned = [pair_direction(float(angle)) for angle in ANGLES]
+    return np.asarray(np.abs(turned @ both[:, int(scale.measure == "PGV")]).max(axis=1))
+
+
+def intensity(motion: GroundMotion | MotionPair, scale: ScaleFactor) -> float:
+    """Return the measure of an unscaled motion: PGA, Sa [m/s2] or PGV [m/s].
+
+    That of a pair is RotD50, the median over all horizontal directions.
+    """
+    if isinstance(motion, MotionPair):
+        found = float(rotation_measures(_directional(motion, scale)).rotd50)
+    elif scale.measure == "PGA":
         found = motion.pga
     elif scale.measure == "PGV":
         found = float(np.abs(motion.velocity).max())

@@ -23,6 +23,7 @@ import pandas as pd
 
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.core.records import Floats
+from thermobearing.cyclic.protocol import lengths
 from thermobearing.earthquake.measures import (
     BEARING,
     KN_MM_PER_KN_M,
@@ -37,6 +38,7 @@ from thermobearing.earthquake.measures import (
     line_peaks,
     pier_peaks,
     structure_traces,
+    with_resultant,
 )
 from thermobearing.earthquake.run import Task, judged, lines_to_shake, run_task
 from thermobearing.laws import load_again, loaded_files
@@ -142,7 +144,7 @@ def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]
     return _row(
         task,
         compute_measures(task, history, traces, (lines, piers)),
-        left=[history.bearing(b)["displacement"][-1] for b in range(len(lines))],
+        left=np.array([history.bearing(b)["displacement"][-1] for b in range(len(lines))]),
         tops=[row[DRIFTS] for row in piers],
         deck=traces["deck_displacement"][-1],
         rubber=(line["line_rubber_temperature_max"] for line in lines),
@@ -155,23 +157,34 @@ def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     found = _measures_of_peaks(task, peaks)
     tops = peaks.watches["displacement"][:DECK:2].tolist()
     if peaks.outcome == COMPLETED:
-        moved, turned = peaks.lines["displacement"], peaks.hinges["rotation"]
-        found["outcome"] = judged(task, moved.tolist(), turned.tolist(), tops)
+        moved = [line["displacement"] for line in _named(peaks.lines)]
+        found["outcome"] = judged(task, moved, peaks.hinges["rotation"].tolist(), tops)
     each = list(zip(_named(peaks.lines), [one.device for one in task.lines], strict=True))
     return _row(
         task,
         found,
         left=peaks.bearings["displacement"],
         tops=tops,
-        deck=peaks.watches["residual"][DECK],
+        deck=with_resultant(peaks.watches["residual"])[DECK],
         rubber=(peak["rubber_temperature"] for peak, one in each if one.stack is not None),
         lead=(peak["lead_temperature"] for peak, one in each if one.has_lead),
     )
 
 
+def _overall(value: Any) -> Any:
+    """Return a number, of a structure in plan the last of x, y and resultant."""
+    return value[-1] if np.ndim(value) else value
+
+
 def _named(rows: Any) -> list[dict[str, float]]:
     """Return records as dictionaries, whose fields are read faster than those of numpy."""
-    return [dict(zip(rows.dtype.names, row, strict=True)) for row in rows.tolist()]
+    found = [dict(zip(rows.dtype.names, row, strict=True)) for row in rows.tolist()]
+    for name in rows.dtype.names:
+        if rows.dtype[name].shape:  # in plan: the resultant
+            sizes = rows[name][:, -1] if rows[name].shape[1] > 2 else lengths(rows[name])
+            for row, size in zip(found, sizes.tolist(), strict=True):
+                row[name] = size
+    return found
 
 
 def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
@@ -194,7 +207,7 @@ def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
             "pier_part_displacement_residual": piers[2 * k]["residual"],
             "pier_part_top_displacement_max": piers[2 * k + 1]["displacement"],
             "pier_part_top_acceleration_max": piers[2 * k + 1]["acceleration"] / MM_PER_M,
-            **_hinge_peaks(task, peaks, pier.hinge),
+            **_hinge_peaks(task, peaks, pier.hinges),
         }
         for k, (pier, _, _) in enumerate(task.prepared.piers)
     ]
@@ -211,26 +224,28 @@ def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     }
 
 
-def _hinge_peaks(task: Task, peaks: RunPeaks, hinge: int | None) -> dict[str, float]:
-    rotation = moment = limit = np.nan
-    if hinge is not None:
-        found = _named(peaks.hinges)[hinge]
-        limit = list_hinges(task.case.structure)[hinge].yield_rotation
-        rotation, moment = found["rotation"], found["moment"] / KN_MM_PER_KN_M
-    return {
-        "pier_part_rotation_max": rotation,
-        "pier_part_ductility": rotation / limit,
-        "pier_part_moment_max": moment,
-    }
+def _hinge_peaks(task: Task, peaks: RunPeaks, hinges: Sequence[int | None]) -> dict[str, float]:
+    """Return the peaks of a pier's hinge, in plan the larger of both directions."""
+    each = []
+    for hinge in hinges:
+        rotation = moment = limit = np.nan
+        if hinge is not None:
+            found = _named(peaks.hinges)[hinge]
+            limit = list_hinges(task.case.structure)[hinge].yield_rotation
+            rotation, moment = found["rotation"], found["moment"] / KN_MM_PER_KN_M
+        each.append((rotation, rotation / limit, moment))
+    names = ("pier_part_rotation_max", "pier_part_ductility", "pier_part_moment_max")
+    largest = each[0] if len(each) == 1 else np.fmax.reduce(each).tolist()
+    return dict(zip(names, largest, strict=True))
 
 
 def _row(
     task: Task,
     found: Mapping[str, Any],
     *,
-    left: Any,
-    tops: Sequence[float],
-    deck: float,
+    left: Floats,
+    tops: Sequence[Any],
+    deck: Any,
     rubber: Iterable[float],
     lead: Iterable[float],
 ) -> dict[str, Any]:
@@ -243,10 +258,12 @@ def _row(
     return {
         "outcome": ended,
         "sentence": "" if ended == COMPLETED else ALL_SENTENCES.get(ended, ""),
-        **{name: found[key] for name, key in OF_RUN.items()},
-        "bearing_displacement_residual_mm": float(farthest(left)),
+        **{name: _overall(found[key]) for name, key in OF_RUN.items()},
+        "bearing_displacement_residual_mm": float(
+            farthest(left if left.ndim == 1 else lengths(left))
+        ),
         "pier_drift_max": drift(task, tops),
-        "deck_displacement_residual_mm": deck,
+        "deck_displacement_residual_mm": _overall(deck),
         "rubber_max_degC": _hottest(rubber),
         "lead_max_degC": _hottest(lead),
         **compute_residuals(found),
