@@ -11,10 +11,7 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.loading import AnyResult
 from thermobearing.opensees.result import ServedResult
 from thermobearing.quantities.register import Quantity
-from thermobearing.report.content import (
-    MOST_ROWS,
-    words,
-)
+from thermobearing.report.content import MOST_ROWS, words
 from thermobearing.report.workbook import History
 from thermobearing.results.saved import SavedResult
 from thermobearing.studies.result import StudyResult

@@ -18,10 +18,7 @@ from thermobearing.border.text_file import write_through
 from thermobearing.histories import histories_by_run
 from thermobearing.live.report import live_section
 from thermobearing.loading import AnyResult, load_result
-from thermobearing.report.content import (
-    comparison_pieces,
-    pieces_of_saved,
-)
+from thermobearing.report.content import comparison_pieces, pieces_of_saved
 from thermobearing.report.figures import drawn
 from thermobearing.report.html import html_page
 from thermobearing.report.pdf import pdf_bytes, the_compiler

@@ -154,12 +154,7 @@ class Printed:
         return []
 
     def save(
-        self,
-        result: Any,
-        target: Path,
-        outcome: str = "",
-        sentence: str = "",
-        **options: Any,
+        self, result: Any, target: Path, outcome: str = "", sentence: str = "", **options: Any
     ) -> Answer:
         """Save a result, print it, write its documents, and print where they are."""
         result.save(target, overwrite=self.overwrite, figures=not self.no_figures, **options)

@@ -37,9 +37,7 @@ CaseFile = Annotated[
 VERTICAL = Annotated[
     int | None,
     option(
-        "--vertical",
-        help="Vertical degree of freedom (1, 2 or 3) of nodes with six.",
-        panel=INPUT,
+        "--vertical", help="Vertical degree of freedom (1, 2 or 3) of nodes with six.", panel=INPUT
     ),
 ]
 FIXED_BASE = Annotated[

@@ -85,11 +85,7 @@ def _show(file: RECORD, given: dict[str, Any], end: Ending) -> Answer:
     READ,
     ACROSS,
     EXAMINED,
-    fields(
-        "motions.run:examine_motion",
-        "damping",
-        damping="|Damping ratio; 0.05 by default.",
-    ),
+    fields("motions.run:examine_motion", "damping", damping="|Damping ratio; 0.05 by default."),
     examples="motions spectrum jra-ii-i-1 --type II --ground I",
 )
 def _spectrum(file: RECORD, given: dict[str, Any], end: Ending) -> Answer:

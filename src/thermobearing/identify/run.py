@@ -18,12 +18,7 @@ from numpy.typing import NDArray
 from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError
-from thermobearing.identify.case import (
-    IdentifyCase,
-    SearchKeywords,
-    Test,
-    make_identify_case,
-)
+from thermobearing.identify.case import IdentifyCase, SearchKeywords, Test, make_identify_case
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.fit.parameters import (
     M_T,
@@ -36,12 +31,7 @@ from thermobearing.identify.fit.parameters import (
 from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.search import polish as polished
 from thermobearing.identify.fit.search import search
-from thermobearing.identify.fit.start import (
-    Sensitivity,
-    drop_needless,
-    loop_start,
-    sensitivities,
-)
+from thermobearing.identify.fit.start import Sensitivity, drop_needless, loop_start, sensitivities
 from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord

@@ -33,13 +33,7 @@ from thermobearing.core.compiled.native import DESCRIPTION, FOLDER, read_descrip
 from thermobearing.core.lead_ends import longest_rest_step
 from thermobearing.core.numbers import PARTS
 from thermobearing.core.records import labels
-from thermobearing.core.types import (
-    COMPLETED,
-    DEPTH,
-    NEVER_MOVED,
-    SOFTENED,
-    Books,
-)
+from thermobearing.core.types import COMPLETED, DEPTH, NEVER_MOVED, SOFTENED, Books
 from thermobearing.cyclic.protocol import LARGEST_STRAIN, Cycles, CyclicTest, Rest, cyclic_test
 from thermobearing.model.lead_ends import lead_sizes
 from thermobearing.model.lead_impedance import MOST_TERMS, ROOM

@@ -15,12 +15,7 @@ import numpy as np
 from thermobearing.border.errors import InputError, nearest, printable, shortened
 from thermobearing.border.units import HUGEST, conversion
 from thermobearing.core.types import Floats
-from thermobearing.motions.record import (
-    GroundMotion,
-    acceleration_unit,
-    checked_motion,
-    even_step,
-)
+from thermobearing.motions.record import GroundMotion, acceleration_unit, checked_motion, even_step
 from thermobearing.tables.columns import is_called, name_and_unit, plain_unit, read_number
 from thermobearing.tables.text import (
     COMMENTS,
@@ -45,8 +40,7 @@ _AT2_UNIT = re.compile(
 _SCALE = re.compile(rf"({_NUM})\s*\(gal\)\s*/\s*({_NUM})")
 _NAME = re.compile(r"[^\W\d_][^\d=]*")
 _STEP = re.compile(
-    rf"\b(?:dt|time\s*step|delta\s*t|time\s*interval)\s*[=:]?\s*({_NUM})\s*(ms|s)?",
-    re.IGNORECASE,
+    rf"\b(?:dt|time\s*step|delta\s*t|time\s*interval)\s*[=:]?\s*({_NUM})\s*(ms|s)?", re.IGNORECASE
 )
 _UNIT = re.compile(
     r"(?<![\w/])(mm/s(?:ec)?(?:\^?2|/s(?:ec)?)|cm/s(?:ec)?(?:\^?2|/s(?:ec)?)"

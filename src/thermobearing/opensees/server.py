@@ -238,11 +238,7 @@ class Server:
         connection.element = ServedElement(self.case, layout, connection.tag, connection.run)
 
     def _answer(
-        self,
-        connection: Connection,
-        element: ServedElement,
-        request: Request,
-        setup: Setup | UtSim,
+        self, connection: Connection, element: ServedElement, request: Request, setup: Setup | UtSim
     ) -> None:
         """Carry out one request; NaN answers a step that fails, so that OpenSees tries another."""
         connection.answered = request.action not in SILENT

@@ -71,7 +71,7 @@ PLAN_MARKS: dict[str, drawing.Look] = {
         **{"markersize": 8, "zorder": 6},
     },
     "centre of stiffness of its bearing lines": {
-        **{"color": HINGE, "marker": "x", "markersize": 8, "zorder": 6},
+        **{"color": HINGE, "marker": "x", "markersize": 8, "zorder": 6}
     },
 }
 HANDLES: dict[str, drawing.Look] = {

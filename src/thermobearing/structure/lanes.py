@@ -18,12 +18,7 @@ from thermobearing.core.records import Floats, Ints, Rows, rows
 from thermobearing.core.types import COMPLETED, Books, Constants, SharedCells
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.structure.forces import Bearings, Kind, build_bearings, line_kinds, start_states
-from thermobearing.structure.newmark import (
-    lanes_march,
-    peaks_march,
-    plane_lanes_march,
-    plane_march,
-)
+from thermobearing.structure.newmark import lanes_march, peaks_march, plane_lanes_march, plane_march
 from thermobearing.structure.run import (
     BETA,
     GAMMA,

@@ -41,7 +41,7 @@ PLAN_ASSUMPTION = (
     "themselves."
 )
 ASSUMPTIONS = [
-    "Modes are those with hinges that do not yield and bearings of their equivalent stiffness.",
+    "Modes are those with hinges that do not yield and bearings of their equivalent stiffness."
 ]
 
 
@@ -91,10 +91,7 @@ def build_tables(
     shapes = describe_coordinates(structure)
     if len(shapes) <= MOST_COORDINATES or not structure.plan:
         names += [replace(kind, head=name, name=name) for name, kind in shapes]
-    return {
-        "parts": make_table(parts, columns, keys=4),
-        "periods": make_table(modes, names),
-    }
+    return {"parts": make_table(parts, columns, keys=4), "periods": make_table(modes, names)}
 
 
 def _mass_share(mode: Mapping[str, Any]) -> str:

@@ -237,9 +237,7 @@ class Prepared:
 
 
 def prepare_structure(
-    structure: Structure,
-    mass_model: MassModel = "consistent",
-    damping: DampingKind | None = None,
+    structure: Structure, mass_model: MassModel = "consistent", damping: DampingKind | None = None
 ) -> Prepared:
     """Return matrices, modes and damping of a structure.
 
@@ -356,9 +354,7 @@ def all_physical(bearings: Bearings, recoverable: Floats) -> bool:
     """
     return all(
         is_physical(
-            kind.constants,
-            State(*[array[m] for array in kind.states]),
-            float(recoverable[line]),
+            kind.constants, State(*[array[m] for array in kind.states]), float(recoverable[line])
         )
         for kind in bearings
         for m, line in enumerate(kind.lines)

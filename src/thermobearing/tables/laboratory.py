@@ -206,10 +206,7 @@ class Readings:
 
 
 def read_laboratory(
-    path: str | Path,
-    *,
-    optional: Collection[str] = ("time", "ambient"),
-    across: str | None = None,
+    path: str | Path, *, optional: Collection[str] = ("time", "ambient"), across: str | None = None
 ) -> Readings:
     r"""Return the histories in a table of samples, or in the files that a sidecar names.
 

@@ -14,12 +14,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.text_file import file_names
 from thermobearing.core.records import Floats
-from thermobearing.identify.records.cycles import (
-    Cycle,
-    compute_measures,
-    loop_middles,
-    split_runs,
-)
+from thermobearing.identify.records.cycles import Cycle, compute_measures, loop_middles, split_runs
 from thermobearing.identify.records.record import PAUSE, TestRecord, load_test
 from thermobearing.identify.records.treatment import (
     SURE,

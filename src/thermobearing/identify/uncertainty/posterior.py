@@ -100,11 +100,7 @@ class Forecast:
 
 
 def forecast(
-    found: Identification,
-    ambients: Sequence[float] = (),
-    *,
-    posterior: bool = False,
-    seed: int = 0,
+    found: Identification, ambients: Sequence[float] = (), *, posterior: bool = False, seed: int = 0
 ) -> Forecast:
     """Predict loops at ambient temperatures, with 95 % bands by the uncertainty of parameters.
 
@@ -235,12 +231,7 @@ def _with_assumed(found: Identification, cube: Floats, seed: int) -> Floats:
 
 
 def _predictive_band(
-    found: Identification,
-    samples: Samples,
-    ambient: float,
-    *,
-    count: int = 60,
-    seed: int = 0,
+    found: Identification, samples: Samples, ambient: float, *, count: int = 60, seed: int = 0
 ) -> Band:
     """Return the band of loops and of peak force at an ambient temperature [degC], -100 to 100.
 

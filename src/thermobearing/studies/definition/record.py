@@ -27,12 +27,7 @@ from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.motions import Motion
 from thermobearing.motions.pair import MotionPair, pair_direction, rotation_measures
 from thermobearing.motions.record import GroundMotion, acceleration_unit
-from thermobearing.motions.spectrum import (
-    ANGLES,
-    DAMPING,
-    response_spectrum,
-    rotated_spectrum,
-)
+from thermobearing.motions.spectrum import ANGLES, DAMPING, response_spectrum, rotated_spectrum
 from thermobearing.motions.synthesis import LARGEST_SEED
 from thermobearing.structure.model import Structure
 
