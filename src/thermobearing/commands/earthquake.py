@@ -18,12 +18,14 @@ from thermobearing.commands.common import (
     Group,
     Printed,
     app,
+    echo_written,
     with_progress,
 )
 from thermobearing.commands.options import (
     COMPARE,
     EXPOSURE,
     Fields,
+    Overwrite,
     command,
     exposure_given,
     fields,
@@ -309,3 +311,35 @@ def _show(
     end.check()
     result = examine_structure(structure, fixed=fixed_base, **given)
     return end.save_if_asked(result)
+
+
+@command(
+    structures,
+    "export",
+    fields(
+        "opensees.script:write_structure",
+        "bearing ambient motion",
+        INPUT,
+        bearing="|Bearing of all lines: bilinear, or layered with its bilinear model; by default "
+        "springs of the equivalent stiffness.|NAME/FILE",
+        ambient="|Temperature at which a layered bearing becomes bilinear [degC].",
+        motion="|Ground motion that the script analyses: library name or file.|NAME/FILE",
+    ),
+    examples="structures export pier-p1 --bearing shen-bilinear-bridge -o pier.tcl",
+)
+def _export(
+    structure: Annotated[
+        str, typer.Argument(help="Library name or TOML file.", metavar="NAME/FILE")
+    ],
+    given: dict[str, Any],
+    output: Annotated[Path, option("-o", "--output", help="Script, .py or .tcl.", metavar="FILE")],
+    overwrite: Overwrite,
+) -> Answer:
+    """Write a structure on linear or bilinear bearings as a script of OpenSees."""
+    from thermobearing.opensees.script import write_structure
+
+    remarks = write_structure(structure, output, overwrite=overwrite, **given)
+    for remark in remarks:
+        typer.echo(f"{remark}.")
+    echo_written(output)
+    return {"exit_status": 0, "output": str(output), "remarks": remarks}

@@ -11,11 +11,13 @@ if TYPE_CHECKING:
     from thermobearing.opensees.material import Material as Material
     from thermobearing.opensees.material import add_material as add_material
     from thermobearing.opensees.material import write_material as write_material
+    from thermobearing.opensees.script import write_structure as write_structure
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
     __name__,
     submod_attrs={
         "line": ["Line", "ServingError", "serve"],
         "material": ["Material", "add_material", "write_material"],
+        "script": ["write_structure"],
     },
 )
