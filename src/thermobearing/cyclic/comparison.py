@@ -184,9 +184,6 @@ def cells_error(bearing: Bearing) -> CellsError | None:
 
 
 def _last_cycle(result: Result) -> tuple[float, float, float]:
-    """Return G_eq and G_eq h_eq [MPa] of the last cycle, and the hottest layer [degC].
-
-    The energy is 2 pi G_eq h_eq strain^2 a volume.
-    """
+    """Return G_eq and G_eq h_eq [MPa] of the last cycle, and the hottest layer [degC]."""
     modulus, damping = (float(result.cycles[name].iloc[-1]) for name in ("G_eq_MPa", "h_eq"))
     return modulus, modulus * damping, float(result["rubber_temperature"].values[0, -1].max())

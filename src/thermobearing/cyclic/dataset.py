@@ -185,7 +185,7 @@ def _build_dataset(
 
 
 def _memories(runs: list[History]) -> dict[str, Any]:
-    """Return the state at the end of each run, from which another test can go on."""
+    """Return the state at the end of each run on a line, from which another test can go on."""
     memories, found = [state_memory(run.state) for run in runs], {}
     for key in memories[0]:
         values, also = np.array([memory[key] for memory in memories]), DIMENSIONS.get(key)
@@ -256,11 +256,7 @@ def _way(case: Case, segments: list[Segment]) -> Floats:
 def _compared_rows(
     case: Case, segments: list[Segment], climates: list[Ambient], histories: list[History]
 ) -> dict[str, list[Row]]:
-    """Compare each run with the limits of the rig, with the tests behind the bearing and, under an
-    axial force, with the critical load.
-
-    The speed is that of the complete test.
-    """
+    """Compare each run with the rig, with the tests of the bearing and with its critical load."""
     dt = np.concatenate([segment.dt for segment in segments])
     speed = float((_way(case, segments) / dt).max())
     found: dict[str, list[Row]] = {"rig": [], "tested_range": [], "bearing_checks": []}
@@ -321,10 +317,7 @@ def written_part(result: Result) -> Result:
 
 
 def _rows_worth(result: Result, run: int) -> Ints:
-    """Return the rows of a run to write: of each cycle its ends, its extremes, 200 between.
-
-    A step without cycles counts as one.
-    """
+    """Return the rows of a run to write: of each cycle its ends, its extremes, 200 between."""
     data = result.dataset
     segment, cycle = (data[name].values[run] for name in ("segment", "cycle"))
     sides = [side for n in ("displacement", "force") for side in np.atleast_2d(data[n][run].T)]

@@ -587,11 +587,7 @@ class Figures(drawing.Figures):
         return figure
 
     def _draw_plane_and_line(self) -> Figure:
-        """Draw the temperatures in the plane and those of the test on a line [°C].
-
-        The warmest rubber layer and the lead, in time; both tests have equal amplitudes and
-        periods.
-        """
+        """Draw the temperatures in the plane and those of the test on a line [°C]."""
         compared, count = self._result.compared, len(self._ambient)
         parts = [("rubber_temperature", "warmest rubber layer", "-")]
         parts += [("lead_temperature", "lead", "--")] if self._result.has_lead else []

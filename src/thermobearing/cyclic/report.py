@@ -343,10 +343,7 @@ def _orbit_plot(result: Result) -> Plot:
 
 
 def _temperature_plot(result: Result) -> Plot:
-    """Return temperatures of layers and lead, a menu entry for each ambient temperature.
-
-    Long rests are cut out: loadings last seconds, and would be strokes in hours of cooling.
-    """
+    """Return temperatures of layers and lead by ambient temperature, without long rests."""
     data = result.dataset
     groups = drawn_layers(result)
     colours = drawing.ordered_colours(len(groups), "plasma")

@@ -181,10 +181,7 @@ class Panels(drawing.Figures):
         share: bool | Literal["row", "col"] = True,
         zero: bool = False,
     ) -> tuple[Figure, list[Cell]]:
-        """Return a figure and its panels, each with what its row and its column stand for.
-
-        `size` is that of a panel [inch]; `labels` are of the axes; `zero` draws lines through zero.
-        """
+        """Return a figure and its panels, each with what its row and its column stand for."""
         count = len(columns)
         inches = (max(size[0] * count, 5.0) + 0.6, size[1] * len(rows) + 1.0)
         figure, axes = drawing.panels(len(rows), count, inches, title, share=share)
@@ -227,10 +224,7 @@ class Panels(drawing.Figures):
         return max(0.0, min(starts)), min(max(lasts), max(ends))
 
     def _yield_point(self, run: int) -> tuple[float, float] | None:
-        """Return rotation [rad] and moment [kN m] at which the hinge yields; None without one.
-
-        The moment is that of the elastic branch, on which the hinge is up to its first yielding.
-        """
+        """Return rotation [rad] and moment [kN m] at the first yielding of the hinge, if any."""
         data = self._data
         ductility = float(data["pier_ductility"][run])
         if not np.isfinite(ductility) or ductility <= 0.0:

@@ -524,11 +524,7 @@ class _Plots(EarthquakeFigures):
         tested: Literal["x", "y"] | None = None,
         **slider: Any,
     ) -> Plot | None:
-        """Return the traces of every run that has any; `tested` is the axis of the strain [%].
-
-        Dashed lines are at the largest tested strain where an entry goes beyond it: bearings are
-        tested to different strains, and one band for all entries would be wrong.
-        """
+        """Return the traces of every run, with lines at the tested strain on the axis `tested`."""
         choices = {}
         for name, runs in self.groups.items():
             traces = [trace for run in runs for trace in make(run)]

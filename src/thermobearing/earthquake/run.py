@@ -167,11 +167,7 @@ def build_shaking(
 
 
 def _soaked(device: Device, weather: Ambient) -> tuple[Floats, float | None]:
-    """Return the temperatures of cells and lead at the end of a weather, the bearing at rest.
-
-    At first it is uniform at the first ambient temperature. The heat model is that of motion, in
-    growing steps.
-    """
+    """Return the temperatures of cells and lead at the end of a weather, the bearing at rest."""
     cells = len(device.constants.cells.capacity)
     if device.stack is None:
         return BLIND, None

@@ -403,10 +403,7 @@ def _cold_table(result: "EarthquakeResult") -> Table:
 
 
 def _parts_table(result: "EarthquakeResult", part: str, most: int | None = None) -> Table:
-    """Return a row for each run and bearing line, or pier; lines that are equal share a row.
-
-    Of more than `most` rows, the largest of all runs. Empty with one line or pier of all.
-    """
+    """Return a row for each run and line or pier; of more than `most`, the largest of all runs."""
     frame = result.lines if part == "line" else result.piers
     caption = "Every bearing line in each run" if part == "line" else "Every pier in each run"
     if not len(frame) or frame[part].nunique() < 2:

@@ -51,11 +51,7 @@ COLDER = -1e30  # lower bound of the first piece [degC]
 
 
 def _law_pieces(law: TemperatureLaw | None) -> Rows[LawPiece]:
-    """Logarithms of the factors as cubics in T, piece by piece.
-
-    Those of a table are monotone (Fritsch & Carlson 1980), those of a registered law approximate
-    its function. The first and last pieces are straight lines that extrapolate with the end slopes.
-    """
+    """Return cubics of log factors in T by piece (Fritsch & Carlson 1980), straight at the ends."""
     if law is None or not law.has_factors:
         return rows(LawPiece, 0)  # the exponential law alone
     from scipy.interpolate import CubicHermiteSpline, PchipInterpolator

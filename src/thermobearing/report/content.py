@@ -175,11 +175,7 @@ def _check(name: str, row: Row, bearing: str, source: str, *, lower: bool) -> Ch
 
 
 def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table, list[str]]:
-    """Return the residuals of the energy balance as a table, and warnings of those too large.
-
-    They assess the computation, not the structure, and do not count as checks. A row has a name,
-    a value, a limit (NaN: none), and the source of the limit.
-    """
+    """Return the residuals of the energy balance as a table, and warnings of those too large."""
     cells, warnings = [], []
     for what, value, limit, source in rows:
         judged = value == value and limit == limit
@@ -387,10 +383,7 @@ def make_table(name: str, table: pd.DataFrame) -> Table:
 
 
 def _table_column(title: str, values: "pd.Series[Any]") -> Quantity:
-    """Return a column of a table of a result directory, in the unit of the file.
-
-    Numbers have four digits that count, or all integer digits; symbols keep small letters.
-    """
+    """Return a column of a table of a result directory, in the unit of the file."""
     head, unit = words(title)
     begins = head.split(" ")[0]
     head = f"{head[:1].upper()}{head[1:]}" if len(begins) > 1 else head

@@ -76,10 +76,7 @@ def _pictured(figure: ReportFigure, missing: set[str]) -> ReportFigure:
 
 
 def _svg_bytes(figure: Figure, missing: set[str]) -> bytes:
-    """Return a figure as SVG, its letters as outlines; letters without a font go to `missing`.
-
-    The figure keeps its layout: half of the time of a drawing goes into it.
-    """
+    """Return a figure as SVG, its letters as outlines; letters without a font go to `missing`."""
     written = io.BytesIO()
     with mpl.rc_context(LOOK), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -121,11 +118,7 @@ LOOKS: Mapping[str, dict[str, Any]] = {
 
 
 def _draw_plot(plot: Plot) -> Figure:
-    """Draw a plot for paper: a panel for each choice, the places of a slider as shades.
-
-    Of more choices than a page has room for, and of the places of a slider, some are drawn, evenly
-    chosen.
-    """
+    """Draw a plot for paper: a panel for each choice, the places of a slider as shades."""
     chosen = [list(plot.choices.items())[k] for k in _evenly(len(plot.choices), MOST_PANELS)]
     columns = 1 if len(chosen) == 1 else 2
     rows = -(-len(chosen) // columns)

@@ -116,10 +116,7 @@ def _breakable(text: str) -> Markup:
 
 
 def _image_address(image: bytes) -> str:
-    """Return a PNG, JPEG or SVG as an address that holds it.
-
-    A separate image, not a part of the page: scripts in foreign pictures do not run.
-    """
+    """Return an image as an address that holds it: scripts in separate images do not run."""
     for start, kind in ((b"\x89PNG", "png"), (b"\xff\xd8", "jpeg")):
         if image.startswith(start):
             return f"data:image/{kind};base64,{base64.b64encode(image).decode('ascii')}"
@@ -253,11 +250,7 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
 
 
 def _governing_rows(table: Table) -> tuple[list[int], list[int], str]:
-    """Return the rows of a long table to be read first, the others, and a note on it.
-
-    First come rows with marked cells, then those with the largest value in the column that the
-    table names as governing; without one the rows keep their order.
-    """
+    """Return the rows of a long table to be read first, the others, and a note on it."""
     total = len(table.rows)
     if total <= MOST_ROWS + SHORT:
         return list(range(total)), [], ""

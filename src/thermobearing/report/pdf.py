@@ -336,11 +336,7 @@ def _table(table: Table) -> list[Data]:
 
 
 def _fitted(letters: Sequence[tuple[int, int]], keys: int) -> list[Part]:
-    """Return columns in parts that fit a page, as large as can be.
-
-    `letters` are those that each column needs and would like, see `column_letters`; `keys` leading
-    columns begin each part.
-    """
+    """Return columns in parts that fit a page, as large as can be."""
     every = list(range(len(letters)))
 
     def _total(places: Sequence[int], size: float) -> float:

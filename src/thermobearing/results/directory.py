@@ -96,10 +96,7 @@ def _clean(final: Path) -> None:
 
 
 def _put_in_place(partial: Path, final: Path, check: Callable[[], None]) -> None:
-    """Move a finished directory into place; `check` raises if the target must not be replaced.
-
-    The earlier one then has the hidden name; it is restored if anything fails.
-    """
+    """Move a finished directory into place, or restore the earlier one; `check` may raise."""
     with locked(final.parent):
         check()
         if not final.exists():

@@ -66,10 +66,7 @@ def _screen_width() -> int | None:
 
 
 def _laid_out(heads: Row, rows: Sequence[Row], keys: int, width: int | None) -> list[list[str]]:
-    """Return the lines of each block of a table, no longer than `width` if possible.
-
-    Each block begins with the heads, in several lines where one makes the table too wide.
-    """
+    """Return the lines of each block of a table, no longer than `width` if possible."""
     cells = [[row[k] for row in rows] for k in range(len(heads))]
     columns = [[head, *column] for head, column in zip(heads, cells, strict=True)]
     wide = [max(map(len, column)) for column in columns]

@@ -128,10 +128,7 @@ def write_dataset(dataset: "xr.Dataset", path: Path) -> None:
 
 
 def _reserve(path: Path, size: int) -> None:
-    """OSError if the disk has no room for a file of this size [bytes]; leaves no file.
-
-    HDF5 cannot close a file that it could not write: it crashes the process instead.
-    """
+    """Raise OSError if the disk has no room for a file [bytes]: HDF5 would crash."""
     try:
         with path.open("wb") as file:
             if hasattr(os, "posix_fallocate"):

@@ -133,10 +133,7 @@ class Question(Strict):
 
 
 def _make_question(table: Mapping[str, Any], where: str, folder: Path = Path()) -> Question:
-    """Return checked options of a file or of the command line, where None means not given.
-
-    `where` names the file in messages; the names of files are relative to `folder`.
-    """
+    """Return checked options of a file or of the command line, where None means not given."""
     given = {name: value for name, value in table.items() if value is not None}
     hazard, weather = given.get("hazard"), given.get("weather")
     if isinstance(hazard, str):

@@ -118,10 +118,7 @@ def _read_labels(path: Path) -> dict[str, tuple[str, str]]:
 
 
 def _read_notes(path: Path, *, sealed: bool = True) -> tuple[dict[str, Any], int] | None:
-    """Return notes and number of rows of a file; None if it is missing or damaged.
-
-    The digest of a `sealed` file is checked; files of directories of format 1 have none.
-    """
+    """Return notes and number of rows of a file; None if it is missing or damaged."""
     arrow, parquet = _load_pyarrow()
     try:
         content = path.read_bytes()
@@ -211,10 +208,7 @@ LIBRARIES = ("numpy", "scipy", "numba", "pandas", "pyarrow")
 
 
 def _shard_size(runs: int, lockstep: bool = False) -> int:
-    """Return the number of runs of a shard, a multiple of 16 that fills the lanes in lockstep.
-
-    In lockstep, where runs take a quarter of the time, a shard has four times as many.
-    """
+    """Return the number of runs of a shard, a multiple of 16 that fills the lanes in lockstep."""
     share = -(-runs * (4 if lockstep else 1) // SHARES)
     return min(-(-max(1, share) // FEWEST) * FEWEST, MOST)
 

@@ -296,11 +296,7 @@ def _study_faults(study: Study) -> list[str]:
 
 
 def _heat_faults(study: Study) -> list[str]:
-    """Return the errors of varied thermal properties where many runs share their temperatures.
-
-    Without a history each run would integrate over all weather: 0.3 to 1 s for fifty years, 20
-    times the run itself; ten days take milliseconds.
-    """
+    """Return the errors of varied thermal properties where many runs share their temperatures."""
     ambient = study.factors.ambient
     names = [target.name for target in list_targets(study) if moves_warmth(target)]
     faults = []
@@ -329,10 +325,7 @@ OTHERS = ("cores", "confined", "end_spreading")
 
 
 def _settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> None:
-    """Replace the levels of a table `factors.bearing` by records of bearings and posteriors.
-
-    The table may contain the keys of one calibration or compound instead of `levels`.
-    """
+    """Replace the levels of a table `factors.bearing` by records of bearings and posteriors."""
     own: dict[str, Any] = {}
     if {"posterior", "compound"} & set(table):
         own = {key: table.pop(key) for key in list(table) if key not in BearingFactor.model_fields}

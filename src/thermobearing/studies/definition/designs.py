@@ -106,10 +106,7 @@ def _nearest(name: str, names: set[str]) -> str:
 def _number_paths(
     record: Strict, without: Sequence[str] = ()
 ) -> dict[str, tuple[NumberPath, str | None]]:
-    """Return path and unit of all numbers of a record except counts, by dotted name.
-
-    Items of a list are identified by their name, or that of their body if it is unique.
-    """
+    """Return path and unit of all numbers of a record except counts, by dotted name."""
     found = _numbers(record, "", ())
     return {name: (path, unit) for name, path, unit in found if path[0] not in without}
 

@@ -258,10 +258,7 @@ def _made(
     progress: Progress | None,
     recipes: Sequence[Recipe] | None = None,
 ) -> list[GroundMotion]:
-    """Return the motion of each recipe (all of the factor): kept, from the cache, or new.
-
-    InputError names the motions whose misfit exceeds the tolerance.
-    """
+    """Return the motion of each recipe; InputError names those whose misfit is too large."""
     wanted = _recipes(factor) if recipes is None else recipes
     found = {one.key: motion for one in wanted if (motion := kept.get(one.key) or _cached(one))}
     missing = list({one.key: one for one in wanted if one.key not in found}.values())

@@ -58,11 +58,7 @@ def go_on(*_: Any) -> None:
 
 
 def _context() -> Any:
-    """Return the context of processes: a fork server that has imported the program.
-
-    A process that is forked while threads run may hang. Without a fork server (Windows) each
-    process imports the program.
-    """
+    """Return a fork server, since a fork while threads run may hang; spawning without one."""
     if "forkserver" not in get_all_start_methods():
         return get_context("spawn")
     context = get_context("forkserver")

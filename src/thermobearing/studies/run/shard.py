@@ -102,12 +102,7 @@ class Measured(NamedTuple):
 def _measure_all(
     tasks: Sequence[Task], *, every: int = 0, lockstep: bool = False
 ) -> Iterator[Measured]:
-    """Run tasks; keep every n-th step of their histories (0: none).
-
-    A failed analysis does not raise: its outcome is the failure mode, and its numbers are those
-    before the failure. With `lockstep` runs of one shape are computed together; each result
-    depends on its own input only, and differs from a single run by rounding.
-    """
+    """Run tasks; keep every n-th step of their histories (0: none). A failure is an outcome."""
     if lockstep and not every:
         for task, peaks in zip(tasks, run_lanes([_to_shake(task) for task in tasks]), strict=True):
             yield Measured(_numbers_of_peaks(task, peaks))
@@ -249,11 +244,7 @@ def _row(
     rubber: Iterable[float],
     lead: Iterable[float],
 ) -> dict[str, Any]:
-    """Return all columns, from the measures of a run and those that only a study has.
-
-    `left`: residual displacements of lines; `tops`: largest displacements of pier tops; `rubber`,
-    `lead`: highest temperatures of lines.
-    """
+    """Return all columns, from the measures of a run and those that only a study has."""
     ended = found["outcome"]
     return {
         "outcome": ended,

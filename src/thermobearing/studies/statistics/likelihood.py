@@ -184,11 +184,7 @@ def _climb(
     *,
     positive: bool = False,
 ) -> tuple[Floats, Floats]:
-    """Return intercepts and slopes that maximise a concave likelihood, by Newton's method.
-
-    `derivatives`: first (a, b) and negative second (aa, ab, bb). A step is halved as long as the
-    likelihood decreases; with `positive`, b stays above zero.
-    """
+    """Return intercepts and slopes that maximise a concave likelihood, by Newton's method."""
     for _ in range(MOST_ROUNDS):
         g0, g1, h0, h1, h2 = derivatives(a, b)
         area = np.maximum(h0 * h2 - h1**2, 1e-300)
@@ -246,10 +242,7 @@ def unreached(largest: Floats, shares: Floats) -> Curves:
 def _fit_capacities(
     reached: Floats, at: Floats, weight_reached: Floats, weight_at: Floats
 ) -> Curves:
-    """Return the most likely lognormal distribution of capacities, for each row of weights.
-
-    `reached`: capacities; `at`: largest intensities of motions that did not reach theirs; all > 0.
-    """
+    """Return the most likely lognormal distribution of capacities, for each row of weights."""
     y, c = np.log(reached), np.log(at)
     count = weight_reached.sum(-1)
     some = np.maximum(count, 1.0)
@@ -334,10 +327,7 @@ def _with_collapse(curves: Curves, collapse: Curves | None, intensity: Floats) -
 
 
 def _classes(at: Floats) -> tuple[Floats, Ints]:
-    """Return the different intensities, and the index of that of each run.
-
-    Many intensities are put into classes of equal size, at the geometric mean of their runs.
-    """
+    """Return intensities, of many those of equal classes, and the index of that of each run."""
     levels, place = np.unique(at, return_inverse=True)
     if len(levels) <= MOST_STRIPES:
         return levels, place

@@ -167,11 +167,7 @@ def _runs(table: pd.DataFrame, demand: str, failed: Failed, level: float) -> Cou
 
 
 def _codes(values: list[Any]) -> Ints:
-    """Return the class of each run: its level, or one of several classes of numbers.
-
-    There are as many classes as runs in each, so that a slope has little variance within a class.
-    Runs without the number have a class.
-    """
+    """Return the class of each run: its level, or one of several classes of numbers."""
     codes, different = pd.factorize(np.asarray(values, dtype=object), use_na_sentinel=False)
     if len(different) <= MOST_LEVELS or not all(isinstance(v, int | float) for v in different):
         return np.asarray(codes, dtype=np.int64)
