@@ -26,7 +26,7 @@ from thermobearing.bearing.model import (
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.library import Library, Sourced
 from thermobearing.border.schema import Name, Strict, in_unit, validated
-from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.border.toml import split_sources
 
 Modulus = Annotated[float, in_unit("MPa"), Field(ge=1e-4, le=1e5)]
 
@@ -154,8 +154,7 @@ def load_compound(name_or_path: str | Path) -> Compound:
     >>> load_compound("shen-hdr").family
     'HDR'
     """
-    path = COMPOUNDS.path(name_or_path)
-    return _compound_from_table(read_toml(path), str(path))
+    return _compound_from_table(*COMPOUNDS.table(name_or_path))
 
 
 def as_compound(given: Any) -> "Compound | Bearing":
@@ -171,10 +170,7 @@ def as_compound(given: Any) -> "Compound | Bearing":
         shown = shortened(repr(given))
         raise InputError(f"compound = {shown}: must be a Compound, a library name, or a TOML file")
     try:
-        path = COMPOUNDS.path(given)
-        table = read_toml(path)
-        if "geometry" in table:
-            return bearing_from_table(table, str(path))
-        return _compound_from_table(table, str(path))
+        table, where = COMPOUNDS.table(given)
+        return (bearing_from_table if "geometry" in table else _compound_from_table)(table, where)
     except InputError as error:
         raise InputError(error.lines("compound")) from None

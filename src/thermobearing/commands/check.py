@@ -5,7 +5,7 @@ from pathlib import Path, PurePath
 from typing import Any, NamedTuple
 
 from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
-from thermobearing.bearing.compound import Compound, load_compound
+from thermobearing.bearing.compound import COMPOUNDS, Compound, load_compound
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing, TemperatureLaw, Validity
 from thermobearing.bearing.plausible import Usuals, implausible
@@ -30,7 +30,7 @@ from thermobearing.model.stack import build_stack
 from thermobearing.opensees.case import ServedCase, load_served_case
 from thermobearing.results.ranges import TESTED
 from thermobearing.sequences.case import SequenceCase, load_sequence_case
-from thermobearing.structure.model import DampingKind, Structure, load_structure
+from thermobearing.structure.model import STRUCTURES, DampingKind, Structure, load_structure
 from thermobearing.structure.result import implausible_structure
 from thermobearing.structure.run import prepare_structure
 from thermobearing.studies.definition.case import load_study
@@ -105,6 +105,9 @@ def _find_kind(table: dict[str, Any], path: Path) -> str:
         return "bilinear bearing"
     if table.get("kind") in ("compound", "study"):
         return str(table["kind"])
+    for kind, library in (("structure", STRUCTURES), ("compound", COMPOUNDS)):
+        if table.get("based_on") in library.names():
+            return kind
     data = ((kind, its) for kind, (its, _) in DATA.items())
     if path.parent.name not in LIBRARIES and path.absolute().is_relative_to(data_path()):
         return next((kind for kind, its in data if its & keys), SHIPPED)
