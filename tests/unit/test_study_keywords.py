@@ -54,7 +54,7 @@ def case_of(monkeypatch: pytest.MonkeyPatch) -> Callable[..., EarthquakeCase]:
 def test_keywords_are_the_fields_of_the_records() -> None:
     options = set(ModelOptions.model_fields) - {"model"}
     assert set(ModelKeywords.__annotations__) == options
-    besides = {"fixed_base", "duration", *Stepping.model_fields}
+    besides = {"axial_force", "fixed_base", "duration", *Stepping.model_fields}
     assert set(study.EarthquakeKeywords.__annotations__) == options | besides
     for name, kind in get_type_hints(ModelKeywords).items():
         field = ModelOptions.model_fields[name].annotation

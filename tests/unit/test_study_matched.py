@@ -138,7 +138,7 @@ def test_workers_are_sent_what_was_made(tmp_path: Path) -> None:
     run_study(matched(), tmp_path / "two", jobs=2, size=1)
     two = kept(tmp_path / "two")
     study = motions.with_matched(matched())
-    sent = pickle.loads(packed(study)).factors.motion.matched_motions()
+    sent = pickle.loads(packed(study))[0].factors.motion.matched_motions()
     for here, there in zip(motions.factor_motions(study.factors.motion), sent, strict=True):
         assert_array_equal(here.acceleration, there.acceleration)
     for file in (tmp_path / "cache").rglob("*.npz"):

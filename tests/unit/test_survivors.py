@@ -74,7 +74,7 @@ def test_one_interrupted_run_of_several_interrupts_the_analysis() -> None:
     count = len(case.bearings) * len(case.motions) * case.climates * len(case.modes)
     histories: list[Any] = [SimpleNamespace(outcome=0) for _ in range(count)]
     assert count > 1
-    assert not _interrupted(case, histories)
-    assert _interrupted(case, histories[:-1])
+    assert not _interrupted(count, histories)
+    assert _interrupted(count, histories[:-1])
     histories[-1] = SimpleNamespace(outcome=INTERRUPTED)
-    assert _interrupted(case, histories)
+    assert _interrupted(count, histories)

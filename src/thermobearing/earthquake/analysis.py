@@ -36,8 +36,9 @@ AnyMotion: TypeAlias = GroundMotion | MotionPair | Motion | str | Path | dict[st
 
 
 class EarthquakeKeywords(ModelKeywords, total=False):
-    """What `bridge` and `hybrid` take besides; fields of `Stepping` and `ModelOptions`."""
+    """What `bridge` and `hybrid` take besides: `axial_force`, and fields of their options."""
 
+    axial_force: float | None
     fixed_base: bool | None
     duration: float | None
     dt: float | None
@@ -67,7 +68,6 @@ def bridge(
     initial: InitialState | SpecimenState | Earlier | str | Path | None = None,
     keep: Keep | Sequence[Kept] | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
-    axial_force: float | None = None,
     components: int | Sequence[int] | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
@@ -129,7 +129,7 @@ def bridge(
     True
     """
     table = _table(bearing, motion, ambient, model, initial, keep, options)
-    table |= {"structure": structure, "lines": lines, "rig": rig, "axial_force": axial_force}
+    table |= {"structure": structure, "lines": lines, "rig": rig}
     table["components"], several = one_or_both(components)
     case = make_earthquake_case({"command": "bridge"}, "bridge()", **table)
     run = compare_components if several else run_earthquake
@@ -163,7 +163,6 @@ def hybrid(
     initial: InitialState | SpecimenState | Earlier | str | Path | None = None,
     keep: Keep | Sequence[Kept] | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
-    axial_force: float | None = None,
     executor: Executor | None = None,
     progress: Progress | None = None,
     **options: Unpack[EarthquakeKeywords],
@@ -185,10 +184,10 @@ def hybrid(
         the force in place of the modelled bearing of the reported line (wire format of OpenSees'
         genericClient, one degree of freedom at two nodes, mm and kN). There is one run then; force
         and energy are measured, temperatures are those of `bearing`, calculated along its path.
-    lines, model, initial, keep, rig, axial_force, executor, progress : as of `bridge`.
+    lines, model, initial, keep, rig, executor, progress : as of `bridge`.
     method : as of `bridge`; "predictor-corrector" by default, which moves the specimen once in
         each step.
-    fixed_base, duration, dt, mass, damping, options : as of `bridge`.
+    axial_force, fixed_base, duration, dt, mass, damping, options : as of `bridge`.
 
     Returns
     -------
@@ -214,7 +213,6 @@ def hybrid(
         "structure": structure,
         "lines": lines,
         "rig": rig,
-        "axial_force": axial_force,
         "laboratory": laboratory,
     }
     case = make_earthquake_case({"command": "hybrid"}, "hybrid()", **table)

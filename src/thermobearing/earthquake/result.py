@@ -28,6 +28,7 @@ from thermobearing.results.writing import write_csv, write_dataset
 LARGEST_DAMPING_SHARE = 0.25
 # Of the input, either way: a delay of 5 ms comes to 3 % in the default hybrid test.
 LARGEST_ACTUATOR_SHARE = 0.05
+SHOWN_MODES = 8  # natural periods on the console
 COMPONENTS = "components"  # attribute of a dataset: rows that compare two components with one
 LABELS = ("bearing", "motion", "ambient", "mode", DIRECTION)  # of a run
 RUN = dict(zip(LABELS, measures.KEYS, strict=True))
@@ -480,10 +481,14 @@ class EarthquakeResult(DatasetResult):
         attrs = self.dataset.attrs
         title = f"{attrs['structure']}: {attrs['title']}"
         say(f"{title} ({attrs['mass']} mass, {attrs['method']})", "bold")
-        periods = ", ".join(f"{value:.3f}" for value in _numbers(attrs.get("periods_s", [])))
-        ratios = ", ".join(f"{value:.1%}" for value in _numbers(attrs.get("damping_ratios", [])))
+        modes, more = _numbers(attrs.get("periods_s", [])), ""
+        if len(modes) > SHOWN_MODES:
+            more = f", the longest {SHOWN_MODES} of {len(modes)}"
+        periods = ", ".join(f"{value:.3f}" for value in modes[:SHOWN_MODES])
+        damped = _numbers(attrs.get("damping_ratios", []))[:SHOWN_MODES]
+        ratios = ", ".join(f"{value:.1%}" for value in damped)
         way = "" if self.in_plan or not self.directions else f" along {self.directions[0]}"
-        say(f"periods{way} {periods} s with equivalent stiffness")
+        say(f"periods{way} {periods} s with equivalent stiffness{more}")
         say(f"viscous damping {attrs['damping']}: ratios of these modes {ratios}")
         if "surroundings" in attrs:
             say(attrs["surroundings"])

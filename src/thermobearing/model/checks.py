@@ -84,11 +84,12 @@ def failed_checks(rows: Sequence[dict[str, Any]]) -> list[str]:
     said = []
     for (bearing, part, what), mine in found.items():
         worst = max(mine, key=lambda row: float(row["used"]))
-        unit, limit = worst["unit"], f"the limit is {worst['limit']:.4g} {worst['unit']}"
+        unit = f" {worst['unit']}".removesuffix(" 1")
+        limit = f"the limit is {worst['limit']:.4g}{unit}"
         says = worst["source"] if worst["verdict"] == NOT_MODELLED else limit
         of = f"{bearing}, {part}" if part else bearing
         where = f"{len(mine)} runs, most: {worst['run']}" if len(mine) > 1 else worst["run"]
-        said.append(f"{of}: {what} {worst['value']:.4g} {unit}: {says} ({where})")
+        said.append(f"{of}: {what} {worst['value']:.4g}{unit}: {says} ({where})")
     return said
 
 
