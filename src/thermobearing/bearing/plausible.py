@@ -5,16 +5,14 @@ range (data/plausible/bearing.toml) cause a warning that cites the source of the
 """
 
 from collections.abc import Mapping
-from functools import cache
 from typing import Annotated, Any
 
 from pydantic import Field
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.library import data_path
-from thermobearing.border.schema import Strict, validated
-from thermobearing.border.toml import read_toml
+from thermobearing.border.library import read_data
+from thermobearing.border.schema import Strict
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
 
 
@@ -56,14 +54,12 @@ class Usuals(Strict):
     usual: list[Usual]
 
 
-@cache
 def usual_values(name: str = "bearing.toml") -> list[Usual]:
     """Return the usual ranges of the package.
 
     `name`: of the file in data/plausible: "bearing.toml" or "structure.toml".
     """
-    path = data_path("plausible", name)
-    return validated(Usuals, read_toml(path), str(path)).usual
+    return read_data(Usuals, "plausible", name).usual
 
 
 def implausible(bearing: Bearing | BilinearBearing) -> list[str]:

@@ -14,6 +14,7 @@ from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import flat, read_toml, split_sources, to_table
 
+R = TypeVar("R", bound=Strict)
 S = TypeVar("S", bound="Sourced")
 DEEPEST = 8  # files that are based on one another
 
@@ -24,6 +25,13 @@ DATA = Path(str(resources.files("thermobearing").joinpath("data")))
 def data_path(*parts: str) -> Path:
     """Return a file or folder of the data shipped with the package."""
     return DATA.joinpath(*parts)
+
+
+@cache
+def read_data(model: type[R], *parts: str) -> R:
+    """Return the checked content of a TOML file of the package, read once."""
+    path = data_path(*parts)
+    return validated(model, split_sources(read_toml(path))[0], str(path))
 
 
 def is_path(name_or_path: str | Path) -> bool:

@@ -1,15 +1,13 @@
 """Temperature factors of codes and makers, compared with the factors of a bearing."""
 
-from functools import cache
 from typing import Annotated, Any, Literal
 
 import numpy as np
 import pandas as pd
 from pydantic import Field
 
-from thermobearing.border.library import data_path
-from thermobearing.border.schema import Strict, validated
-from thermobearing.border.toml import read_toml
+from thermobearing.border.library import read_data
+from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats
 
 FOOTNOTE = "*: chosen, or not checked against the published text"
@@ -67,11 +65,9 @@ class Published(Strict):
     tables: list[PublishedTable]
 
 
-@cache
 def published() -> Published:
     """Return factors of other sources and codes, with citation and whether it was verified."""
-    path = data_path("factors", "published.toml")
-    return validated(Published, read_toml(path), str(path))
+    return read_data(Published, "factors", "published.toml")
 
 
 def tables_for(kind: str) -> list[PublishedTable]:

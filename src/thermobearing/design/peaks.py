@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Sequence
-from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -11,9 +10,8 @@ import xarray as xr
 from pydantic import Field
 
 from thermobearing.border.errors import InputError
-from thermobearing.border.library import data_path
-from thermobearing.border.schema import Strict, validated
-from thermobearing.border.toml import read_toml
+from thermobearing.border.library import read_data
+from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import EarthquakeResult
@@ -58,11 +56,9 @@ class Rules(Strict):
     rules: list[Rule]
 
 
-@cache
 def peak_rule(name: str) -> Rule:
     """Return a rule with its source."""
-    path = data_path("design", "peaks.toml")
-    for rule in validated(Rules, read_toml(path), str(path)).rules:
+    for rule in read_data(Rules, "design", "peaks.toml").rules:
         if rule.name == name:
             return rule
     raise InputError(f'peaks = "{name}": must be "largest", "mean" or "mean of seven"')

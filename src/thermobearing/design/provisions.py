@@ -3,7 +3,6 @@
 import math
 import tomllib
 from collections.abc import Sequence
-from functools import cache
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
@@ -12,9 +11,8 @@ from pydantic import Field
 
 from thermobearing.bearing.model import Bearing, CircularPlan, Plan
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.library import data_path
+from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict, validated
-from thermobearing.border.toml import read_toml
 from thermobearing.border.units import NEWTON_PER_KILONEWTON, is_number, one_or_several
 from thermobearing.core.records import Floats
 from thermobearing.design.peaks import PeakRule, counted, few_motions, mean_group
@@ -94,10 +92,8 @@ class _Codes(Strict):
     codes: list[_Code]
 
 
-@cache
 def _known() -> _Codes:
-    path = data_path("design", "provisions.toml")
-    return validated(_Codes, read_toml(path), str(path))
+    return read_data(_Codes, "design", "provisions.toml")
 
 
 def load_codes(codes: Sequence[str], rotation: float = 0.0, zone: int = 4) -> list[_Code]:

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -14,9 +13,8 @@ from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import resized
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.library import data_path
-from thermobearing.border.schema import RATIO, Strict, in_unit, validated
-from thermobearing.border.toml import read_toml
+from thermobearing.border.library import read_data
+from thermobearing.border.schema import RATIO, Strict, in_unit
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import isothermal_cycle, solve_backbone
@@ -48,11 +46,9 @@ class Curves(Strict):
     compounds: list[DesignRubber]
 
 
-@cache
 def load_curves() -> Curves:
     """Return the design curves shipped with the package."""
-    path = data_path("rubber", "jra-hdr.toml")
-    return validated(Curves, read_toml(path), str(path))
+    return read_data(Curves, "rubber", "jra-hdr.toml")
 
 
 def load_rubber(name: str, kind: Kind = "HDR") -> DesignRubber:

@@ -1,13 +1,11 @@
 """Outcomes of an analysis, and the limits at which it ends."""
 
-from functools import cache
 from typing import Annotated, Final
 
 import numpy as np
 
-from thermobearing.border.library import data_path
-from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.border.library import read_data
+from thermobearing.border.schema import Strict, in_unit
 from thermobearing.core.march import is_possible
 from thermobearing.core.plane import plain
 from thermobearing.core.types import (
@@ -79,11 +77,8 @@ class TemperatureLimits(Strict):
     steel_melts: Annotated[float, in_unit("degC")]
 
 
-@cache
 def _temperature_limits() -> TemperatureLimits:
-    """Return the limits; the file is read once."""
-    path = data_path("materials", "limits.toml")
-    return validated(TemperatureLimits, split_sources(read_toml(path))[0], str(path))
+    return read_data(TemperatureLimits, "materials", "limits.toml")
 
 
 def limits_of_a_step() -> Limits:
