@@ -17,12 +17,12 @@ from thermobearing.cyclic.dataset import written_part
 from thermobearing.cyclic.figures import ORBITS, TimeAxis, drawn_layers
 from thermobearing.cyclic.reported import (
     analysis_table,
-    bearing_sheet,
     bearing_tables,
     bearing_words,
     early_end,
     model_assumptions,
     residual_rows,
+    result_checks,
 )
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.tables import (
@@ -34,8 +34,8 @@ from thermobearing.cyclic.tables import (
 )
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
-from thermobearing.report.content import RIG, TESTED_RANGE, TESTS, input_table, limit_checks
-from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
+from thermobearing.report.content import RIG, TESTED_RANGE, TESTS, input_table
+from thermobearing.report.pieces import Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import change, counted, degrees, joined, number, percent, quantity
 from thermobearing.results import drawing
 from thermobearing.results.time_axis import duration
@@ -66,7 +66,7 @@ def build_pieces(result: Result) -> Pieces:
         inputs=_input_tables(result, case),
         tables=tables,
         figures=_figures(result),
-        checks=_checks(result, case),
+        checks=result_checks(result, case, TESTS, f"{TESTED_RANGE} of {data.attrs['bearing']}"),
         lead_rise=float(np.nanmax(lead - lead[:, :1])),
         residuals=residual_rows(result.energy, case["analysis"]),
         books=energy_table(result.energy),
@@ -278,14 +278,6 @@ def _start(case: Case) -> list[str]:
         f"The bearing starts {begins}. The ambient temperature {series}.",
         "Displacements are imposed exactly; inertia is neglected.",
     ]
-
-
-def _checks(result: Result, case: Case) -> list[Check]:
-    rig = str(case.get("rig", {}).get("name", "rig"))
-    found = bearing_sheet(result)
-    found += limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
-    source = f"{TESTED_RANGE} of {result.dataset.attrs['bearing']}"
-    return found + limit_checks(result.tested_range.to_dict("records"), TESTS, source)
 
 
 def _figures(result: Result) -> dict[str, ReportFigure]:

@@ -18,7 +18,7 @@ from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
-from thermobearing.report.content import BOOKS_CLOSE, input_table
+from thermobearing.report.content import BOOKS_CLOSE, RIG, input_table, limit_checks
 from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Check
 from thermobearing.report.words import number, plain, printed_unit, quantity, tidy
 from thermobearing.results.base import Result
@@ -281,9 +281,12 @@ def sheet_checks(rows: Iterable[Mapping[Any, Any]]) -> list[Check]:
     return found
 
 
-def bearing_sheet(result: Result) -> list[Check]:
-    """Return the governing checks of bearings for a report; none without any."""
-    rows = result.bearing_checks
-    if not len(rows):
-        return []
-    return sheet_checks(governing_checks(rows, every_part=False).to_dict("records"))
+def result_checks(
+    result: Result, case: Inputs, titles: Mapping[str, str], source: str, names: Sequence[str] = ()
+) -> list[Check]:
+    """Return the governing checks of bearings, of the rig and of the calibration range."""
+    rows, rig = result.bearing_checks, str(case.get("rig", {}).get("name", "rig"))
+    rows = governing_checks(rows, every_part=False) if len(rows) else rows
+    found = sheet_checks(rows.to_dict("records"))
+    found += limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
+    return found + limit_checks(result.tested_range.to_dict("records"), titles, source, names)

@@ -11,12 +11,12 @@ import pandas as pd
 from thermobearing.cyclic.report import rig_table
 from thermobearing.cyclic.reported import (
     analysis_table,
-    bearing_sheet,
     bearing_tables,
     bearing_words,
     early_end,
     model_assumptions,
     residual_rows,
+    result_checks,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
 from thermobearing.earthquake.figures import EarthquakeFigures
@@ -27,7 +27,7 @@ from thermobearing.model.options import outdoors
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
-from thermobearing.report.content import IN_EARTHQUAKES, RIG, TESTED_RANGE, input_table
+from thermobearing.report.content import IN_EARTHQUAKES, TESTED_RANGE, input_table
 from thermobearing.report.pieces import NOT_JUDGED, Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import (
     change,
@@ -387,14 +387,9 @@ def _heating(result: EarthquakeResult) -> str:
 def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
     if not result.runs:
         return []
-    rig = str(case.get("rig", {}).get("name", "rig"))
-    found = _ductilities(result) + bearing_sheet(result)
-    found += content.limit_checks(result.rig.to_dict("records"), RIG, f"rig {rig}")
     names = [str(one["name"]) for one in _list_all_bearings(case)]
-    rows = result.tested_range.to_dict("records")
-    return found + content.limit_checks(
-        rows, IN_EARTHQUAKES, f"{TESTED_RANGE} of the bearing", names
-    )
+    source = f"{TESTED_RANGE} of the bearing"
+    return _ductilities(result) + result_checks(result, case, IN_EARTHQUAKES, source, names)
 
 
 def _ductilities(result: EarthquakeResult) -> list[Check]:

@@ -208,10 +208,9 @@ def _directions_table(result: "EarthquakeResult") -> Table:
     keys = [name for name in _keys(frame) if name != "motion"]
     frame = frame.groupby(keys, sort=False)[list(COLUMNS)].agg(_largest).reset_index()
     frame = frame.sort_values(keys[:-1], kind="stable")
-    names = [name for name in BY_DIRECTION if frame[name].notna().any()]
     note = "x: along the bridge, y: across it. The resultant is the largest of a run, which the "
     note += "two directions need not reach at once; of hinges it is the larger of both."
-    return make_table(frame, [*keys, *names], caption, keys=len(keys), note=note)
+    return make_table(frame, [*keys, *BY_DIRECTION], caption, keys=len(keys), note=note)
 
 
 def pair_notes(result: "EarthquakeResult") -> list[str]:
@@ -236,13 +235,10 @@ def _rotation_table(result: "EarthquakeResult") -> Table:
     """Return the measures of motions at several angles; empty without one."""
     frame = rotation_measures_frame(result)
     caption = "Peaks over the angles of a motion: median (RotD50) and largest (RotD100)"
-    if not len(frame):
-        return make_table(frame, caption=caption)
     own = Quantity("Angles", form="d", name="angles"), Quantity("Measure", name="measure")
     keys: list[str | Quantity] = [*_keys(frame), *own]
-    names = [name for name in BY_DIRECTION if frame[name].notna().any()]
     note = "Angles half a turn apart count once: they change the sign of the motion only."
-    return make_table(frame, [*keys, *names], caption, keys=len(keys), note=note)
+    return make_table(frame, [*keys, *BY_DIRECTION], caption, keys=len(keys), note=note)
 
 
 def _combined(x: Floats, y: Floats) -> dict[str, Floats]:
