@@ -28,10 +28,14 @@ def data_path(*parts: str) -> Path:
 
 
 @cache
+def _checked(model: type[Strict], path: Path) -> Any:
+    return validated(model, split_sources(read_toml(path))[0], str(path))
+
+
 def read_data(model: type[R], *parts: str) -> R:
     """Return the checked content of a TOML file of the package, read once."""
-    path = data_path(*parts)
-    return validated(model, split_sources(read_toml(path))[0], str(path))
+    found: R = _checked(model, data_path(*parts))
+    return found
 
 
 def is_path(name_or_path: str | Path) -> bool:
