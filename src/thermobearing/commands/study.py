@@ -18,6 +18,7 @@ from thermobearing.commands.common import (
     app,
     echo_written,
     megabytes,
+    values_by_name,
     with_progress,
 )
 from thermobearing.commands.options import Overwrite, Quiet, command, fields, option
@@ -129,6 +130,43 @@ def _table(
     write_table(found, file, overwrite=overwrite)
     echo_written(file, f" ({len(found)} runs)")
     return {"exit_status": 0, "output": str(file), "runs": len(found)}
+
+
+@command(
+    studies,
+    "export",
+    examples="study export p1 --capacity pier_ductility=4 --output p1-pelicun",
+)
+def _export(
+    directory: DIRECTORY,
+    output: Annotated[
+        Path | None,
+        option("-o", "--output", help="Directory; DIR-pelicun by default.", metavar="DIR"),
+    ],
+    capacity: Annotated[
+        list[str] | None,
+        option(
+            "--capacity",
+            help="Capacity of a demand, in the unit of its column, such as pier_ductility=4; by "
+            "default that of question.toml. May be repeated.",
+            metavar="COLUMN=VALUE",
+        ),
+    ],
+    overwrite: Overwrite,
+) -> Answer:
+    """Export demands and fragility curves as files of pelicun."""
+    from thermobearing.studies.report import write_pelicun
+    from thermobearing.studies.result import study_result
+
+    target = output or Path(f"{directory}-pelicun")
+    given = values_by_name(capacity, "--capacity", "COLUMN=VALUE, such as pier_ductility=4")
+    left = write_pelicun(
+        study_result(directory), target, capacities=given or None, overwrite=overwrite
+    )
+    for sentence in left:
+        typer.echo(f"no curve of {sentence}")
+    echo_written(target)
+    return {"exit_status": 0, "output": str(target), "without_curve": left}
 
 
 @command(

@@ -1,11 +1,14 @@
 """Tables and report of a parameter study."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from thermobearing.border.errors import OutputError
+from thermobearing.border.text_file import file_names, write_file
 from thermobearing.border.toml import to_table
 from thermobearing.cyclic.reported import heat_flow
 from thermobearing.quantities.register import Quantity
@@ -13,11 +16,14 @@ from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import pieces_of_saved
 from thermobearing.report.pieces import Pieces, ReportFigure
 from thermobearing.report.words import counted, joined, number, tidy
+from thermobearing.results.base import COMPLETED
 from thermobearing.results.saved import SavedResult
 from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.figures import StudyFigures, column_words, find_unit, limit_words
 from thermobearing.studies.result import CLIMATE, StudyResult
 from thermobearing.studies.run.engine import count_failures, failures_table
+from thermobearing.studies.statistics.demand import OUTCOME
+from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.studies.statistics.hazard import Rate
 from thermobearing.studies.store import label_plan
 
@@ -268,3 +274,118 @@ def _figures(result: StudyResult) -> dict[str, ReportFigure]:
         caption = CAPTIONS[kind] + (f" {of}." if of else "")
         found[name] = ReportFigure(caption, draw=draw, alt=caption)
     return found
+
+
+# Columns of runs as demands of pelicun: type, unit. The first three are types of pelicun's damage
+# models, the others are for demand files alone.
+DEMANDS = {
+    "PGA_m_s2": ("PGA", "mps2"),
+    "PGV_m_s": ("PGV", "mps"),
+    "Sa_m_s2": ("SA_{period:g}", "mps2"),
+    "deck_acceleration_max_m_s2": ("PFA", "mps2"),
+    "deck_displacement_max_mm": ("PFD", "mm"),
+    "pier_drift_max": ("PID", "rad"),
+    "bearing_strain_max": ("BSS", "unitless"),
+    "bearing_force_max_kN": ("BSF", "kN"),
+    "pier_ductility": ("PDU", "unitless"),
+}
+MEASURES = {  # intensity: its name in damage models
+    "PGA": "Peak Ground Acceleration",
+    "PGV": "Peak Ground Velocity",
+    "Sa": "Spectral Acceleration|{period:g}",
+}
+
+
+def _demand_table(result: StudyResult) -> pd.DataFrame:
+    """Return the completed runs as a demand sample of pelicun, the row of units first."""
+    period = result.study.factors.scale.period or 0.0
+    done = result.table[result.table[OUTCOME] == COMPLETED]
+    found: dict[str, list[Any]] = {}
+    for name, (kind, unit) in DEMANDS.items():
+        if name in done and done[name].notna().all():
+            head = f"1-{kind.format(period=period)}-1-1"
+            found[head] = [unit, *done[name].tolist()]
+    return pd.DataFrame(found, index=["Units", *map(str, range(len(done)))])
+
+
+def _damage_row(name: str, curve: Fragility, demand: str, unit: str) -> dict[str, Any]:
+    """Return a fragility curve as a row of a damage database of pelicun."""
+    return {
+        "ID": name,
+        "Incomplete": 0,
+        "Demand-Type": demand,
+        "Demand-Unit": unit,
+        "Demand-Offset": 0,
+        "Demand-Directional": 1,
+        "LS1-Family": "lognormal",
+        "LS1-Theta_0": curve.median,
+        "LS1-Theta_1": curve.dispersion,
+        "LS1-DamageStateWeights": "",
+    }
+
+
+def write_pelicun(
+    result: StudyResult,
+    folder: str | Path,
+    *,
+    capacities: Mapping[str, float] | None = None,
+    overwrite: bool = False,
+) -> list[str]:
+    """Write a study for pelicun: demand samples and fragility curves; return what was left out.
+
+    Parameters
+    ----------
+    result : StudyResult
+        Runs of a study.
+    folder : str or Path
+        Directory, which is made. Each combination of structure, bearing and temperature has a file
+        `demand-NAME.csv`, whose rows are its completed runs; `damage.csv` has a component for each
+        combination and capacity, in terms of the intensity measure of the study.
+    capacities : mapping
+        Capacity by column of the demand, in the unit of the column; by default that of the
+        question. Without any, no damage database is written.
+    overwrite : bool
+        Replace existing files.
+
+    Raises
+    ------
+    InputError
+        There is no such demand.
+    OutputError
+        A file exists, or cannot be written.
+    """
+    question = result.question
+    if capacities is None:
+        capacities = {} if question.capacity is None else {result.demand_name: question.capacity}
+    scale = result.study.factors.scale
+    demand = MEASURES[scale.measure].format(period=scale.period or 0.0)
+    files, rows, left = {}, [], []
+    levels = result.study.factors.ambient.levels is not None
+    for part, runs in result.parts().items():
+        apart = sorted(set(runs.table[AMBIENT])) if levels else [None]
+        for ambient in apart:
+            one = runs if ambient is None else runs.select(**{AMBIENT: ambient})
+            label = "" if ambient is None else f"{ambient:g}degC".replace("-", "minus")
+            name = "-".join(word for word in (part, label) if word) or result.study.name
+            files[f"demand-{name}"] = _demand_table(one).to_csv(lineterminator="\n")
+            for column, capacity in capacities.items():
+                curve = one.fragility(
+                    capacity, column, method=question.method, failed=question.failed
+                )
+                component = f"{name}.{column}.{capacity:g}".replace("-", "_")
+                if np.isfinite(curve.dispersion) and curve.dispersion > 0.0:
+                    unit = DEMANDS[result.intensity][1]
+                    rows.append(_damage_row(component, curve, demand, unit))
+                else:
+                    left.append(f"{component}: {curve.row()['sentence']}")
+    names = file_names(files)
+    texts = dict(zip(names, files.values(), strict=True))
+    if rows:
+        texts["damage"] = pd.DataFrame(rows).to_csv(index=False, lineterminator="\n")
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be made: {error.strerror}") from None
+    for stem, text in texts.items():
+        write_file(Path(folder) / f"{stem}.csv", text, overwrite=overwrite)
+    return left
