@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from numpy.testing import assert_allclose
 
 import thermobearing as tb
@@ -15,6 +16,7 @@ from tests.conftest import COARSE
 from thermobearing.cyclic.figures import NothingToDrawError, TimeAxis
 from thermobearing.results import drawing
 from thermobearing.results.drawing import ambient_colours, thin, thin_loops
+from thermobearing.results.figure_style import COLUMNS, SMALLEST, figure_style
 
 BEARING = "shen-hdr-specimen"
 NAMES = ["imposed_displacement", "loops", "measures", "layer_temperatures", "profiles"]
@@ -371,3 +373,69 @@ def test_an_installed_font_draws_letters_that_the_first_lacks(
     drawing.save_figures({"a": lambda: figure}, tmp_path)
     drawing._east_asian_fonts.cache_clear()
     assert [str(one.message) for one in recwarn] == []
+
+
+def overlaps(figure: Figure) -> list[tuple[str, str]]:
+    """Pairs of texts that overlap by more than a pixel, and texts that leave the figure."""
+    figure.draw_without_rendering()
+    hidden = set()
+    for ax in [*figure.axes, *[child for one in figure.axes for child in one.child_axes]]:
+        for axis in (ax.xaxis, ax.yaxis):  # type: ignore[attr-defined]
+            low, high = sorted(axis.get_view_interval())
+            for tick in [*axis.get_major_ticks(), *axis.get_minor_ticks()]:
+                if not low <= tick.get_loc() <= high:
+                    hidden |= {tick.label1, tick.label2}
+    texts = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text().strip()]
+    shown = [(t.get_text(), t.get_window_extent()) for t in texts if t not in hidden]
+    found = []
+    for number, (text, box) in enumerate(shown):
+        if not (box.x0 > -1.0 and box.x1 < figure.bbox.x1 + 1.0 and box.y0 > -1.0):
+            found.append((text, "edge of the figure"))
+        for other, taken in shown[:number]:
+            wide = min(box.x1, taken.x1) - max(box.x0, taken.x0)
+            if wide > 1.0 and min(box.y1, taken.y1) - max(box.y0, taken.y0) > 1.5:
+                found.append((text, other))
+    return found
+
+
+@pytest.mark.parametrize("width", ["single-column", "double-column"])
+def test_figures_of_a_paper_have_its_width_and_no_overlaps(result: tb.Result, width: str) -> None:
+    with figure_style({"width": width, "titles": False}):
+        figures = {name: draw() for name, draw in result.plot.draw_all().items()}
+    for name, figure in figures.items():
+        grid = figure.axes[0].get_gridspec()
+        across = width if grid and grid.ncols < 3 else "double-column"
+        assert figure.get_figwidth() * 25.4 == pytest.approx(COLUMNS[across]), name
+        assert figure.get_suptitle() == ""
+        assert overlaps(figure) == [], name
+        texts = [t for t in figure.findobj(Text) if t.get_text()]
+        assert min(t.get_fontsize() for t in texts) >= SMALLEST  # type: ignore[attr-defined]
+
+
+def test_notes_move_away_from_data() -> None:
+    figure, (ax,) = drawing.panels(1, 1, (4.0, 3.0), "")
+    ax.plot([0.0, 0.4, 0.4], [0.0, 0.0, 0.4], color="k")
+    ax.set(xlim=(0, 1), ylim=(0, 1))
+    drawing.say_why(ax, "a note on data")
+    figure.draw_without_rendering()
+    box, line = ax.texts[0].get_window_extent(), ax.lines[0]
+    path = line.get_path().transformed(line.get_transform())
+    assert not path.intersects_bbox(box, filled=False)
+
+
+def test_saved_vectors_hold_text_and_the_font(result: tb.Result, tmp_path: Path) -> None:
+    plots = type(result.plot)(result)
+    plots.draw_all = lambda: {"loops": result.plot.loops}  # type: ignore[method-assign]
+    (svg,) = plots.save_all(tmp_path, format="svg", width="single-column", titles=False)
+    assert 'width="538.58' in (text := svg.read_text())  # three panels: 190 mm in points
+    assert "[MPa]</text>" in text
+    (pdf,) = plots.save_all(tmp_path, format="pdf", width="120 mm")
+    content = pdf.read_bytes()
+    assert b"/FontFile2" in content  # TrueType, whole letters
+    assert b"/Type3" not in content
+    assert (tmp_path / "loops.png").is_file()
+    for wrong in ("tripel", "3", "2 m", "5 s"):
+        with pytest.raises(tb.InputError, match="figure_width"):
+            plots.save_all(tmp_path, width=wrong)
+    with pytest.raises(tb.InputError, match="png, pdf, svg"):
+        plots.save_all(tmp_path, format="gif")

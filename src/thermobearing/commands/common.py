@@ -134,7 +134,25 @@ class Printed:
     output: Path | None = None
     overwrite: bool = False
     no_figures: bool = False
+    figure_format: str | None = None
+    figure_width: str | None = None
+    no_titles: bool = False
     quiet: bool = False
+
+    def __post_init__(self) -> None:
+        """Raise an error before the run for a style that figures cannot have."""
+        if self.figures:
+            from thermobearing.results.figure_style import check_style
+
+            check_style(**self.figures)
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """The keywords of figures for `save`; empty without figures."""
+        if self.no_figures:
+            return {}
+        titles = not self.no_titles
+        return {"format": self.figure_format or "png", "width": self.figure_width, "titles": titles}
 
     def target(self, usual: str = "") -> Path:
         """Return the result directory, which is free to be written."""
@@ -157,7 +175,7 @@ class Printed:
         self, result: Any, target: Path, outcome: str = "", sentence: str = "", **options: Any
     ) -> Answer:
         """Save a result, print it, write its documents, and print where they are."""
-        result.save(target, overwrite=self.overwrite, figures=not self.no_figures, **options)
+        result.save(target, overwrite=self.overwrite, figures=self.figures, **options)
         if not self.quiet:
             with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
                 result.show()
@@ -196,6 +214,7 @@ class Ending(Printed):
 
     def __post_init__(self) -> None:
         """Raise an error before the run for what could not be written after it."""
+        super().__post_init__()
         if (self.title or self.template) and not self.with_report:
             raise InputError("--title and --template require --report or --xlsx")
         self._block().logo_bytes()

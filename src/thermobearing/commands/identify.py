@@ -206,7 +206,7 @@ def _look_over(records: "list[TestRecord]", bearing: "Bearing | None", end: Endi
     reports = [check_test(record, bearing) for record in records]
     documents: list[Path] = []
     if target is not None:
-        save_checks(reports, target, overwrite=end.overwrite, figures=not end.no_figures)
+        save_checks(reports, target, overwrite=end.overwrite, figures=end.figures)
         documents = end.documents(target)
     if not end.quiet:
         print_checks(reports)

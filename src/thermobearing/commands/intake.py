@@ -111,7 +111,7 @@ def _measure(
         "notes": found.notes,
     }
     if end.output is not None:
-        found.save(end.output, overwrite=end.overwrite, figures=not end.no_figures)
+        found.save(end.output, overwrite=end.overwrite, figures=end.figures)
         last["output"] = str(end.output)
     if not end.quiet:
         show_table(measured_table(found.measures, found.ends, specimen.total_rubber_thickness))

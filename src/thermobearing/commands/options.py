@@ -71,6 +71,30 @@ NoLive = Annotated[
         panel=REPORT,
     ),
 ]
+FIGURE_OPTIONS = {
+    "figure_format": Annotated[
+        str | None,
+        option(
+            "--figure-format",
+            help="Kind of the figures: png, or pdf or svg with editable text, together with a PNG.",
+            metavar="KIND",
+            panel=RESULT,
+        ),
+    ],
+    "figure_width": Annotated[
+        str | None,
+        option(
+            "--figure-width",
+            help="Width of the figures in print: single-column (90 mm), double-column (190 mm) or "
+            "a length.",
+            metavar="WIDTH",
+            panel=RESULT,
+        ),
+    ],
+    "no_titles": Annotated[
+        bool, option("--no-titles", help="Draw figures without titles.", panel=RESULT)
+    ],
+}
 # Fields of `Printed`, and additional ones of `Ending`.
 RESULT_OPTIONS = {
     "output": Annotated[
@@ -78,6 +102,7 @@ RESULT_OPTIONS = {
     ],
     "overwrite": Overwrite,
     "no_figures": Annotated[bool, option("--no-figures", help="Draw no figures.", panel=RESULT)],
+    **FIGURE_OPTIONS,
     "quiet": Quiet,
 }
 REPORT_OPTIONS = {

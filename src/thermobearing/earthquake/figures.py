@@ -388,7 +388,7 @@ class EarthquakeFigures(Panels):
             if np.isfinite(ends).all():
                 inside &= (time >= ends[0]) & (time <= ends[1])
             else:
-                look: drawing.Look = {"fontsize": drawing.SMALL - 0.5, "color": drawing.GREY}
+                look: drawing.Look = {"fontsize": drawing.SMALLEST, "color": drawing.GREY}
                 why = "no closed loop: all of it"
                 ax.text(0.01, 0.985, why, transform=ax.transAxes, va="top", **look)
             bilinear = self._data.attrs.get(f"bilinear:{self._data['bearing'].values[run]}", 0)

@@ -228,7 +228,9 @@ class IdentificationFigures(ComparisonFigures):
             if len(names) <= LABELLED:
                 colour = "white" if abs(value) > 0.6 else drawing.INK
                 text = f"{value:.2f}".replace("-", "\N{MINUS SIGN}")
-                ax.text(j, i, text, ha="center", va="center", fontsize=6.5, color=colour)
+                ax.text(
+                    j, i, text, ha="center", va="center", fontsize=drawing.SMALLEST, color=colour
+                )
         figure.colorbar(image, ax=ax, shrink=0.8).ax.tick_params(labelsize=drawing.SMALL)
         return figure
 

@@ -25,6 +25,7 @@ from thermobearing.quantities.tables import Table
 from thermobearing.report.workbook import sheets_bytes
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import SIDECARS, check_target
+from thermobearing.results.figure_style import Wanted
 from thermobearing.results.screen import say, show_table
 from thermobearing.tables.guess import ColumnGuess
 from thermobearing.tables.laboratory import COLUMNS, KEY, Readings, description, read_laboratory
@@ -217,7 +218,7 @@ class Intakes(Result):
         directory: str | Path,
         *,
         overwrite: bool = False,
-        figures: bool = True,
+        figures: Wanted = True,
         write_sidecars: bool = False,
     ) -> Path:
         """Write summary.json, and a sidecar and a figure for each file.

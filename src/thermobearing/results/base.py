@@ -14,6 +14,7 @@ import xarray as xr
 from thermobearing.border.deprecated import renamed
 from thermobearing.quantities.tables import Table
 from thermobearing.results.directory import CHECKS, FIGURES, RIG, TESTED_RANGE, write_directory
+from thermobearing.results.figure_style import Wanted, figure_style
 from thermobearing.results.ranges import largest_tested
 from thermobearing.results.screen import print_warnings, say, show_table, table_html
 from thermobearing.results.writing import from_attribute, write_csv, write_summary
@@ -100,7 +101,13 @@ class Result:
         return getattr(self._view("figures"), self._figures)(self)
 
     @renamed(force="overwrite")
-    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
+    def save(
+        self,
+        directory: str | Path,
+        *,
+        overwrite: bool = False,
+        figures: Wanted = True,
+    ) -> Path:
         """Write a result directory; see docs/files.md.
 
         Parameters
@@ -109,8 +116,9 @@ class Result:
             Made if needed, with its parents.
         overwrite : bool
             Replace an earlier result directory.
-        figures : bool
-            Draw the figures too.
+        figures : bool or mapping
+            Draw the figures too, with the keywords `format`, `width` and `titles` of
+            `plot.save_all` where they are given.
 
         Returns
         -------
@@ -131,7 +139,8 @@ class Result:
                 if len(table):
                     write_csv(folder / name, table)
             if figures:
-                self._draw(folder)
+                with figure_style(figures):
+                    self._draw(folder)
             write_summary(folder, self.summary())
 
         return write_directory(Path(directory), _fill, overwrite=overwrite)

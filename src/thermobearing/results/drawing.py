@@ -27,39 +27,48 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
 from thermobearing.core.records import Floats, Ints
+from thermobearing.results.figure_style import COLUMNS, INCH, SMALLEST, STYLE, figure_style
 
 MOST_POINTS = 3000  # of a line; what has more is drawn as points at the fineness below
 FINENESS = 200  # points an inch of what is no vector
 # Letters as outlines: a document shows them without the font. Names of parts do not change.
 LOOK = {"svg.fonttype": "path", "svg.hashsalt": "thermobearing"}
+# Letters as text that can be edited; the font is embedded in a PDF.
+AS_TEXT = LOOK | {"svg.fonttype": "none", "pdf.fonttype": 42}
 
 
-def _vector_bytes(figure: Figure) -> bytes:
-    """Return a figure as SVG; the same bytes for the same figure."""
+def _vector_bytes(figure: Figure, kind: str = "svg", *, as_text: bool = False) -> bytes:
+    """Return a figure as SVG or PDF; the same bytes for the same figure."""
     for ax in figure.axes:
         for line in ax.get_lines():
             if np.size(line.get_xdata()) > MOST_POINTS:
                 line.set_rasterized(True)
     drawn = io.BytesIO()
-    with mpl.rc_context(LOOK):  # type: ignore[arg-type]
-        figure.savefig(drawn, format="svg", dpi=FINENESS, metadata={"Date": None, "Creator": None})
+    date = "Date" if kind == "svg" else "CreationDate"
+    fine = PRINTED_DPI if as_text else FINENESS
+    with mpl.rc_context(AS_TEXT if as_text else LOOK):  # type: ignore[arg-type]
+        figure.savefig(drawn, format=kind, dpi=fine, metadata={date: None, "Creator": None})
     return drawn.getvalue()
 
 
 Look = dict[str, Any]  # how an artist is drawn
 DPI = 150  # of a saved figure
+PRINTED_DPI = 500  # of a figure of given width
 NOTEBOOK_DPI = 100
 COLOURS = 256  # of a saved figure: its lines, and their edges that fade into the paper
-LARGE, NORMAL, SMALL = 9.5, 8.5, 7.5  # font sizes [pt]
+LARGE, NORMAL, SMALL = SMALLEST + 2.5, SMALLEST + 1.5, SMALLEST + 0.5  # font sizes [pt]
 WIDEST = 7.1  # of a figure [inch]: a page of A4 between its margins
 FLATTER = 0.6  # power of the factor by which a figure becomes narrower, for its height
 LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
 MARGIN = 0.6  # between panels, for their labels [inch]
+BELOW, LOWEST = 1.0, 1.3  # legend and labels below the panels, and a panel, in height [inch]
+NARROWEST = 1.3  # panel of a paper; below it with few ticks [inch]
 NARROW = 2.5  # panels below this width break the note on the calibration range [inch]
-SHORTEST_LINE = 24  # letters of a title before it is broken
+SHORTEST_LINE = 12  # letters of a title or a label before it is broken
 UNBROKEN = "\N{NO-BREAK SPACE}"
 HANDLE = 4.5  # width of a legend's line and gaps, of the font size
 INK, GREY, PALE, STEEL, RUBBER = "#1a1a1a", "#6b6b6b", "#eef0f3", "#d3d8de", "#fdf6ec"
@@ -70,6 +79,8 @@ COLD_TO_WARM = LinearSegmentedColormap.from_list(
 COLD, WARM = -20.0, 23.0  # ends of the scale for a single ambient temperature [degC]
 MOST_LOOP_POINTS = 60_000
 MARKERS = "os^Dv<>p"
+SIDES = {0.02: "left", 0.5: "center", 0.98: "right"}  # places of a note, and how it is aligned
+HEIGHTS = {0.02: "bottom", 0.5: "center", 0.98: "top"}
 BOX: Look = {"facecolor": "white", "pad": 0.5, "linewidth": 0}  # behind a note in a panel
 LIMIT: Look = {"color": "#a33", "linewidth": 0.8, "linestyle": (0, (6, 2, 1, 2))}
 UNTESTED = "#f6dede"  # outside the calibration range
@@ -221,17 +232,28 @@ def panels(
     """Return a figure of so many inches with its panels row by row, styled but empty.
 
     A wider figure is reduced to the width of a page, so that letters have the same size in print.
+    The width of `figure_style` counts instead where it has one, or two
+    columns of a paper where panels would become too narrow.
     """
-    narrower = min(1.0, WIDEST / size[0])
-    size = narrower * size[0], narrower**FLATTER * size[1]
+    style = STYLE.get()
+    wide = style.width or min(size[0], WIDEST)
+    if style.width and wide / columns < NARROWEST:
+        wide = max(wide, COLUMNS["double-column"] / INCH)
+    size = wide, min(1.0, wide / size[0]) ** FLATTER * size[1]
+    if style.width:
+        size = wide, max(size[1], BELOW + LOWEST * rows)
+    title = title if style.titles else ""
     figure = Picture(figsize=size, layout="constrained")
     room = int(size[0] * 72.0 / (BOLD_LETTER * LARGE))
     lines = title.replace(": ", ":\n", 1) if len(title) > room else title
     wrapped = "\n".join(textwrap.fill(line, room) for line in lines.splitlines())
-    figure.suptitle(wrapped, fontsize=LARGE, fontweight="bold", color=INK)
+    if title:
+        figure.suptitle(wrapped, fontsize=LARGE, fontweight="bold", color=INK)
     shared: Look = {"squeeze": False, "sharex": share, "sharey": share, "width_ratios": widths}
     axes = figure.subplots(rows, columns, **shared)
     for ax in axes.flat:
+        if wide / columns < NARROWEST:
+            ax.xaxis.set_major_locator(MaxNLocator(3))
         ax.set_axisbelow(True)
         ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
         ax.spines[:].set(color=GREY, linewidth=0.7)
@@ -254,18 +276,23 @@ def save_figure(figure: Figure, path: str | Path | io.BytesIO, dpi: int | None =
 
 
 def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 5.0) -> None:
-    """Labels with units, and the title of the panel, in two lines where it is too long for one."""
+    """Labels with units, and the title of the panel, in lines that are not longer than it."""
+    grid = ax.get_gridspec()
+    rows, columns = grid.get_geometry() if grid else (1, 1)
+    size = parent_figure(ax).get_size_inches()
+    wide, high = size[0] / columns - MARGIN, (size[1] - BELOW) / rows - 0.5 * MARGIN
+
+    def _fill(text: str, inch: float) -> str:
+        room = max(int(inch * 72.0 / (LETTER * NORMAL)), SHORTEST_LINE)
+        unbroken = text.replace(" °C", f"{UNBROKEN}°C").replace(" [", f"{UNBROKEN}[")
+        return textwrap.fill(unbroken, room, break_long_words=False).replace(UNBROKEN, " ")
+
     if x:
-        ax.set_xlabel(x, fontsize=NORMAL)
+        ax.set_xlabel(_fill(x, wide) if STYLE.get().width else x, fontsize=NORMAL)
     if y:
-        ax.set_ylabel(y, fontsize=NORMAL)
+        ax.set_ylabel(_fill(y, high) if STYLE.get().width else y, fontsize=NORMAL)
     if title:
-        grid = ax.get_gridspec()
-        wide = parent_figure(ax).get_figwidth() / (grid.ncols if grid else 1) - MARGIN
-        room = max(int(wide * 72.0 / (LETTER * NORMAL)), SHORTEST_LINE)
-        unbroken = title.replace(" °C", f"{UNBROKEN}°C")
-        label = textwrap.fill(unbroken, room).replace(UNBROKEN, " ")
-        ax.set_title(label, fontsize=NORMAL, loc="left", pad=pad)
+        ax.set_title(_fill(title, wide), fontsize=NORMAL, loc="left", pad=pad)
 
 
 def head_grid(axes: list[Axes], heads: list[str], sides: list[str]) -> None:
@@ -278,28 +305,58 @@ def head_grid(axes: list[Axes], heads: list[str], sides: list[str]) -> None:
         ax.annotate(side, (1.0, 0.5), (4.0, 0.0), xycoords="axes fraction", **look)
 
 
-def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02)) -> None:
-    """Write in a panel why its content is incomplete."""
-    look: Look = {"fontsize": SMALL - 0.5, "color": GREY, "va": "bottom", "zorder": 5}
-    look |= {"ha": "left" if at[0] < 0.5 else "right", "bbox": BOX | {"alpha": 0.7}}
-    ax.text(*at, why, transform=ax.transAxes, **look).set_in_layout(False)
+class _Note(Text):
+    """A note in a panel that moves, when it is drawn, to where it covers least."""
+
+    def draw(self, renderer: Any) -> None:
+        ax = self.axes
+        assert ax is not None
+        paths = [line.get_path().transformed(line.get_transform()) for line in ax.lines]
+        others = [text for text in ax.texts if text is not self and text.get_text()]
+        boxes = [text.get_window_extent(renderer) for text in others]
+
+        def _covered(place: tuple[float, float]) -> int:
+            self.set(position=place, ha=SIDES[place[0]], va=HEIGHTS[place[1]])
+            own = self.get_window_extent(renderer)
+            inside = sum(int(own.count_contains(path.vertices)) for path in paths)
+            crossed = sum(path.intersects_bbox(own, filled=False) for path in paths)
+            return inside + crossed + MOST_POINTS * own.count_overlaps(boxes)
+
+        usual = self.get_position()
+        places = [(x, y) for x in SIDES for y in HEIGHTS]
+        _covered(min(places, key=lambda at: (_covered(at), math.dist(at, usual))))
+        super().draw(renderer)
+
+
+def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02), **look: Any) -> None:
+    """Write in a panel why its content is incomplete, near `at` where nothing is drawn there."""
+    look = {"fontsize": SMALLEST, "color": GREY, "zorder": 5} | look
+    note = _Note(*at, why, transform=ax.transAxes, bbox=BOX | {"alpha": 0.7}, **look)
+    note.set_in_layout(False)
+    ax.add_artist(note)
 
 
 def save_figures(
     figures: Mapping[str, Callable[[], Figure]], folder: Path, *, vector: bool = False
 ) -> list[Path]:
-    """Draw and write figures as PNG by the name of each file, and return the files.
+    """Draw and write figures by the name of each file, and return the files.
 
-    With `vector` as SVG too, for documents of results that are read back as tables and pictures.
+    They are PNG; a PDF or SVG of `figure_style` is written too. With `vector` as SVG too, for
+    documents of results that are read back as tables and pictures.
     """
+    style = STYLE.get()
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     with _one_warning():
         for name, draw in figures.items():
             written.append(folder / f"{name}.png")
             figure = draw()
-            save_figure(figure, written[-1])
-            if vector:
+            fine = PRINTED_DPI if style.width and style.format == "png" else None
+            save_figure(figure, written[-1], fine)
+            if style.format != "png":
+                written[-1] = folder / f"{name}.{style.format}"
+                written[-1].write_bytes(_vector_bytes(figure, style.format, as_text=True))
+            if vector and style.format != "svg":
                 (folder / f"{name}.svg").write_bytes(_vector_bytes(figure))
     return written
 
@@ -320,9 +377,28 @@ class Figures:
         """Return the function that draws each figure, by name of its file."""
         return {}
 
-    def save_all(self, folder: str | Path) -> list[Path]:
-        """Write every figure that the result has data for, and return the files."""
-        return save_figures(self.draw_all(), Path(folder), vector=self.vector)
+    def save_all(self, folder: str | Path, **style: Any) -> list[Path]:
+        """Write every figure that the result has data for, and return the files.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Made if needed.
+        format : str
+            "png" (default), or "pdf" or "svg" with editable text, together with a PNG.
+        width : str, optional
+            "single-column" (90 mm), "double-column" (190 mm) or a length with a unit; by default
+            each figure has its own.
+        titles : bool
+            Whether figures have a title; that of a panel stays. Default True.
+
+        Raises
+        ------
+        InputError
+            An unknown format, or a width that is no length or not from 60 mm to 400 mm.
+        """
+        with figure_style(style):
+            return save_figures(self.draw_all(), Path(folder), vector=self.vector)
 
 
 def thin(values: Floats, bins: int) -> Ints:
@@ -370,7 +446,9 @@ def legend_below(figure: Figure, handles: list[Line2D]) -> None:
     room = figure.get_figwidth() * 72.0 / SMALL
     wide = sum(LETTER * len(str(handle.get_label())) + HANDLE for handle in handles)
     look: Look = {"loc": "outside lower center", "fontsize": SMALL, "frameon": False}
-    figure.legend(handles=handles, ncols=math.ceil(len(handles) / math.ceil(wide / room)), **look)
+    most = max(LETTER * len(str(handle.get_label())) + HANDLE for handle in handles)
+    rows = math.ceil(max(wide / room, len(handles) / max(room // most, 1.0)))
+    figure.legend(handles=handles, ncols=math.ceil(len(handles) / rows), **look)
 
 
 def common_limits(axes: list[Axes]) -> tuple[float, float]:
@@ -392,9 +470,7 @@ def shade_untested(
 
     Returns whether any panel has such an area.
     """
-    look: Look = {"fontsize": SMALL - 0.5, "color": LIMIT["color"]}
-    look |= {"ha": "right", "va": "top"} if along == "x" else {"ha": "left", "va": "bottom"}
-    place = (0.99, 0.985) if along == "x" else (0.01, 0.015)
+    place = (0.98, 0.98) if along == "x" else (0.02, 0.02)
     shaded = False
     for ax, (least, most) in zip(axes, tested, strict=False):
         if not np.isfinite([least, most]).any():
@@ -411,13 +487,13 @@ def shade_untested(
         grid = ax.get_gridspec()
         narrow = grid is not None and parent_figure(ax).get_figwidth() < NARROW * grid.ncols
         text = f"shaded: outside{chr(10) if narrow else ' '}calibration range"
-        ax.text(*place, text, transform=ax.transAxes, **look)
+        say_why(ax, text, place, color=LIMIT["color"])
     return shaded
 
 
 def note_values(ax: Axes, name: str, values: list[str], colours: list[str]) -> None:
     """Write a name and values at the upper right of a panel, each value in its own colour."""
-    look: Look = {"fontsize": SMALL - 0.5, "va": "top", "ha": "right", "zorder": 5}
+    look: Look = {"fontsize": SMALLEST, "va": "top", "ha": "right", "zorder": 5}
     look |= {"textcoords": "offset points", "bbox": BOX | {"alpha": 0.7}}
     anchor: Any = ax.transAxes
     at, gap = (1.0, 1.0), (-3.0, -3.0)
@@ -440,7 +516,7 @@ def mark_tested(ax: Axes, largest: float, name: str) -> None:
         near = ((drawn > largest) & (drawn < largest + 0.15 * (high - low))).any()
         ax.axhline(largest, **LIMIT)
         look: Look = {
-            "fontsize": SMALL - 0.5,
+            "fontsize": SMALLEST,
             "color": LIMIT["color"],
             "bbox": BOX | {"alpha": 0.6},
         }

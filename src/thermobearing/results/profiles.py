@@ -17,7 +17,7 @@ from thermobearing.results import drawing
 MOST_PROFILES = 8
 CORE = (0, (4, 1.5))  # dashes of a lead core
 THIN = 0.02  # of the height: a part too thin for its name
-NAMES: drawing.Look = {"fontsize": drawing.SMALL - 0.5}  # of parts and faces
+NAMES: drawing.Look = {"fontsize": drawing.SMALLEST}  # of parts and faces
 STRIP = 0.52  # width of the panel of the lead, relative to that of the profiles
 STRIP_INCHES = 1.2
 MOST_MARKERS = 24  # on a profile through many cells
@@ -92,7 +92,7 @@ def _draw_panel(
         ax.plot(profile, depth, linewidth=1.1, markevery=every, **look)
         if strip is not None and lead is not None:
             _draw_core(strip, panel.stack, lead, look["color"])
-    for shown, ticks in ((ax, 6), (strip, 2)):
+    for shown, ticks in ((ax, 4), (strip, 2)):
         if shown is not None:
             shown.axvline(panel.ambient, color=drawing.GREY, linewidth=0.8, linestyle=":")
             shown.locator_params(axis="x", nbins=ticks)

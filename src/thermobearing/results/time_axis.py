@@ -13,7 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from thermobearing.core.records import Floats
-from thermobearing.results.drawing import GREY, PALE, SMALL, Look
+from thermobearing.results.drawing import GREY, PALE, SMALL, WIDEST, Look, parent_figure
+from thermobearing.results.figure_style import SMALLEST
 
 RESTS_SHARE = 0.55  # of the loading time: room that all shortened rests have together
 REST_SHARE = 0.13  # ... and that one of them has at most
@@ -137,6 +138,7 @@ class DrawnAxis:
         self, ax: Axes, *, labels: bool = True, in_rests: bool = True, most: int = 20
     ) -> None:
         """About so many from the starts of loadings, and round times within shortened rests."""
+        most = max(round(most / self._narrower(ax)), 3)
         round_steps = MaxNLocator(nbins=most, steps=[1, 2, 2.5, 5, 10])
         ticks = round_steps.tick_values(0.0, self.end / self.unit)
         step = float(ticks[1] - ticks[0])
@@ -152,7 +154,7 @@ class DrawnAxis:
 
     def _set_rest_ticks(self, ax: Axes, labels: bool) -> None:
         found: list[tuple[float, str]] = []
-        apart = 0.013 * self.end  # room of one upright label
+        apart = 0.013 * self._narrower(ax) * self.end  # room of one upright label
         for s in self.shortened:
             free_from = s.left + apart
             for seconds, name in REST_TICKS.items():
@@ -161,8 +163,12 @@ class DrawnAxis:
                     found.append((x, name if labels else ""))
                     free_from = x + apart
         ax.set_xticks([x for x, _ in found], [name for _, name in found], minor=True)
-        look: Look = {"labelrotation": 90, "labelsize": SMALL - 1.5, "labelcolor": GREY}
+        look: Look = {"labelrotation": 90, "labelsize": SMALLEST, "labelcolor": GREY}
         ax.tick_params(which="minor", color=GREY, **look)
+
+    def _narrower(self, ax: Axes) -> float:
+        """Return the factor by which letters are wider, of the axis, than on a full page."""
+        return max(WIDEST / parent_figure(ax).get_figwidth(), 1.0)
 
     def caption(self) -> str:
         """Label of the axis."""
@@ -175,7 +181,7 @@ class DrawnAxis:
         """Draw a shaded band over each shortened rest, and above it how long it was."""
         for s in self.shortened:
             ax.axvspan(s.left, s.right, color=PALE, zorder=0)
-            room = s.width / (LETTER * self.end)
+            room = s.width / (LETTER * self._narrower(ax) * self.end)
             fitting = [text for text in (s.label(), s.label()[:-5]) if len(text) < room]
             if labels and fitting:
                 write_above(ax, s.middle, fitting[0], GREY, "normal")

@@ -44,7 +44,7 @@ TEXT: drawing.Look = {
     "zorder": 8,
     "color": drawing.INK,
 }
-ON_DECK: drawing.Look = {"color": "white", "fontsize": drawing.SMALL - 1.0}
+ON_DECK: drawing.Look = {"color": "white", "fontsize": drawing.SMALLEST}
 NONE: drawing.Look = {"linestyle": "none"}
 SIDES = {  # of a point where its name may be: offset [pt] and alignment
     "a": (0.0, 9.0, "center", "bottom"),

@@ -234,7 +234,14 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
         if not rate.rate > 0.0:
             why = "no exceedance,\nupper bound" if rate.rate == 0.0 else "no curve"
             look: drawing.Look = {"ha": "center", "va": "bottom", "color": drawing.GREY}
-            ax.text(place, 0.02, why, transform=ax.get_xaxis_transform(), fontsize=6.5, **look)
+            ax.text(
+                place,
+                0.02,
+                why,
+                transform=ax.get_xaxis_transform(),
+                fontsize=drawing.SMALLEST,
+                **look,
+            )
             if rate.high > 0.0:  # an upper bound
                 ax.plot(place, rate.high, "v", color=colour, markersize=5, markerfacecolor="none")
             continue

@@ -130,7 +130,9 @@ class CrossValidationFigures(drawing.Figures):
             at = place + np.linspace(-0.25, 0.25, len(off))
             ax.plot(at, off, "o", color=FOLD, markersize=4)
             for x, y, fold in zip(at, off, table["fold"][1:], strict=True):
-                ax.annotate(str(fold), (x, y), (3, 3), textcoords="offset points", fontsize=6.5)
+                ax.annotate(
+                    str(fold), (x, y), (3, 3), textcoords="offset points", fontsize=drawing.SMALLEST
+                )
         ax.axhline(0.0, color=drawing.INK, linewidth=0.8)
         ax.set_xticks(range(len(symbols)), symbols)
         drawing.name_axes(ax, y="deviation from the fit to all tests [%]")

@@ -28,6 +28,7 @@ from thermobearing.identify.records.treatment import (
     warn,
 )
 from thermobearing.results.directory import FIGURES, write_directory
+from thermobearing.results.figure_style import Wanted, figure_style
 from thermobearing.results.metrics import loop_energy
 from thermobearing.results.writing import write_summary
 
@@ -356,7 +357,7 @@ def print_checks(reports: list[CheckReport]) -> None:
 
 
 def save_checks(
-    reports: list[CheckReport], directory: Path, *, overwrite: bool = False, figures: bool = True
+    reports: list[CheckReport], directory: Path, *, overwrite: bool = False, figures: Wanted = True
 ) -> Path:
     """Write summary.json and a figure per record; return the directory."""
     records = [
@@ -383,6 +384,7 @@ def save_checks(
                 f"check_{number}_{name}": partial(draw_record, report)
                 for number, (name, report) in enumerate(zip(names, reports, strict=True), start=1)
             }
-            RecordFigures(drawn).save_all(folder / FIGURES)
+            with figure_style(figures):
+                RecordFigures(drawn).save_all(folder / FIGURES)
 
     return write_directory(directory, _fill, overwrite=overwrite)

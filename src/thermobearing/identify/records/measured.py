@@ -17,6 +17,7 @@ from thermobearing.identify.records.record import PAUSE, TestRecord, build_recor
 from thermobearing.identify.records.treatment import describe_treatment, treat
 from thermobearing.results import drawing
 from thermobearing.results.directory import FIGURES, VALIDATED_CYCLES, write_directory
+from thermobearing.results.figure_style import Wanted, figure_style
 from thermobearing.results.metrics import CycleMeasures, found_cycles, measure_history
 from thermobearing.results.writing import without_formulas, write_summary
 from thermobearing.tables.laboratory import read_laboratory
@@ -49,7 +50,9 @@ class MeasuredCycles:
         ]
         return pd.DataFrame(rows).rename(columns={"stiffness_kN_mm": "K_eq_kN_mm"})
 
-    def save(self, directory: str | Path, *, overwrite: bool = False, figures: bool = True) -> Path:
+    def save(
+        self, directory: str | Path, *, overwrite: bool = False, figures: Wanted = True
+    ) -> Path:
         """Write summary.json, cycles.csv and the figure of the loops; return the directory."""
 
         def _fill(folder: Path) -> None:
@@ -58,7 +61,8 @@ class MeasuredCycles:
             write_summary(folder, summary | {"notes": list(self.notes), "cycles": cycles})
             without_formulas(self.table).to_csv(folder / VALIDATED_CYCLES, index=False)
             if figures:
-                drawing.save_figures({"loops": partial(_draw_loops, self)}, folder / FIGURES)
+                with figure_style(figures):
+                    drawing.save_figures({"loops": partial(_draw_loops, self)}, folder / FIGURES)
 
         return write_directory(Path(directory), _fill, overwrite=overwrite)
 
