@@ -31,7 +31,8 @@ from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
 from thermobearing.core.records import Floats, Ints
-from thermobearing.results.figure_style import COLUMNS, INCH, SMALLEST, STYLE, figure_style
+from thermobearing.results.figure_style import COLUMNS, INCH, STYLE, figure_style
+from thermobearing.results.figure_style import SMALLEST as SMALLEST
 
 MOST_POINTS = 3000  # of a line; what has more is drawn as points at the fineness below
 FINENESS = 200  # points an inch of what is no vector
@@ -64,7 +65,7 @@ LARGE, NORMAL, SMALL = SMALLEST + 2.5, SMALLEST + 1.5, SMALLEST + 0.5  # font si
 WIDEST = 7.1  # of a figure [inch]: a page of A4 between its margins
 FLATTER = 0.6  # power of the factor by which a figure becomes narrower, for its height
 LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
-MARGIN = 0.6  # between panels, for their labels [inch]
+MARGIN = 0.7  # between panels, for their labels [inch]
 BELOW, LOWEST = 1.0, 1.3  # legend and labels below the panels, and a panel, in height [inch]
 NARROWEST = 1.3  # panel of a paper; below it with few ticks [inch]
 NARROW = 2.5  # panels below this width break the note on the calibration range [inch]
@@ -330,8 +331,8 @@ class _Note(Text):
 
 def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02), **look: Any) -> None:
     """Write in a panel why its content is incomplete, near `at` where nothing is drawn there."""
-    look = {"fontsize": SMALLEST, "color": GREY, "zorder": 5} | look
-    note = _Note(*at, why, transform=ax.transAxes, bbox=BOX | {"alpha": 0.7}, **look)
+    usual: Look = {"fontsize": SMALLEST, "color": GREY, "zorder": 5, "transform": ax.transAxes}
+    note = _Note(*at, why, **usual | {"bbox": BOX | {"alpha": 0.7}} | look)
     note.set_in_layout(False)
     ax.add_artist(note)
 
