@@ -307,7 +307,7 @@ def head_grid(axes: list[Axes], heads: list[str], sides: list[str]) -> None:
 
 
 class _Note(Text):
-    """A note in a panel that moves, when it is drawn, to where it covers least."""
+    """A note below the lines of a panel that moves, when drawn, to where it meets fewest."""
 
     def draw(self, renderer: Any) -> None:
         ax = self.axes
@@ -331,7 +331,7 @@ class _Note(Text):
 
 def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02), **look: Any) -> None:
     """Write in a panel why its content is incomplete, near `at` where nothing is drawn there."""
-    usual: Look = {"fontsize": SMALLEST, "color": GREY, "zorder": 5, "transform": ax.transAxes}
+    usual: Look = {"fontsize": SMALLEST, "color": GREY, "zorder": 1.9, "transform": ax.transAxes}
     note = _Note(*at, why, **usual | {"bbox": BOX | {"alpha": 0.7}} | look)
     note.set_in_layout(False)
     ax.add_artist(note)
