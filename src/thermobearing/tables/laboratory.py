@@ -7,7 +7,6 @@ all samples in one line of time, and lists what had to be assumed.
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
-from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
@@ -16,7 +15,7 @@ import numpy as np
 from pydantic import Field
 
 from thermobearing.border.errors import InputError, is_file, nearest
-from thermobearing.border.library import data_path
+from thermobearing.border.library import read_data
 from thermobearing.border.schema import OneLine, Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.core.records import Floats, Ints
@@ -138,11 +137,9 @@ class Description(Strict):
     rows: list[DescriptionRow]
 
 
-@cache
 def description() -> Description:
     """Return the rows of the sheet that describes a test in a laboratory's workbook."""
-    path = data_path("tables", "description.toml")
-    return validated(Description, read_toml(path), str(path))
+    return read_data(Description, "tables", "description.toml")
 
 
 def _described_keys(sheets: list[Sheet]) -> dict[str, Any]:

@@ -6,7 +6,6 @@ sidecars. Assumptions (clock, ambient temperature) are stored with it.
 
 import hashlib
 from dataclasses import dataclass, field, replace
-from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,9 +15,8 @@ from pydantic import Field
 from thermobearing.bearing.ambient import check_temperature
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
-from thermobearing.border.library import data_path
-from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.border.library import read_data
+from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.units import number_list
 from thermobearing.core.records import Floats, Ints
 from thermobearing.results.ranges import Ends, cycles_in_a_row, largest_speed, reached_by
@@ -41,10 +39,8 @@ class ChamberNumbers(Strict):
     ambient_drift: Annotated[float, in_unit("K"), Field(gt=0)]
 
 
-@cache
 def _chamber_numbers() -> ChamberNumbers:
-    path = data_path("identify", "ambient.toml")
-    return validated(ChamberNumbers, split_sources(read_toml(path))[0], str(path))
+    return read_data(ChamberNumbers, "identify", "ambient.toml")
 
 
 def _describe_drift(time: Floats, ambient: Floats) -> str:

@@ -7,7 +7,6 @@ another value than that in the file. The covariance by the tests is that of prob
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,9 +15,8 @@ from pydantic import Field, model_validator
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.library import data_path
-from thermobearing.border.schema import Strict, validated
-from thermobearing.border.toml import read_toml
+from thermobearing.border.library import read_data
+from thermobearing.border.schema import Strict
 from thermobearing.border.units import is_number
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit import parameters as kinds
@@ -84,11 +82,9 @@ class Groups(Strict):
     groups: list[Group]
 
 
-@cache
 def _usual_groups() -> tuple[Group, ...]:
     """Return the default uncertainties."""
-    path = data_path("identify", "assumed.toml")
-    return tuple(validated(Groups, read_toml(path), str(path)).groups)
+    return tuple(read_data(Groups, "identify", "assumed.toml").groups)
 
 
 def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:

@@ -43,6 +43,7 @@ from thermobearing.earthquake.measures import (
 from thermobearing.earthquake.run import Task, judged, lines_to_shake, run_task
 from thermobearing.laws import load_again, loaded_files
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.quantities.register import quantity
 from thermobearing.results.base import COMPLETED
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
 from thermobearing.structure.model import list_hinges
@@ -54,28 +55,19 @@ from thermobearing.studies.run.processes import AHEAD, KEPT, is_stopped
 BAD_INPUT: Final = "bad_input"  # a drawn number that gives no valid bearing or structure
 BROKEN: Final = "broken"  # an error of this program
 ALL_SENTENCES: Final = RUN_SENTENCES | SENTENCES
-OF_RUN: Final = {  # columns of an earthquake analysis: name of the measure
-    "bearing_displacement_max_mm": "bearing_displacement_max",
-    "bearing_strain_max": "bearing_strain_max",
-    "bearing_force_max_kN": "bearing_force_max",
-    "bearing_energy_kN_mm": "bearing_energy_end",
-    "bearing_heat_kN_mm": "heat_heat_released",
-    "pier_displacement_max_mm": "pier_displacement_max",
-    "pier_displacement_residual_mm": "pier_displacement_residual",
-    "pier_rotation_max_rad": "pier_rotation_max",
-    "pier_ductility": "pier_ductility",
-    "pier_moment_max_kN_m": "pier_moment_max",
-    "pier_top_displacement_max_mm": "pier_top_displacement_max",
-    "pier_top_acceleration_max_m_s2": "pier_top_acceleration_max",
-    "deck_displacement_max_mm": "deck_displacement_max",
-    "deck_acceleration_max_m_s2": "deck_acceleration_max",
-    "layer_force_mismatch_max_kN": "layer_force_mismatch_max",
-    "steps": "steps",
-    "iterations": "iterations",
-    "substeps": "substeps",
-}
 TEXTS: Final = ("outcome", "sentence")
 COUNTS: Final = ("steps", "iterations", "substeps")
+OF_RUN: Final = {  # columns of an earthquake analysis: name of the measure
+    name: quantity(name).variable
+    for name in (
+        *("bearing_displacement_max_mm", "bearing_strain_max", "bearing_force_max_kN"),
+        *("bearing_energy_kN_mm", "bearing_heat_kN_mm", "pier_displacement_max_mm"),
+        *("pier_displacement_residual_mm", "pier_rotation_max_rad", "pier_ductility"),
+        *("pier_moment_max_kN_m", "pier_top_displacement_max_mm", "pier_top_acceleration_max_m_s2"),
+        *("deck_displacement_max_mm", "deck_acceleration_max_m_s2", "layer_force_mismatch_max_kN"),
+        *COUNTS,
+    )
+}
 RESULT_COLUMNS: Final = (  # of the table of runs, after those of the plan
     *TEXTS,
     *OF_RUN,
