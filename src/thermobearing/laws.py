@@ -360,12 +360,6 @@ def find_law(reference: str, kind: str = "") -> Law:
     return law
 
 
-def with_digest(reference: str) -> str:
-    """Return name and digest of a law that is registered; the text itself for others."""
-    law = _KNOWN.get(reference)
-    return reference if law is None else law.reference
-
-
 @cache
 def _compiled(law: Law) -> tuple[tuple[int, int], list[Any]]:
     """Return the addresses of C functions on a line and in a plane, and what must stay alive."""
@@ -474,10 +468,7 @@ def _check_slope(law: Law, move: Callable[..., Any], z: Floats, d: Floats) -> No
 
 
 def _check_cycle(law: Law, move: Callable[..., Any], axes: Floats) -> None:
-    """Check that a steady cycle gains no energy, and that shorter increments converge.
-
-    A cycle on a line is a sine; in a plane a circle.
-    """
+    """Check that a steady cycle, in a plane a circle, gains no energy and that Z converges."""
     ends: list[Floats] = []
     for parts in (INCREMENTS, 2 * INCREMENTS, 4 * INCREMENTS):
         angle = np.linspace(0.0, 4.0 * np.pi, 2 * parts + 1)

@@ -130,11 +130,7 @@ def _new(
 
 
 def _not_measured(bearing: "Bearing") -> dict[str, str]:
-    """Return numbers that were not measured on this rubber, by dotted key, with their sources.
-
-    Those that were chosen, assumed or borrowed, and the thermal constants of which the compound's
-    record does not say that they were measured: a fit of a specimen leaves them as they were.
-    """
+    """Return the sources of numbers that were not measured on this rubber, by dotted key."""
     return {
         key: text
         for key, text in bearing.sources.items()

@@ -48,6 +48,7 @@ CONDITIONS += ["largest_strain", "largest_force_kN", "largest_speed_mm_s", "weig
 CONDITIONS += ["thermocouples"]
 BRIEF = ["symbol", "unit", "estimate", "standard_error", "interval_lower", "interval_upper"]
 BRIEF += ["determined"]
+LOOPS = (("test", "force_kN", "#9aa4b1"), ("model", "model_force_kN", "#CC3311"))
 CYCLE_MEASURES = ("G_eq_error", "h_eq_error", "energy_error", "force_max_error")
 
 
@@ -179,10 +180,8 @@ def agreement_table(records: Sequence[Row]) -> Table:
             errors = [cycle[name] for cycle in record["cycles"]] or [float("nan")]
             row |= {f"{name}_least": min(errors), f"{name}_largest": max(errors)}
         rows.append(row)
-    note = (
-        "R² and NRMSE are those of the force over the complete test. Errors of its cycles (model / "
-    )
-    note += "test - 1) are given from the smallest to the largest."
+    note = "R² and NRMSE are those of the force over the complete test. Errors of its cycles "
+    note += "(model / test - 1) are given from the smallest to the largest."
     return make_table(pd.DataFrame(rows), caption="Agreement with the tests", keys=2, note=note)
 
 
@@ -208,9 +207,9 @@ def cycles_table(cycles: pd.DataFrame) -> Table:
     )
 
 
-def thermocouples_table(rows: Sequence[Row], caption: str = "") -> Table:
+def thermocouples_table(rows: Sequence[Row]) -> Table:
     """Return the thermocouples of test and model."""
-    caption = caption or "Thermocouples, model compared with test"
+    caption = "Thermocouples, model compared with test"
     return make_table(pd.DataFrame(rows), caption=caption, keys=3)
 
 
@@ -307,10 +306,9 @@ def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
     found = content.saved_figures(saved, figure_captions("identify"))
     if "fit" not in saved.tables:
         return found
-    columns = ("test", "force_kN", "#9aa4b1"), ("model", "model_force_kN", "#CC3311")
     choices = {
         str(saved.summary["records"][int(str(k))]["name"]): [
-            loop_trace(name, rows, column, colour) for name, column, colour in columns
+            loop_trace(name, rows, column, colour) for name, column, colour in LOOPS
         ]
         for k, rows in saved["fit"].groupby("record", sort=False)
     }
@@ -537,10 +535,7 @@ def _certified_loops(saved: SavedResult) -> ReportFigure:
         figure, axes = drawing.panels(1, len(groups), (7.0, 1.6), "")
         for ax, (k, rows) in zip(axes, groups, strict=True):
             record = records[int(str(k))]
-            for column, colour, width in (
-                ("force_kN", "#9aa4b1", 2.4),
-                ("model_force_kN", "#CC3311", 0.8),
-            ):
+            for (_, column, colour), width in zip(LOOPS, (2.4, 0.8), strict=True):
                 ax.plot(rows["displacement_mm"], rows[column], color=colour, linewidth=width)
             title = f"{record['name']}, {drawing.degrees(record['ambient_degC'])}"
             drawing.name_axes(ax, "displacement [mm]", "force [kN]", title)

@@ -106,10 +106,7 @@ class Intake:
         }
 
     def _sidecar_text(self, folder: Path) -> str:
-        """Return TOML that `load_test` reads, with comments on values to check.
-
-        File names are relative to the folder of the sidecar.
-        """
+        """Return TOML that `load_test` reads, with file names relative to its folder."""
         keys = {key: value for key, value in self.sidecar.items() if not isinstance(value, dict)}
         if "file" in keys:
             keys["file"] = _seen_from(folder, self.folder / keys["file"])

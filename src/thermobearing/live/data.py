@@ -40,7 +40,7 @@ from thermobearing.model.lead_impedance import MOST_TERMS, ROOM
 from thermobearing.model.options import BearingModel, build_model
 from thermobearing.model.outcomes import NOT_PHYSICAL, PIER_BEYOND_LIMIT, possible_temperatures
 from thermobearing.model.outcomes import SENTENCES as OF_TESTS
-from thermobearing.model.stack import MM_PER_M, EndFace, Stack
+from thermobearing.model.stack import MM_PER_M, EndFace
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.record import GroundMotion
 from thermobearing.structure.model import load_structure, reported_line
@@ -178,7 +178,10 @@ def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any
         "sources": known["sources"],
         "kernels": {
             "entries": entries,
-            **{part: _without_lanes(known[part]) for part in ("records", "rows")},
+            **{  # of single runs
+                part: {name: one for name, one in known[part].items() if "Lanes" not in name}
+                for part in ("records", "rows")
+            },
         },
         "start": {"turns": DEPTH + 2, "idle": NEVER_MOVED},
         "books": [label._asdict() for label in labels(Books)],
@@ -204,11 +207,6 @@ def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any
         "structures": {},
         "motions": {},
     }
-
-
-def _without_lanes(described: dict[str, Any]) -> dict[str, Any]:
-    """Return the records or rows of single runs."""
-    return {name: one for name, one in described.items() if "Lanes" not in name}
 
 
 def _tree(value: Any) -> Any:
@@ -239,7 +237,7 @@ def _plan_sizes(bearing: Bearing) -> tuple[str, ...]:
 
 
 def _bearing(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
-    law, cells = bearing.temperature_law, bearing.cells
+    law, stack, longest = bearing.temperature_law, model.stack, longest_rest_step(model.constants)
     return {
         "name": bearing.name,
         "kind": bearing.kind,
@@ -253,38 +251,27 @@ def _bearing(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
             "sizes": [f"geometry.plan.{name}" for name in _plan_sizes(bearing)],
             "share": bearing.geometry.plan._share,
         },
-        "stack": _stack(model.stack),
+        "stack": {
+            "part": list(stack.part),
+            "thickness_mm": stack.thickness.tolist(),
+            "depth_mm": stack.depth.tolist(),
+            "half": stack.fold == 2,
+        },
         "lead_ends": model.options.lead_ends if bearing.lead else None,
         "heat_source": model.options.heat_source,
         "tested_range": calibration_ranges(bearing),
         "law_range": None if law is None else law.range,
         "constants": _tree(model.constants),
-        "longest_rest_step": _finite(longest_rest_step(model.constants)),
-        "cells": cells.model_dump(),
+        "longest_rest_step": float(longest) if np.isfinite(longest) else None,
+        "cells": bearing.cells.model_dump(),
         "given": _given(bearing, model),
-    }
-
-
-def _finite(number: float) -> float | None:
-    return float(number) if np.isfinite(number) else None
-
-
-def _stack(stack: Stack) -> dict[str, Any]:
-    return {
-        "part": list(stack.part),
-        "thickness_mm": stack.thickness.tolist(),
-        "depth_mm": stack.depth.tolist(),
-        "half": stack.fold == 2,
     }
 
 
 def _given(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
     """Return the plain numbers that the page cannot change, as kernels take them."""
-    steel, rubber, lead = (
-        bearing.materials.steel,
-        bearing.materials.rubber,
-        bearing.materials.lead,
-    )
+    materials = bearing.materials
+    steel, rubber, lead = materials.steel, materials.rubber, materials.lead
     face = model.options.upper_face
     found: dict[str, Any] = {
         "steel_conductivity": steel.conductivity / MM_PER_M,

@@ -145,10 +145,7 @@ def _text(*parts: str) -> str:
 
 
 def _bundle(modules: Iterable[str]) -> str:
-    """Return ES modules as one, since a file cannot import another one from a disk.
-
-    Each keeps its own names, except those that it exports.
-    """
+    """Return ES modules, which a page on a disk cannot import, as one with separate names."""
     parts = []
     for module in modules:
         names = ", ".join(EXPORTED.findall(module))

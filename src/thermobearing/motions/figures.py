@@ -84,8 +84,7 @@ class MotionFigures(drawing.Figures):
             left.plot(periods, acceleration, **look)
             right.plot(periods, displacement, **look)
         left.set_yscale("log")
-        plain = FuncFormatter(lambda value, _: f"{value:g}")
-        left.yaxis.set_major_formatter(plain)
+        left.yaxis.set_major_formatter(plain := FuncFormatter(lambda value, _: f"{value:g}"))
         percent = f"{100.0 * found.damping:g} % damping"
         for ax, what, unit in (
             (left, "absolute acceleration", "gal"),

@@ -51,10 +51,7 @@ _DIRECTION = re.compile(r"\b(N-?S|E-?W|U-?D)\b", re.IGNORECASE)
 
 
 class _Raw(NamedTuple):
-    """Raw content of a file: numbers, unit, and whether the unit is fixed by the format.
-
-    `dt` [s] and `unit` are None where the file does not state them.
-    """
+    """Content of a file; `dt` [s] and `unit` are None where the file does not state them."""
 
     values: Floats
     dt: float | None

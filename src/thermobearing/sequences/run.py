@@ -87,10 +87,7 @@ def run_sequence(case: SequenceCase, *, progress: Progress | None = None) -> Seq
 
 
 def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> SpecimenState:
-    """Return the state after unloading to zero force, with instruments zeroed there.
-
-    The actuator moves at the speed UNLOADING; the unloading is not part of the results.
-    """
+    """Return the state after unloading at the speed UNLOADING, with instruments zeroed there."""
     part = case.parts[number]
     ambient = case.ambient if part.ambient is None else part.ambient
     constants = build_model(case.bearing, case.analysis, backbone=bilinear_parameters).constants

@@ -38,13 +38,10 @@ ALONG, ACROSS = "along the bridge, x [m]", "across, y [m]"
 REST: drawing.Look = {"color": "#c8ccd2", "linewidth": 3.0}
 MOVED: drawing.Look = {"color": "#CC3311", "linewidth": 1.8}
 LEGEND = 105  # letters of a line of the legend
-TEXT: drawing.Look = {
-    "textcoords": "offset points",
-    "fontsize": drawing.SMALL,
-    "zorder": 8,
-    "color": drawing.INK,
-}
+TEXT: drawing.Look = {"textcoords": "offset points", "fontsize": drawing.SMALL}
+TEXT |= {"zorder": 8, "color": drawing.INK}
 ON_DECK: drawing.Look = {"color": "white", "fontsize": drawing.SMALLEST}
+BELOW: drawing.Look = {"loc": "outside lower center", "frameon": False, "fontsize": drawing.SMALL}
 NONE: drawing.Look = {"linestyle": "none"}
 SIDES = {  # of a point where its name may be: offset [pt] and alignment
     "a": (0.0, 9.0, "center", "bottom"),
@@ -55,24 +52,13 @@ SIDES = {  # of a point where its name may be: offset [pt] and alignment
 CENTRED: drawing.Look = {"ha": "center", "va": "center"}
 FRAME, ROOM = 6.3, 0.7  # width of a plan, and what it has above and below the decks [inch]
 OVERHANG_IN_PLAN = 0.03  # of a deck beyond its lines, of its size
-PLAN_MARKS: dict[str, drawing.Look] = {
-    "bearing line": {"color": BEARING, "marker": "s", "markersize": 7, "zorder": 5},
-    "pier": {"color": PIER, "marker": "s", "markersize": 13, "zorder": 3},
-    "abutment": {
-        **{"color": drawing.STEEL, "markeredgecolor": drawing.GREY, "marker": "s"},
-        **{"markersize": 13, "zorder": 2},
-    },
-    "ground spring": {
-        **{"color": "none", "markeredgecolor": SPRING, "marker": "D"},
-        **{"markersize": 11, "zorder": 2},
-    },
-    "centre of mass of a deck": {
-        **{"color": "none", "markeredgecolor": drawing.INK, "marker": "o"},
-        **{"markersize": 8, "zorder": 6},
-    },
-    "centre of stiffness of its bearing lines": {
-        **{"color": HINGE, "marker": "x", "markersize": 8, "zorder": 6}
-    },
+PLAN_MARKS = {  # of a plan: marker, size, colour, colour of its edge, order
+    "bearing line": ("s", 7, BEARING, BEARING, 5),
+    "pier": ("s", 13, PIER, PIER, 3),
+    "abutment": ("s", 13, drawing.STEEL, drawing.GREY, 2),
+    "ground spring": ("D", 11, "none", SPRING, 2),
+    "centre of mass of a deck": ("o", 8, "none", drawing.INK, 6),
+    "centre of stiffness of its bearing lines": ("x", 8, HINGE, HINGE, 6),
 }
 HANDLES: dict[str, drawing.Look] = {
     "mass": {"color": drawing.INK, "marker": "o"} | NONE,
@@ -123,10 +109,8 @@ def _lay_out(structure: Structure) -> _Layout:
     order = list(dict.fromkeys([*supports.values(), *(_root(structure, n) for n in upright)]))
     own = [[name for name in supports if supports[name] == one] for one in order]
     if placed:
-        stands = [
-            float(np.mean([at[name] for name in names]))
-            if names
-            else M * structure.place(str(one))[0]
+        stands: list[Any] = [
+            np.mean([at[name] for name in names]) if names else M * structure.place(str(one))[0]
             for one, names in zip(order, own, strict=True)
         ]
         spacing = max(_gap(stands), np.ptp([*stands, *at.values()]) / MOST_GAPS)
@@ -155,11 +139,8 @@ def _gap(places: Iterable[float]) -> float:
 def _ends(structure: Structure, name: str) -> tuple[float, float]:
     heights = [mass.height for mass in structure.masses if mass.body == name]
     heights += [line.height for line in structure.bearings if name in (line.body, line.base)]
-    heights += [
-        spring.height
-        for spring in structure.springs
-        if name == spring.body and (spring.stiffness is not None)
-    ]
+    springs = [spring for spring in structure.springs if spring.stiffness is not None]
+    heights += [spring.height for spring in springs if name == spring.body]
     heights += [body.base_height for body in structure.bodies if body.on == name]
     body = structure.body(name)
     on_bearings = any(line.body == name for line in structure.bearings)
@@ -216,7 +197,9 @@ def _make_room(ax: Axes, names: list[Annotation], placed: list[Bbox]) -> None:
 
 def _mark(ax: Axes, at: Any, kind: str) -> None:
     """Draw a mark of a plan at a place [m]."""
-    ax.plot(*at, label=kind, **PLAN_MARKS[kind] | NONE)
+    marker, size, colour, edge, order = PLAN_MARKS[kind]
+    look: drawing.Look = {"color": colour, "markeredgecolor": edge, "zorder": order} | NONE
+    ax.plot(*at, label=kind, marker=marker, markersize=size, **look)
 
 
 class StructureFigures(drawing.Figures):
@@ -260,8 +243,7 @@ class StructureFigures(drawing.Figures):
         ax.margins(y=0.12)
         drawing.name_axes(ax, ALONG if layout.placed else "", self._height())
         handles = [Line2D([], [], label=label, **HANDLES[part]) for part, label in labels]
-        look: drawing.Look = {"loc": "outside lower center", "frameon": False}
-        figure.legend(handles=handles, fontsize=drawing.SMALL, **look)
+        figure.legend(handles=handles, **BELOW)
         _separate(figure, bodies)
         _make_room(ax, heads, _separate(figure, heads))
         return figure
@@ -297,25 +279,16 @@ class StructureFigures(drawing.Figures):
             ax.annotate(way, tuple(at), (0, 0), **TEXT | CENTRED)
         drawing.name_axes(ax, ALONG, ACROSS)
         handles = {str(line.get_label()): line for line in ax.lines}
-        place: drawing.Look = {
-            "loc": "outside lower center",
-            "frameon": False,
-            "ncols": 3,
-            "markerscale": 0.6,
-        }
-        figure.legend(handles=list(handles.values()), fontsize=drawing.SMALL, **place)
-        self._part_names(figure, ax, names, below, [origin, origin + 1.5 * arm])
+        place: drawing.Look = BELOW | {"ncols": 3, "markerscale": 0.6}
+        figure.legend(handles=list(handles.values()), **place)
+        self._part_names(ax, names, below, [origin, origin + 1.5 * arm])
         return figure
 
     def _part_names(
-        self,
-        figure: Figure,
-        ax: Axes,
-        above: list[Annotation],
-        below: list[Annotation],
-        arrows: list[Floats],
+        self, ax: Axes, above: list[Annotation], below: list[Annotation], arrows: list[Floats]
     ) -> None:
         """Move names apart and off marks and arrows, and make the figure high enough."""
+        figure = drawing.parent_figure(ax)
         for name in (*above, *below):
             name.set_in_layout(False)
         for _ in range(2):  # a layout with a fixed aspect moves once more
@@ -334,8 +307,7 @@ class StructureFigures(drawing.Figures):
         over = max(over, 0.0) / frame.height
         low, high = ax.get_ylim()
         ax.set_ylim(low - over * (high - low), high + over * (high - low))
-        more = 2.0 * over * frame.height / figure.dpi
-        figure.set_figheight(figure.get_figheight() + more)
+        figure.set_figheight(figure.get_figheight() + 2.0 * over * frame.height / figure.dpi)
 
     def _outline(self, deck: str) -> Floats:
         """Return the corners of a deck in plan [m]: a little more than its lines and masses."""
@@ -487,8 +459,7 @@ class StructureFigures(drawing.Figures):
         if name in self._layout.decks:
             at = mean_height(structure, name)
             return np.full(2, displacement_row(structure, name, at) @ shape)
-        ends = [displacement_row(structure, name, end / M) @ shape for end in (low, high)]
-        return np.array(ends)
+        return np.array([displacement_row(structure, name, end / M) @ shape for end in (low, high)])
 
     def _shape(self, ax: Axes, name: str, moved: Floats, look: dict[str, Any]) -> None:
         layout, (low, high) = self._layout, self._layout.ends[name]
@@ -505,10 +476,7 @@ class StructureFigures(drawing.Figures):
         return np.array([min(under) - beyond, max(under) + beyond])
 
     def _body(self, ax: Axes, names: list[str]) -> Annotation:
-        """Draw a deck across, anything else upright; `names` are of bodies at one place.
-
-        Returns the names as drawn.
-        """
+        """Draw bodies at one place, a deck across, others upright; return their names as drawn."""
         name = names[0]
         layout, (low, high) = self._layout, self._layout.ends[name]
         x = layout.columns[name]
@@ -555,10 +523,7 @@ class StructureFigures(drawing.Figures):
         ax.plot([far, far], [y - 0.04 * rise, y + 0.04 * rise], color=SPRING)
 
     def _bearings(self, ax: Axes, line: Any, low: float) -> Annotation:
-        """Draw a box between the two bodies of a line, on an abutment if its base is the ground.
-
-        Returns the name of the line, which stands above the deck.
-        """
+        """Draw the box of a line, on an abutment if its base is the ground; return its name."""
         layout, ground = self._layout, line.base == GROUND
         x, wide = layout.seats[line.name], layout.seat
         y = M * line.height if ground else layout.ends[line.base][1]

@@ -111,10 +111,7 @@ def _watched(run: Run) -> tuple[Floats, Floats]:
         places = np.zeros((len(load), *load.shape))
         places.reshape(*places.shape[:2], -1)[..., 0] = np.eye(len(load))
     carried = np.zeros(len(places)) if run.carried is None else run.carried
-    return (
-        np.ascontiguousarray(places, dtype=np.float64),
-        np.ascontiguousarray(carried, dtype=np.float64),
-    )
+    return np.ascontiguousarray(places, np.float64), np.ascontiguousarray(carried, np.float64)
 
 
 def _empty_peaks(run: Run, system: System) -> Peaks:
@@ -126,8 +123,7 @@ def _empty_peaks(run: Run, system: System) -> Peaks:
         lines=rows(LinePeak, len(run.lines), components=system.load.ndim),
         hinges=rows(HingePeak, len(system.hinges)),
     )
-    peaks.lines["rubber_temperature"] = COLDEST
-    peaks.lines["lead_temperature"] = COLDEST
+    peaks.lines["rubber_temperature"] = peaks.lines["lead_temperature"] = COLDEST
     return peaks
 
 
@@ -189,10 +185,8 @@ def run_peaks(run: Run) -> RunPeaks:
     found = _collect_peaks(left, stored, done, outcome, alone=True)
     if outcome == COMPLETED:
         return found
-    books, ended = (
-        rows(MotionBooks, 1),
-        _modelled_books(build_bearings(*start_arguments(run.prepared, run.lines)), len(run.lines)),
-    )
+    virgin = build_bearings(*start_arguments(run.prepared, run.lines))
+    books, ended = rows(MotionBooks, 1), _modelled_books(virgin, len(run.lines))
     if done > 0:
         kept = _marched(run, done)[-1]
         books = kept.books
@@ -203,10 +197,8 @@ def run_peaks(run: Run) -> RunPeaks:
 
 def _marched(run: Run, kept: int) -> tuple[Left, Floats, int, int, MotionRows]:
     """Return the end of a run, the energy stored at its start, steps, outcome, row of `kept`."""
-    system, bearings = (
-        build_system(run.prepared, run.lines),
-        build_bearings(*start_arguments(run.prepared, run.lines)),
-    )
+    system = build_system(run.prepared, run.lines)
+    bearings = build_bearings(*start_arguments(run.prepared, run.lines))
     motion, peaks = new_motion(system), _empty_peaks(run, system)
     air = np.full(len(run.ground) - 1, run.ambient)
     shaking = Shaking(np.ascontiguousarray(run.ground), float(run.dt), air, _none_kept(run))
@@ -228,19 +220,6 @@ def _check_method(run: Run) -> None:
 
 
 T = TypeVar("T")
-
-
-def _choices(constants: Constants) -> tuple[bool, ...]:
-    """Return the choices that kernels make once for all runs in lockstep."""
-    rubber, lead = constants.rubber, constants.lead
-    return (
-        rubber.unloading_curvature > 0.0,
-        rubber.unloading_curvature < 0.0,
-        lead.cores > 0.0,
-        lead.softening == 0.0,
-        lead.side_conductance == 0.0,
-        constants.viscous.stiffness > 0.0,
-    )
 
 
 def _constants_shape(constants: Constants) -> Any:
@@ -265,7 +244,12 @@ def _constants_shape(constants: Constants) -> Any:
         rubber.virgin,
         constants.lead.published,
         constants.viscous.heats,
-        *_choices(constants),
+        rubber.unloading_curvature > 0.0,  # from here on: choices made once for all runs
+        rubber.unloading_curvature < 0.0,
+        constants.lead.cores > 0.0,
+        constants.lead.softening == 0.0,
+        constants.lead.side_conductance == 0.0,
+        constants.viscous.stiffness > 0.0,
     )
 
 

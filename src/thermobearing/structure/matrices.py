@@ -20,7 +20,6 @@ from thermobearing.structure.model import (
     DIRECTIONS,
     GROUND,
     BearingLine,
-    Body,
     Damping,
     Hinge,
     MassModel,
@@ -186,7 +185,8 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
             moving = displacement_row(structure, item.body, item.height, *structure.point(item))
             load -= item.mass * moving
         else:
-            moving = _own_motion(structure, body, item.height)
+            turning = (item.height - body.base_height) * _rotation_row(structure, body.name)
+            moving = unit(structure, f"{body.name} x") if body.moves else turning
             load -= item.mass * moving * body.moves
         mass += item.mass * _square(moving)
         mass += item.rotary_inertia * _square(_rotation_row(structure, item.body))
@@ -270,13 +270,6 @@ def _stretch_row(structure: Structure, line: BearingLine) -> Floats:
     if line.height_across is not None:
         row[:, 1] = _sideways(structure, line, line.height_across)[:, 1]
     return row
-
-
-def _own_motion(structure: Structure, body: Body, height: float) -> Floats:
-    """Return the motion of a mass as the published mass matrix has it."""
-    if body.moves:
-        return unit(structure, f"{body.name} x")
-    return (height - body.base_height) * _rotation_row(structure, body.name)
 
 
 def _check_names(structure: Structure, names: list[str], mass_model: MassModel) -> None:

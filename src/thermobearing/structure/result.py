@@ -24,7 +24,6 @@ from thermobearing.structure.matrices import twist_load
 from thermobearing.structure.model import (
     DampingKind,
     Hinge,
-    Mass,
     MassModel,
     Spring,
     Structure,
@@ -77,12 +76,6 @@ def _derived(structure: Structure, prepared: Prepared) -> list[tuple[str, str, f
             key = "yield moment over all weight and the height of the pier"
             found.append((key, f"{hinge.name}: ", hinge.yield_moment / (weight * height)))
     return found
-
-
-def _mass_size(mass: Mass) -> str:
-    """Return a mass, and its inertia about the vertical."""
-    twist = f", {mass.twist_inertia / KN_MM_PER_KN_M:g} t m² in twist" if mass.twist_inertia else ""
-    return f"{TONNES * mass.mass:g} t{twist}"
 
 
 def _in_direction(part: Spring | Hinge) -> str:
@@ -143,10 +136,12 @@ class StructureResult(Result):
     def parts(self) -> pd.DataFrame:
         """One row per mass, spring, hinge and bearing line: what it is, where, how large."""
         structure = self.structure
-        rows = [
-            ("mass", item.body, item.body, "", item.height, _mass_size(item))
-            for item in structure.masses
-        ]
+        rows = []
+        for item in structure.masses:
+            size = f"{TONNES * item.mass:g} t"
+            if item.twist_inertia:
+                size += f", {item.twist_inertia / KN_MM_PER_KN_M:g} t m² in twist"
+            rows.append(("mass", item.body, item.body, "", item.height, size))
         for spring in structure.springs:
             size = (
                 f"{spring.stiffness:g} kN/mm"

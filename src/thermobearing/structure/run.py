@@ -445,10 +445,7 @@ _Given: TypeAlias = tuple[System, Bearings, Motion, Scheme, Shaking, Actuators, 
 
 
 def _march_with(specimen: Specimen, given: _Given, rows: MotionRows) -> tuple[int, int, str]:
-    """March with a specimen outside; returns steps done, rows written and the outcome.
-
-    `rows` are all rows, that of the start included.
-    """
+    """March with a specimen outside into all `rows`; return steps done, rows and outcome."""
     measured = _Measured(specimen, *given[:3])
     done, kept, outcome = -1, 0, MEASURE
     try:

@@ -366,10 +366,7 @@ class _Reader:
     def _completed(
         self, table: Table, layout: Layout, columns: list[ColumnGuess]
     ) -> tuple[Layout, dict[str, str]]:
-        """The layout with what was guessed, and the units wanted by name.
-
-        Without a force it is a recorded motion, of which only time and displacement are wanted.
-        """
+        """Return the layout with what was guessed, and the wanted units; a motion has no force."""
         titles, units = dict(layout.titles), dict(layout.units)
         wanted = {**COLUMNS, **{title: "degC" for title in titles if title not in COLUMNS}}
         if "force" in self.optional:

@@ -222,10 +222,7 @@ def _separator(lines: list[str]) -> str:
 
 
 def _score(rows: list[list[str]], words: bool) -> tuple[int, float, int]:
-    """Rows of nothing but numbers, share of numbers in all cells, cells that a separator makes.
-
-    Blanks stand between words too (`words` is False): they need a row of numbers to count.
-    """
+    """Rows of numbers only, share of numbers in all cells, cells; blanks stand in words too."""
     full, numbers, cells, parted = 0, 0, 0, 0
     for row in rows:
         held = [is_numeric(cell) for cell in row if cell.strip()]

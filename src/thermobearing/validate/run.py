@@ -115,10 +115,7 @@ def _judge(
     models: Sequence[Model] = ("multi-layer",),
     limits: Mapping[str, float] = LIMITS,
 ) -> Validation:
-    """Compare bearings with tests that are already checked and treated (`_as_fitted`).
-
-    Models that a bearing does not support are skipped: `lead-alone` needs lead.
-    """
+    """Compare bearings with tests as fitted, in the models that each bearing supports."""
     found, said = [], []
     for bearing in bearings:
         possible = [one for one in models if not ModelOptions(model=one).misfits(bearing)]
@@ -138,10 +135,7 @@ def _judge(
 
 
 def _as_fitted(record: TestRecord) -> TestRecord:
-    """Return a test as used in a fit: rests held and thinned, spikes and drift removed on request.
-
-    Otherwise relaxation in rests and spikes would affect the errors.
-    """
+    """Return a test as a fit uses it: rests thinned, spikes and drift removed on request."""
     found = check_test(record)
     if found.treatment is None:
         return record

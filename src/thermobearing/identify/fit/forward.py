@@ -51,11 +51,7 @@ class _Grid(NamedTuple):
 
 
 def _nodes(time: Floats, x: Floats, fine: bool) -> Ints:
-    """Return the samples at which a step of the model ends.
-
-    Fine steps end at all samples that are not jitter, coarse ones at turns, and ever sparser after
-    them.
-    """
+    """Return the samples where steps end: all but jitter, or turns and ever sparser after."""
     band, peak = dead_band(x), float(np.abs(x).max())
     if fine and band <= 0.0:
         return np.arange(len(x))

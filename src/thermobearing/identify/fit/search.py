@@ -41,10 +41,7 @@ def _krill_herd(
     seed: int = 0,
     start: Floats | None = None,
 ) -> Found:
-    """Minimise a function over the unit cube by the krill herd, from a start if there is one.
-
-    The objective is called `evaluations` times at most; the same seed gives the same path.
-    """
+    """Minimise a function over the unit cube by the krill herd, in `evaluations` at most."""
     rng = np.random.default_rng(seed)
     x = rng.random((population, dimensions))
     if start is not None:

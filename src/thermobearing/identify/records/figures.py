@@ -65,10 +65,7 @@ def draw_record(
 
 
 def _time_axis(report: CheckReport) -> DrawnAxis:
-    """Return a time axis with loadings to scale and rests shortened, logged or not.
-
-    Ends of stretches are samples.
-    """
+    """Return a time axis with loadings to scale and rests shortened, logged or not."""
     time, treatment = report.record.time, report.treatment
     gaps = np.flatnonzero(np.diff(time) > PAUSE).tolist()
     rests = sorted({*(treatment.rests if treatment else []), *((k, k + 1) for k in gaps)})

@@ -128,11 +128,7 @@ def shift(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
 def _assumed_groups(
     bearing: Bearing, identified: Sequence[str], groups: Sequence[Group]
 ) -> list[Group]:
-    """Return the groups that a calibration assumes.
-
-    Those that are identified (dotted keys, free or tied), known exactly, zero or without effect are
-    left out.
-    """
+    """Return the groups that a calibration assumes: neither identified nor exact nor zero."""
     linear = bearing.hysteresis.post_yield_ratio == 1.0
     found, without = [], {*identified, *kinds.replaced_by_laws(bearing)}
     for group in groups:
@@ -236,10 +232,7 @@ class Propagated:
     spread: Floats  # [group, group] mean square of the errors of the groups, given the tests
 
     def _covariance(self, factors: Floats | float = 1.0) -> Floats:
-        """Return the covariance of the parameters inside by the assumed numbers, in the unit cube.
-
-        `factors` multiply the uncertainty of each group.
-        """
+        """Return the covariance of the parameters; `factors` multiply the uncertainty of groups."""
         shifts = self.shifts * factors
         return np.asarray(shifts @ self.spread @ shifts.T)
 
@@ -319,10 +312,7 @@ class Uncertainty:
 
 
 def _effective_samples(residuals: Floats) -> float:
-    """Return the number of independent samples that a correlated series is worth.
-
-    It is n / (1 + 2 sum rho_k), the sum up to the first lag at which rho is not positive.
-    """
+    """Return the number of independent samples, n / (1 + 2 sum of the first rho_k > 0)."""
     n = len(residuals)
     centred = residuals - residuals.mean()
     spectrum = np.fft.rfft(centred, 2 * n)
@@ -371,10 +361,7 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
 
 
 def _estimate(p: Parameter, u: float, variance: float, spread: float, reach: float) -> Estimate:
-    """Return a parameter at its place: the variance of it, its standard error by the tests alone.
-
-    `reach` is half the 95 % interval; all are in the unit cube.
-    """
+    """Return a parameter with its errors; `reach` is half the 95 % interval in the unit cube."""
     bound, value = not AT_BOUND < u < 1.0 - AT_BOUND, p.at(u)
     slope = p.slope(u) if not bound else float("nan")
     place, end = p.place(value), p.lower if p.place(value) < 0.5 else p.upper

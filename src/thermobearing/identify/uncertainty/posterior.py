@@ -186,10 +186,7 @@ def posterior_effort(
 def _posterior_samples(
     found: Identification, *, steps: int = STEPS, burn: int = BURN, seed: int = 0
 ) -> Samples:
-    """Draw from the posterior by the ensemble sampler of emcee.
-
-    Each walker makes `steps` after `burn` steps that do not count.
-    """
+    """Draw by the ensemble sampler of emcee: each walker makes `steps` after `burn`."""
     if not (1 <= steps <= MOST_STEPS and 0 <= burn <= MOST_STEPS):
         raise InputError(
             f"steps = {steps}, burn = {burn}: must be 1 to {MOST_STEPS} and 0 to {MOST_STEPS}"
@@ -233,10 +230,7 @@ def _with_assumed(found: Identification, cube: Floats, seed: int) -> Floats:
 def _predictive_band(
     found: Identification, samples: Samples, ambient: float, *, count: int = 60, seed: int = 0
 ) -> Band:
-    """Return the band of loops and of peak force at an ambient temperature [degC], -100 to 100.
-
-    It repeats the displacements of the first test of the fit, with `count` draws.
-    """
+    """Return the band of loops as in the first test and of peak force at an ambient [degC]."""
     if not -100.0 <= ambient <= 100.0:
         raise InputError(f"ambient = {ambient} degC: must be between -100 and 100 degC")
     test = found.records[0]
