@@ -45,6 +45,7 @@ METRE = 1e3  # mm
 FAR = 1e3  # yield rotations to the second point of the envelope of a hinge
 SAME, TINY = 1e-6, 1e-30  # of the largest damping: what rounding leaves
 TOLERANCE, ITERATIONS = 1e-10, 50  # of Newton's method [m]
+LEVEL = ("-orient", 1.0, 0.0, 0.0, 0.0, 1.0, 0.0)  # xara needs it where nodes are apart
 UPRIGHT = ("-orient", 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
 SIDEWAYS, ROCKING, TWIST = {"x": 1, "y": 2}, {"x": 5, "y": 4}, 6  # degrees of freedom
 
@@ -110,7 +111,7 @@ class _Script:
         tag = self.new()
         words: tuple[Word, ...] = ("-mat", *materials.values(), "-dir", *materials)
         more: tuple[Word, ...] = ("-doRayleigh", 1) if damping else ()
-        self.add("element", "zeroLength", tag, lower, upper, *words, *more)
+        self.add("element", "zeroLength", tag, lower, upper, *words, *more, *LEVEL)
         if damping:
             self.add("region", tag, "-ele", tag, "-rayleigh", self.mass_damping, 0.0, damping, 0.0)
 
