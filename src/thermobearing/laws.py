@@ -100,7 +100,7 @@ class Law:
         """Return the parameters in the order of the function, with defaults filled in."""
         for name in given or {}:
             if name not in self.parameters:
-                known = f"{nearest(name, self.parameters)}" if self.parameters else "; it has none"
+                known = nearest(name, self.parameters) if self.parameters else "; it has none"
                 raise InputError(f'law "{self.name}": no parameter "{name}"{known}')
         return tuple((self.parameters | dict(given or {})).values())
 
@@ -183,17 +183,9 @@ def register(
     if plane is not None and _parameters(plane, 4, where) != parameters:
         raise InputError("plane: needs the parameters of hysteresis, with the same defaults", where)
     file, digest = _source(function)
-    law = Law(
-        name=name,
-        kind="temperature" if hysteresis is None else "hysteresis",
-        function=function,
-        plane=plane,
-        parameters=parameters,
-        bounds=_all_bounds(parameters, bounds or {}, where),
-        range=(low, high),
-        file=file,
-        digest=digest,
-    )
+    ends = _all_bounds(parameters, bounds or {}, where)
+    kind = "temperature" if hysteresis is None else "hysteresis"
+    law = Law(name, kind, function, plane, parameters, ends, (low, high), file, digest)
     if hysteresis is None:
         tabulate(law, law.values(None))
     else:
@@ -286,9 +278,7 @@ def load(file: str | Path) -> list[str]:
     digest = hashlib.sha256(read_bytes(path, LARGEST_FILE)).hexdigest()[:8]
     before = dict(_KNOWN)
     module_name = f"thermobearing_law_{path.stem}_{digest}"
-    spec = spec_from_file_location(module_name, path)
-    assert spec is not None
-    assert spec.loader is not None
+    spec: Any = spec_from_file_location(module_name, path)
     module = module_from_spec(spec)
     sys.modules[module_name] = module
     try:

@@ -132,15 +132,11 @@ def _winters(series: Hourly) -> list[Floats]:
         days = values[first : first + (len(values) - first) // DAY * DAY].reshape(-1, DAY)
         dates = dates[first::DAY][: len(days)].astype("datetime64[D]")
         months = dates.astype("datetime64[M]").astype(np.int64)
-        means = [
-            days[months % 12 == k].mean() if (months % 12 == k).any() else np.inf for k in range(12)
-        ]
-        begins = (int(np.argmin(means)) + 6) % 12
+        of = [days[months % 12 == k] for k in range(12)]
+        begins = (int(np.argmin([each.mean() if len(each) else np.inf for each in of])) + 6) % 12
         years = (months - begins) // 12
         found = [days[years == year] for year in np.unique(years)]
-        found = [winter for winter in found if len(winter) >= YEAR]
-        if series.recurs:
-            found = found[:1]
+        found = [winter for winter in found if len(winter) >= YEAR][: 1 if series.recurs else None]
     if not found:
         raise InputError(
             f"has {len(series) / DAY:.0f} days; the cold of a site needs a complete year from "
@@ -174,17 +170,10 @@ def _cold_days(winters: list[Floats]) -> pd.DataFrame:
             np.array([_longest_run(winter < limit) for winter in each]) for each in (means, highest)
         )
         if counts.any():
-            rows.append(
-                {
-                    "limit_degC": float(limit),
-                    "days_per_year": float(counts.mean()),
-                    "run_mean_days": float(runs.mean()),
-                    "run_10_years_days": _once_in(runs, 10),
-                    "run_50_years_days": _once_in(runs, 50),
-                    "run_longest_days": int(runs.max()),
-                    "run_all_day_days": int(whole.max()),
-                }
-            )
+            row = {"limit_degC": float(limit), "days_per_year": float(counts.mean())}
+            row |= {"run_mean_days": float(runs.mean()), "run_10_years_days": _once_in(runs, 10)}
+            row |= {"run_50_years_days": _once_in(runs, 50), "run_longest_days": int(runs.max())}
+            rows.append(row | {"run_all_day_days": int(whole.max())})
     return pd.DataFrame(rows)
 
 

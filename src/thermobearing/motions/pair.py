@@ -155,10 +155,9 @@ def _misfits(first: GroundMotion, second: GroundMotion) -> list[str]:
         steps = " and ".join(f"{name} of {one.dt:g} s" for name, one in pairs)
         found.append(f"time steps differ: {steps}")
     if len(first.acceleration) != len(second.acceleration):
-        sizes = [
-            f"{name} has {len(one.acceleration)} samples ({one.duration:g} s)"
-            for name, one in pairs
-        ]
+        sizes = (
+            f"{n} has {len(one.acceleration)} samples ({one.duration:g} s)" for n, one in pairs
+        )
         found.append(f"lengths differ: {' and '.join(sizes)}")
     return found
 
@@ -187,7 +186,6 @@ def make_pair(
     if resample:
         second = replace(resampled(second, first.dt), dt=first.dt)
         count = min(len(first.acceleration), len(second.acceleration))
-        first, second = (
-            replace(one, acceleration=one.acceleration[:count]) for one in (first, second)
-        )
+        pair = (first, second)
+        first, second = (replace(one, acceleration=one.acceleration[:count]) for one in pair)
     return MotionPair(first, second, angle, name)

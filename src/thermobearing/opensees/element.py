@@ -138,7 +138,8 @@ class ServedElement:
         self._at = [np.ravel(one["displacement"]).tolist() for one in books]
         self._zero = list(self._at)  # displacement of the bearings where the model has none
         self._forces = [np.ravel(one["force"]).tolist() for one in books]
-        self._tangents = [_moved(b, x, SHORTEST)[1] for b, x in self._pairs()]
+        pairs = zip(self._bearings, self._at, strict=True)
+        self._tangents = [_moved(b, x, SHORTEST)[1] for b, x in pairs]
         self._time = 0.0
         self._trial_time = 0.0
         self._pending = self._pushed = False
@@ -146,9 +147,6 @@ class ServedElement:
         self._problem = ""
         self._x: list[float] = [0.0] * self.layout.size
         self._f, self._k = list(self._forces), list(self._tangents)
-
-    def _pairs(self) -> Any:
-        return zip(self._bearings, self._at, strict=True)
 
     def reset(self) -> None:
         """Keep the history so far, and begin again."""

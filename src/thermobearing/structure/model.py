@@ -300,11 +300,10 @@ class Structure(Sourced):
         faults = []
         for where, items in self._parts().items():
             for number, item in enumerate(items):
-                given = [key for key in PLAN_KEYS if getattr(item, key, None) is not None]
                 faults += [
                     f"{where}[{number}].{key}: only in a structure with plan = true"
-                    for key in given
-                    if not self.plan
+                    for key in PLAN_KEYS
+                    if not self.plan and getattr(item, key, None) is not None
                 ]
         for body in self.bodies if self.plan else []:
             faults += self._one_point(body) if body.twists else []
@@ -314,13 +313,8 @@ class Structure(Sourced):
 
     def _parts(self) -> dict[str, Sequence["_Part"]]:
         """Return bodies, masses and connections by their keys."""
-        return {
-            "bodies": self.bodies,
-            "masses": self.masses,
-            "springs": self.springs,
-            "hinges": self.hinges,
-            "bearings": self.bearings,
-        }
+        keys = ("bodies", "masses", "springs", "hinges", "bearings")
+        return {key: getattr(self, key) for key in keys}
 
     def _one_point(self, body: Body) -> list[str]:
         """Return the fault of a body that twists on bearings and springs at one point."""
@@ -459,9 +453,7 @@ def list_piers(structure: Structure) -> list[Pier]:
     carriers = [line.base for line in structure.bearings]
     carriers += [hinge.body for hinge in structure.hinges]
     for name in dict.fromkeys(carriers):
-        if name in (GROUND, report.deck, report.pier):
-            continue
-        if not structure.body(name).moves and not _rotates(structure, name):
+        if name in (GROUND, report.deck, report.pier) or not _rotates(structure, name):
             continue
         below = [hinge.base for hinge in structure.hinges if hinge.body == name]
         base = next(iter(below), None) or structure.body(name).on or GROUND
@@ -503,11 +495,7 @@ def fixed_base(structure: Structure) -> Structure:
         else body
         for body in structure.bodies
     ]
-    left = tuple(
-        spring
-        for spring in structure.springs
-        if not (spring.base == GROUND and spring.body in held)
-    )
+    left = tuple(one for one in structure.springs if one.base != GROUND or one.body not in held)
     name = f"{structure.name} (fixed base)"[:60]
     texts = {key: text for key, text in structure.sources.items() if not key.startswith("springs[")}
     changes = {"name": name, "bodies": bodies, "springs": left}
@@ -523,18 +511,13 @@ def along(structure: Structure, direction: Direction) -> Structure:
     """
     if not structure.plan:
         return structure
-    changes: dict[str, object] = {
-        "plan": None,
-        "name": f"{structure.name} (along {direction})"[:60],
-    }
+    name = f"{structure.name} (along {direction})"[:60]
+    changes: dict[str, object] = {"plan": None, "name": name}
     for where, items in structure._parts().items():
         kept = [one for one in items if getattr(one, "direction", None) in (None, direction)]
         changes[where] = type(getattr(structure, where))(_in_line(one, direction) for one in kept)
-    texts = {
-        key: text
-        for key, text in structure.sources.items()
-        if not key.startswith(("springs[", "hinges["))
-    }
+    parts = "springs[", "hinges["
+    texts = {key: text for key, text in structure.sources.items() if not key.startswith(parts)}
     return structure.model_copy(update=changes).with_sources(texts)
 
 

@@ -122,8 +122,6 @@ def structure_table(structure: Mapping[str, Any], own: Mapping[str, str] | None 
         if key in structure["damping"]:
             value = value_and_unit(structure["damping"][key])
             rows.append((f"Viscous damping: {key}", *value, sources.get(f"damping.{key}", "")))
-    about = [
-        str(structure[key]).rstrip(".") for key in ("description", "citation") if structure.get(key)
-    ]
-    note = ". ".join(about) + "." if about else ""
+    about = [structure.get(key) for key in ("description", "citation")]
+    note = " ".join(f"{str(text).rstrip('.')}." for text in about if text)
     return Table(f"Structure: {structure['name']}", COLUMNS, rows, note=note)

@@ -110,10 +110,8 @@ class Sidecar(Strict):
             for title, place in places.items()
             if not isinstance(place, str) or not PLACE.match(place)
         ]
-        for key, marks in (
-            ("separator", [*SEPARATORS, *SEPARATORS.values()]),
-            ("decimal", [".", ","]),
-        ):
+        separators = [*SEPARATORS, *SEPARATORS.values()]
+        for key, marks in (("separator", separators), ("decimal", [".", ","])):
             if key in given and given[key] not in marks:
                 shown = ", ".join(f'"{mark}"' for mark in marks if mark.strip())
                 faults.append(f"{key} = {given[key]!r}: must be one of {shown}")
