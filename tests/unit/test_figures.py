@@ -414,7 +414,7 @@ def test_figures_of_a_paper_have_its_width_and_no_overlaps(result: tb.Result, wi
 
 def test_notes_move_away_from_data() -> None:
     figure, (ax,) = drawing.panels(1, 1, (4.0, 3.0), "")
-    ax.plot([0.0, 0.4, 0.4], [0.0, 0.0, 0.4], color="k")
+    ax.plot([0.0, 0.5, 0.5], [0.05, 0.05, 0.5], color="k")  # through the usual place
     ax.set(xlim=(0, 1), ylim=(0, 1))
     drawing.say_why(ax, "a note on data")
     figure.draw_without_rendering()
