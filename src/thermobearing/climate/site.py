@@ -132,8 +132,9 @@ def _winters(series: Hourly) -> list[Floats]:
         days = values[first : first + (len(values) - first) // DAY * DAY].reshape(-1, DAY)
         dates = dates[first::DAY][: len(days)].astype("datetime64[D]")
         months = dates.astype("datetime64[M]").astype(np.int64)
-        of = [days[months % 12 == k] for k in range(12)]
-        begins = (int(np.argmin([each.mean() if len(each) else np.inf for each in of])) + 6) % 12
+        monthly = [days[months % 12 == k] for k in range(12)]
+        means = [each.mean() if len(each) else np.inf for each in monthly]
+        begins = (int(np.argmin(means)) + 6) % 12
         years = (months - begins) // 12
         found = [days[years == year] for year in np.unique(years)]
         found = [winter for winter in found if len(winter) >= YEAR][: 1 if series.recurs else None]

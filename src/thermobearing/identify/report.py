@@ -92,9 +92,8 @@ def _treatment_table(records: Sequence[Row]) -> Table:
                 "columns_not_used": ", ".join(record.get("unused_columns", [])),
             }
         )
-    note = (
-        "Logged rests are held at constant displacement; spikes and drift are removed on request."
-    )
+    note = "Logged rests are held at constant displacement; "
+    note += "spikes and drift are removed on request."
     return make_table(pd.DataFrame(rows), caption="Treatment of the records", note=note)
 
 

@@ -373,9 +373,7 @@ def _file_keys(readings: Readings, parts: int) -> dict[str, Any]:
         return {}
     name = found.file.name
     if len(found.same_titles) > 1:
-        blocks: list[dict[str, Any]] = [
-            {"file": name, "sheet": sheet} for sheet in found.same_titles
-        ]
+        blocks: list[dict[str, Any]] = [{"file": name, "sheet": one} for one in found.same_titles]
     elif readings.clock_restarts:
         blocks = [{"file": name, "part": part} for part in range(1, parts + 1)]
     else:

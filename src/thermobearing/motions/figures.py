@@ -86,10 +86,8 @@ class MotionFigures(drawing.Figures):
         left.set_yscale("log")
         left.yaxis.set_major_formatter(plain := FuncFormatter(lambda value, _: f"{value:g}"))
         percent = f"{100.0 * found.damping:g} % damping"
-        for ax, what, unit in (
-            (left, "absolute acceleration", "gal"),
-            (right, "displacement", "cm"),
-        ):
+        kinds = (left, "absolute acceleration", "gal"), (right, "displacement", "cm")
+        for ax, what, unit in kinds:
             ax.set_xscale("log")
             ax.set_xlim(periods[0], periods[-1])
             ax.xaxis.set_major_formatter(plain)

@@ -112,9 +112,8 @@ class _Amplitudes:
         # low frequencies would ring for longer than the motion lasts.
         low, high = (float(np.log(1.0 / end + WIDENING)) for end in (LONGEST, SHORTEST))
         nodes = np.linspace(low, high, bands)
-        place = np.interp(
-            np.log(self.frequency + WIDENING), nodes, np.arange(bands, dtype=np.float64)
-        )
+        places = np.arange(bands, dtype=np.float64)
+        place = np.interp(np.log(self.frequency + WIDENING), nodes, places)
         triangles = np.maximum(0.0, 1.0 - np.abs(place[:, np.newaxis] - np.arange(bands)))
         self.bands = csr_array(triangles)  # two of them at most at one frequency
         self.nodes = 1.0 / (np.exp(nodes) - WIDENING)  # as periods

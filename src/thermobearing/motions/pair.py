@@ -155,9 +155,7 @@ def _misfits(first: GroundMotion, second: GroundMotion) -> list[str]:
         steps = " and ".join(f"{name} of {one.dt:g} s" for name, one in pairs)
         found.append(f"time steps differ: {steps}")
     if len(first.acceleration) != len(second.acceleration):
-        sizes = (
-            f"{n} has {len(one.acceleration)} samples ({one.duration:g} s)" for n, one in pairs
-        )
+        sizes = (f"{n} has {len(m.acceleration)} samples ({m.duration:g} s)" for n, m in pairs)
         found.append(f"lengths differ: {' and '.join(sizes)}")
     return found
 

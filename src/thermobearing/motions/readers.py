@@ -219,9 +219,7 @@ def _read_knet(lines: list[str], component: str | None) -> _Raw:
     place = next((k for k, line in enumerate(lines) if line.lower().startswith("memo")), None)
     if place is None:
         raise InputError('is a K-NET file without the line "Memo." that ends its header')
-    entries = {
-        re.sub(r"[^a-z]", "", line[:18].lower()): line[18:].strip() for line in lines[: place + 1]
-    }
+    entries = {re.sub(r"[^a-z]", "", x[:18].lower()): x[18:].strip() for x in lines[: place + 1]}
     direction = entries.get("dir", "")
     held = KNET_COMPONENTS.get(direction, direction.replace("-", ""))
     if str(component).upper().replace("-", "") != held.upper():

@@ -226,11 +226,8 @@ class _Script:
         turning = np.array([" rotation" in name or " twist" in name for name in coordinates])
         sizes = np.diag(stiffness) / np.where(turning, arm**2, 1.0)
         rigid = METRE * STIFF * float(sizes.max())
-        for tag, size in (
-            (RIGID, rigid),
-            (RIGID_TURNING, rigid * (arm / METRE) ** 2),
-            (LOOSE, SOFT),
-        ):
+        springs = (RIGID, rigid), (RIGID_TURNING, rigid * (arm / METRE) ** 2), (LOOSE, SOFT)
+        for tag, size in springs:
             self.add("uniaxialMaterial", "Elastic", tag, size)
 
 
@@ -470,10 +467,8 @@ def write_structure(
     language = "python" if target.suffix == ".py" else "tcl"
     prepared = prepare_structure(structure)
     script, tags, remarks = _build(prepared, _laws(structure, bearing, ambient))
-    title = [
-        f"{printable(structure.name)}: {printable(structure.description)}",
-        "Units: kN, m, s, t",
-    ]
+    about = printable(structure.description)
+    title = [f"{printable(structure.name)}: {about}", "Units: kN, m, s, t"]
     lines = [f"# {' '.join(text.split())}." for text in (*title, *remarks)]
     if language == "python":
         lines += ["import math", "", "import openseespy.opensees as ops", ""]

@@ -150,9 +150,7 @@ class SequenceResult(Result):
     def _below(self, name: str) -> pd.DataFrame:
         """Return a table of every part below each other, with the part of each row."""
         tables = {self.case.label(k): getattr(part, name) for k, part in enumerate(self.parts)}
-        found: dict[str, pd.DataFrame] = {
-            label: table for label, table in tables.items() if len(table)
-        }
+        found: dict[str, pd.DataFrame] = {key: one for key, one in tables.items() if len(one)}
         if not found:
             return pd.DataFrame()
         return pd.concat(found, names=["part"]).reset_index("part").reset_index(drop=True)

@@ -207,9 +207,8 @@ def _marched(run: Run, kept: int) -> tuple[Left, Floats, int, int, MotionRows]:
     if kept:
         shaking.keep[kept - 1] = True
     march = peaks_march if system.load.ndim == 1 else plane_march
-    done, _, outcome = march(
-        system, bearings, motion, _build_scheme(run, HALVINGS), shaking, room, peaks
-    )
+    scheme = _build_scheme(run, HALVINGS)
+    done, _, outcome = march(system, bearings, motion, scheme, shaking, room, peaks)
     left = Left(bearings, motion.books, peaks.watches, peaks.lines, peaks.hinges)
     return left, stored, int(done), int(outcome), room
 
@@ -313,9 +312,7 @@ class Company:
             build_bearings(*start_arguments(run.prepared, run.lines)),
         )
         self.motion, self.peaks = new_motion(system), _empty_peaks(run, system)
-        work = tuple(
-            (one.durations, one.work, one.elastic, one.hysteretic) for one in self.bearings
-        )
+        work = tuple((b.durations, b.work, b.elastic, b.hysteretic) for b in self.bearings)
         self.scratch = side_by_side([(work, self.motion, self.peaks)] * WIDTH)
         self.rows = side_by_side([_no_rows(system, self.bearings)] * WIDTH)
         self._systems: dict[Any, System] = {}

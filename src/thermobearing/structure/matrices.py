@@ -203,9 +203,8 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
         for h in list_hinges(structure)
     ]
     lines = [_stretch_row(structure, line) for line in structure.bearings]
-    return Matrices(
-        names, mass, load, springs, np.reshape(hinges, (len(hinges), n)), np.array(lines)
-    )
+    rows = np.reshape(hinges, (len(hinges), n))
+    return Matrices(names, mass, load, springs, rows, np.array(lines))
 
 
 def twist_load(structure: Structure) -> tuple[Floats, float]:

@@ -523,9 +523,7 @@ def along(structure: Structure, direction: Direction) -> Structure:
 
 def _in_line(part: _Part, direction: Direction) -> _Part:
     """Return a part without what only a plan has."""
-    changes: dict[str, object] = dict.fromkeys(
-        key for key in ("x", *PLAN_KEYS) if hasattr(part, key)
-    )
+    changes: dict[str, object] = dict.fromkeys(k for k in ("x", *PLAN_KEYS) if hasattr(part, k))
     if direction == "y" and isinstance(part, BearingLine) and part.height_across is not None:
         changes["height"] = part.height_across
     return part.model_copy(update=changes)

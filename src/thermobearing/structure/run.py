@@ -543,9 +543,8 @@ def run_structure(
             done, kept, outcome = predictor_march(*given, -1, 0)
             named = OUTCOMES[int(outcome)]
     else:
-        done, kept, outcome = march(
-            system, bearings, motion, scheme, shaking, after, _no_peaks(system)
-        )
+        peaks = _no_peaks(system)
+        done, kept, outcome = march(system, bearings, motion, scheme, shaking, after, peaks)
         named = OUTCOMES[int(outcome)]
     if named == "completed" and not all_physical(bearings, kept_rows.bearings["recoverable"][0]):
         named = NOT_PHYSICAL

@@ -249,9 +249,7 @@ def _decimal(cells: list[str]) -> str:
             commas += 1
     if not (commas or unclear):
         return "."
-    points = any(
-        _POINT.fullmatch(cell.strip()) for cell in cells if "." in cell and "," not in cell
-    )
+    points = any(_POINT.fullmatch(one.strip()) for one in cells if "." in one and "," not in one)
     if commas and points:
         raise InputError(
             'has numbers with a decimal point and others with a decimal comma; give decimal = "." '

@@ -235,9 +235,8 @@ def cross_validate(
     final, *fits = _fit(case, groups if folds else [], progress)
     alike = {id(record): _as_fitted(record) for record in [*tests, *out]}
     groups = [[alike[id(record)] for record in group] for group in groups]
-    judged = [
-        _judge([one.bearing], group) for one, group in zip(fits or [final], groups, strict=True)
-    ]
+    pairs = zip(fits or [final], groups, strict=True)
+    judged = [_judge([one.bearing], group) for one, group in pairs]
     warnings = [
         f"held out{f' of fold {number}' if folds else ''}: {text}"
         for number, found in enumerate(judged, start=1)
