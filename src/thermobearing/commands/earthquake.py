@@ -68,7 +68,7 @@ COMPONENTS = Annotated[
     option(
         "--components",
         help="Horizontal components of the ground motion that act together on a structure in "
-        "plan, 1 or 2; 2 for pairs by default. Given twice, one and two are compared.",
+        "plan, 1 or 2; 2 by default there. Given twice, one and two are compared.",
         panel=INPUT,
     ),
 ]

@@ -100,7 +100,7 @@ def bridge(
         may have its own (text with its unit). It changes no motion; the result then has checks of
         stress and critical load.
     components : of a structure in plan: horizontal components of the ground motion that act
-        together, 2 for pairs by default; with 1 each direction is analysed on its own. With both
+        together, 2 by default in plan; with 1 each direction is analysed on its own. With both
         in a list they are compared in `result.one_component` and a table.
     executor : any `concurrent.futures` executor; threads by default.
     progress : called with (runs done, all runs).

@@ -263,7 +263,8 @@ class EarthquakeAnalysis(ModelOptions, Stepping):
     keep_every : keep every n-th step of the histories.
     keep : temperatures: "rubber", and "cells" for those through the height.
     components : horizontal components of the ground motion that act together on a structure in
-        plan, 1 or 2; 2 for pairs by default. With 1 each direction is analysed on its own.
+        plan, 1 or 2; 2 by default there. With 1 each direction is analysed on its own, without
+        twist.
     """
 
     keep_every: Annotated[int, Field(ge=1)] = 2
@@ -331,8 +332,7 @@ class EarthquakeCase(Strict):
     @property
     def components(self) -> int:
         """Number of horizontal components of the ground motion that act together."""
-        pairs = self.structure.plan and any(motion.is_pair for motion in self.motions)
-        return self.analysis.components or (2 if pairs else 1)
+        return self.analysis.components or (2 if self.structure.plan else 1)
 
     @property
     def directions(self) -> tuple[str, ...]:

@@ -195,9 +195,8 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
             "The bearing starts in the final state of an earlier test, including its history."
         )
     found += _laboratory(case)
-    return [
-        text for text in [*found, *model_assumptions(analysis, _list_all_bearings(case))] if text
-    ]
+    found += model_assumptions(analysis, _list_all_bearings(case), plane=plan)
+    return [text for text in found if text]
 
 
 def _laboratory(case: Case) -> list[str]:

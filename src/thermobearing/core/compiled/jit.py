@@ -68,8 +68,8 @@ class _Cache(caching.FunctionCache):
             return None
 
     def save_overload(self, signature: Any, data: Any) -> None:
-        """Keep the machine code; a full disk or a removed folder must not end the run."""
-        with contextlib.suppress(OSError, EOFError):
+        """Keep the machine code; a full disk or a damaged index must not end the run."""
+        with contextlib.suppress(Exception):
             super().save_overload(signature, data)
 
 
