@@ -212,3 +212,17 @@ def test_the_command_refuses_before_the_analysis(tmp_path):
     done = CliRunner().invoke(app, ["bridge", "--checks", "en", "-o", str(tmp_path / "out")])
     assert done.exit_code == 2
     assert not (tmp_path / "out").exists()
+
+
+def test_an_early_end_leaves_out_the_codes_and_names_its_cause():
+    strong = {"name": "jra-ii-i-1", "factor": 15}
+    given = {"duration": 8, "dt": 0.01, "axial_force": LOAD}
+    found = tb.check_bearings(tb.bridge(BEARING, strong, 23, **given), ["jra", "aashto"])
+    assert found.outcome == "not_physical"
+    assert set(found.bearing_checks["code"]) == {""}
+    unchecked = [text for text in found.warnings if "not checked, because" in text]
+    assert [text.split(":")[0] for text in unchecked] == [JRA, AASHTO]
+    assert any("1 of 1 runs ended as not_physical" in text for text in found.warnings)
+    largest = found.table["bearing_strain_max"].max()
+    assert largest > 5.0
+    assert f"strained to {100 * largest:.0f} % ({found.run_names[0]})" in found.sentence

@@ -120,6 +120,7 @@ def test_two_components_are_compared_with_one(compared: EarthquakeResult) -> Non
     assert ratio == pytest.approx(resultant / np.hypot(x, y))
     assert frame.loc[("lead_rise_K", "larger"), "two_over_one"] > 1.0
     assert "srss" not in frame.loc["pier_ductility"].index
+    assert "mean" not in compared.tables()["components"].caption  # of one motion
 
 
 def test_results_in_plan_are_saved_and_loaded(compared: EarthquakeResult, tmp_path: Path) -> None:

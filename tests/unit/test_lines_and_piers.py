@@ -199,6 +199,11 @@ def test_a_line_in_colder_air(study: tb.EarthquakeResult) -> None:
     assert list(each) == [3.0, 1.0]
     air = [one.ambient for one in build_tasks(case_of(two_piers()))[0].lines]
     assert air == [-20.0, 23.0]
+    text = "line on A stays at -20 degC in all runs"
+    assert not any(text in one for one in study.warnings)  # one temperature is not compared
+    more = {"structure": bridge_of(two_piers()), "lines": [{"line": "on A", "ambient": "-20 degC"}]}
+    two = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", [23.0, 0.0], duration=1, **more)
+    assert sum(text in one for one in two.warnings) == 1
 
 
 def case_of(structure: dict[str, Any], **more: Any) -> Any:

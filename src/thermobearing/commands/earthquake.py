@@ -156,7 +156,7 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
         )
         if compare and result.outcome == "completed":
             result.compared = analysis.compare_models(loaded)
-        if "codes" in checks and result.outcome == "completed":
+        if "codes" in checks:
             result = check_bearings(result, **checks)
         return end.save(result, target)
 

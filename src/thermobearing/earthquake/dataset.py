@@ -31,6 +31,7 @@ from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
 from thermobearing.quantities.register import quantity
+from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import (
     Ends,
     Row,
@@ -154,6 +155,19 @@ def _collect_warnings(
     found = describe_all(factors) + found + [one.note for one in histories if one.note]
     checks = _vertical_checks(case, tasks, histories)
     found += failed_checks(checks)
+    early = [one.outcome for one in histories if one.outcome != COMPLETED]
+    if checks and early:
+        found.append(
+            f"checks under the axial force: {len(early)} of {len(histories)} runs ended as "
+            f"{', '.join(dict.fromkeys(early))}; their rows hold only up to that end"
+        )
+    for item in case.lines if len(case.ambient) > 1 else ():
+        if item.ambient is not None or item.weather is not None:
+            air = "in its own weather" if item.ambient is None else f"at {item.ambient:g} degC"
+            found.append(
+                f"line {item.line} stays {air} in all runs: a comparison of the ambient "
+                "temperatures is not one of this line"
+            )
     row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": checks}
     row_tables |= exposure_attribute(factors)
     attributes = {name: as_attribute(rows) for name, rows in row_tables.items() if rows}

@@ -10,8 +10,10 @@ import pandas as pd
 import xarray as xr
 
 from thermobearing.core.records import Floats
+from thermobearing.cyclic.protocol import LARGEST_STRAIN
 from thermobearing.earthquake import measures, tables
 from thermobearing.earthquake.measures import DIRECTION, farthest
+from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.results import directory
@@ -28,6 +30,7 @@ from thermobearing.results.writing import write_csv, write_dataset
 LARGEST_DAMPING_SHARE = 0.25
 # Of the input, either way: a delay of 5 ms comes to 3 % in the default hybrid test.
 LARGEST_ACTUATOR_SHARE = 0.05
+STRAIN = "bearing_strain_max"  # column of the table of runs
 SHOWN_MODES = 8  # natural periods on the console
 COMPONENTS = "components"  # attribute of a dataset: rows that compare two components with one
 LABELS = ("bearing", "motion", "ambient", "mode", DIRECTION)  # of a run
@@ -87,6 +90,22 @@ class EarthquakeResult(DatasetResult):
         self.dataset = dataset
         self.compared = compared or {}
         self.one_component: EarthquakeResult | None = None
+
+    @property
+    def sentence(self) -> str:
+        """The meaning of the outcome, and what to try; of a bearing that tears, which it is."""
+        table = self.table
+        torn = table[(table["outcome"] == NOT_PHYSICAL) & (table[STRAIN] > LARGEST_STRAIN)]
+        if self.outcome != NOT_PHYSICAL or not len(torn):
+            return super().sentence
+        run = int(torn.index[int(torn[STRAIN].argmax())])
+        line = f"line {table['strain_line'][run]}, " if self.has_parts else ""
+        return (
+            f"A bearing was strained to {100.0 * table[STRAIN][run]:.0f} % ({line}"
+            f"{self.run_names[run]}), beyond {100.0 * LARGEST_STRAIN:g} %, where it tears. The "
+            "motion is too strong for it: check the factor and the unit of the motion, the masses "
+            "and the bearing."
+        )
 
     @property
     def headline(self) -> str:

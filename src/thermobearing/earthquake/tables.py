@@ -149,7 +149,8 @@ def console_tables(result: "EarthquakeResult") -> list[Table]:
     last = ("directions", "components", "rotation", "modes", "lines", "piers", "governing")
     shown += [found[name] for name in last if name in found]
     shown += bearing_check_tables(result, every_part=False).values()
-    return [table.merged("ambient_degC") for table in shown]
+    ratios = found.get("components")  # means, which two temperatures may share by chance
+    return [table if table is ratios else table.merged("ambient_degC") for table in shown]
 
 
 def _peaks_table(
@@ -304,9 +305,10 @@ def components_summary(frame: pd.DataFrame) -> pd.DataFrame:
 def _components_table(result: "EarthquakeResult") -> Table:
     """Return the mean ratios of two components to one at a time; empty without both."""
     frame = result.components
-    caption = "Two components of the ground motion over one at a time, mean over the motions"
+    caption = "Two components of the ground motion over one at a time"
     if not len(frame):
         return make_table(frame, caption=caption)
+    caption += ", mean over the motions" if frame["motion"].nunique() > 1 else ""
     rows = components_summary(frame).pivot_table(
         "mean", ["bearing", "ambient_degC", "quantity"], "combination", sort=False
     )
