@@ -161,6 +161,24 @@ def test_check_of_a_bilinear_bearing(tmp_path: Path) -> None:
     assert "Q_d 125.4 kN" in lines
 
 
+def test_check_shows_what_lines_have_of_their_own(tmp_path: Path) -> None:
+    path = tmp_path / "bridge.toml"
+    path.write_text(
+        'command = "bridge"\nstructure = "five-span-bridge"\nbearings = ["shen-hdr-bridge"]\n'
+        'motions = [{ name = "jra-ii-i-1", angle = "30 deg" }]\nambient = ["0 degC"]\n'
+        'axial_force = "800 kN"\n[analysis]\ncomponents = 1\n'
+        '[[lines]]\nline = "A1"\nambient = "-5 degC"\naxial_force = "400 kN"\n'
+    )
+    said = " ".join(inputs.command("check", path).output.split())
+    assert "motions jra-ii-i-1 at 30 deg ambient 0 degC axial force 800 kN" in said
+    assert "line A1 -5 degC, 400 kN runs 2, average" in said
+
+
+def test_the_list_of_structures_parts_names_and_descriptions() -> None:
+    rows = inputs.command("structures", "list").output.splitlines()
+    assert {"five-span-bridge", "pier-p1"} <= {row.partition("  ")[0] for row in rows}
+
+
 def test_check_counts_the_runs_of_a_study(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text(

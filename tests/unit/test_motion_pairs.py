@@ -63,6 +63,7 @@ def test_records_that_differ_are_named() -> None:
     assert "jra-ii-i-1 of 0.01 s and longer of 0.02 s" in steps
     assert "jra-ii-i-1 has 5001 samples" in lengths
     assert "longer has 7000 samples" in lengths
+    assert "resample = true" in lengths
 
 
 def test_resampled_when_told() -> None:
@@ -95,6 +96,9 @@ def test_the_motion_along_the_bridge_is_the_component_in_x() -> None:
 
 def test_a_single_record_at_an_angle() -> None:
     (motion,) = settled({"name": "jra-ii-i-1", "angle": "60 deg"})
+    assert motion.title == "jra-ii-i-1 at 60 deg"
+    assert settled(motion) == settled(motion.model_copy(update={"label": None})) == [motion]
+    assert settled({"name": "jra-ii-i-1", "angle": "0 deg"})[0].title == "jra-ii-i-1"
     x, y = motion.load_pair().rotated().T
     assert_allclose(x, 0.5 * FIRST.acceleration, rtol=1e-12)
     assert_allclose(y, math.sqrt(0.75) * FIRST.acceleration, rtol=1e-12)
@@ -193,6 +197,14 @@ def test_pairs_on_the_command_line(tmp_path: Path) -> None:
     ):
         assert command("bridge", *words, *bad).exit_code == 2
     assert "30 deg" in command("bridge", *words, *pair, "--angle", 30).stderr
+    unequal = ["--motion", "jra-ii-i-1", "--across", "jra-i-i-1"]
+    assert "--resample" in command("bridge", *words, *unequal, "-o", tmp_path / "no").stderr
+    done = command("bridge", *words, *unequal, "--resample", "-o", tmp_path / "resampled")
+    assert done.exit_code == 0, done.stderr
+    said = command("bridge", out / "case.resolved.toml", "--angle", "30 deg").stderr
+    assert "case.resolved.toml states" in said.replace("\n", " ")
+    checked = command("check", tmp_path / "resampled" / "case.resolved.toml").output
+    assert "1, average-acceleration" in checked
 
 
 def test_angles_half_a_turn_apart_count_once() -> None:

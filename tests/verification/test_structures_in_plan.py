@@ -226,9 +226,14 @@ def test_across_the_bridge_the_force_acts_higher() -> None:
 @pytest.mark.parametrize(
     ("part", "changes", "said"),
     [
-        ("", {"plan": False}, "bodies[0].twists: only in a structure with plan = true"),
-        ("bearings", {"x": "1 m", "y": "1 m"}, 'body "deck" twists, and all that holds it'),
+        ("", {"plan": False}, "bearings[0].y: for a structure in plan; add plan"),
+        (
+            "bearings",
+            {"x": "1 m", "y": "1 m"},
+            'body "deck" twists, and all that holds it is at one',
+        ),
         ("masses", {"twist_inertia": "0 t m^2", "x": "0 m"}, "add a mass or twist_inertia"),
+        ("masses", {"twist_inertia": "0 t m^2", "x": "9 m"}, '"deck twist" moves no mass; give'),
         ("springs", {"direction": "up"}, "'x', 'y' or 'twist'"),
         ("springs", {"direction": "twist"}, "takes rotational_stiffness"),
         ("bodies", {"x": 5.0}, 'write "5.0 mm"'),

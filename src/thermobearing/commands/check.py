@@ -21,7 +21,7 @@ from thermobearing.design.case import DesignCase, bearing_weight, load_design_ca
 from thermobearing.design.codes import Published
 from thermobearing.design.peaks import Rules
 from thermobearing.design.sizing import Curves
-from thermobearing.earthquake.case import EarthquakeCase, load_earthquake_case
+from thermobearing.earthquake.case import EarthquakeCase, OnLine, load_earthquake_case
 from thermobearing.identify.fit.parameters import Kinds
 from thermobearing.identify.records.record import ChamberNumbers, TestRecord, load_test
 from thermobearing.identify.uncertainty.covariance import Groups
@@ -202,15 +202,28 @@ def cells_facts(path: Path) -> dict[str, str]:
 
 def _earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
     climates = case.weather or ", ".join(f"{value:g} degC" for value in case.ambient)
-    count = len(case.bearings) * len(case.motions) * (1 if case.weather else len(case.ambient))
+    count = len(case.bearings) * len(case.motions) * case.climates
+    count *= len(case.modes) * len(case.directions)
+    force = case.axial_force
+    own = {f"line {line.line}": _line_text(line) for line in case.lines}
     return {
         "command": case.command,
         "bearings": ", ".join(bearing.name for bearing in case.bearings),
         "motions": ", ".join(motion.title for motion in case.motions),
         "ambient": climates,
+        **({} if force is None else {"axial force": f"{force:g} kN"}),
+        **own,
         "runs": f"{count}, {case.analysis.method}, dt {case.analysis.dt:g} s",
         **_structure_facts(case.structure, case.analysis.damping),
     }
+
+
+def _line_text(line: OnLine) -> str:
+    """Return what a bearing line has of its own."""
+    parts = [line.bearing.name if line.bearing else "", line.weather or ""]
+    parts += [f"{line.ambient:g} degC"] if line.ambient is not None else []
+    parts += [f"{line.axial_force:g} kN"] if line.axial_force is not None else []
+    return ", ".join(filter(None, parts))
 
 
 def _study_facts(study: Study) -> dict[str, str]:

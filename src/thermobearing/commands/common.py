@@ -56,6 +56,9 @@ ANALYSES, LABORATORY, OFFICE, FILES = (
 )
 INPUT, TEST, MODEL, SEARCH, RESULT = ("Input", "Test", "Model", "Search", "Result")
 REPORT = "Report"
+RESAMPLE = (
+    "|Bring the second record of a pair to the time step of the first, and cut both to one length."
+)
 
 FEW_LETTERS = {"dt"}  # no word of a sentence, like those with an underscore
 # Options of the command that runs, and whether each was given.

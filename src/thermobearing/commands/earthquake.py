@@ -12,6 +12,7 @@ from thermobearing.commands.common import (
     FILES,
     INPUT,
     MODEL,
+    RESAMPLE,
     STRUCTURES,
     Answer,
     Ending,
@@ -79,6 +80,7 @@ INPUTS = fields(
     bearings="--bearing|Bearing: library name or TOML file.",
     motions="--motion|Ground motion: library name or file.",
 )
+PAIRS = fields("earthquake.motions:Motion", "resample", INPUT, resample=RESAMPLE)
 ANALYSIS = fields(
     "earthquake.case:EarthquakeAnalysis",
     "method mass damping dt model scheme integrator hardening small_loops heat_source lead_ends "
@@ -88,13 +90,20 @@ ANALYSIS = fields(
 
 
 def _with_pairs(
-    motions: Sequence[str] | None, across: Sequence[str] | None, angles: Sequence[str] | None
+    given: dict[str, Any],
+    across: Sequence[str] | None,
+    angles: Sequence[str] | None,
+    case: Path | None,
 ) -> list[Any] | None:
     """Return the motions of the command line, as tables where they are pairs or have angles."""
-    if not across and not angles:
+    motions, resample = given.get("motions"), bool(given.pop("resample", False))
+    if not across and not angles and not resample:
         return list(motions) if motions else None
     if not motions:
-        raise InputError("--across and --angle: give the first record of each pair with --motion")
+        raise InputError(
+            "--across, --angle, --resample: give the first record of each pair with --motion"
+            + (f", or write these keys in the motions that {case} states" if case else "")
+        )
     if across and len(across) != len(motions):
         raise InputError(
             f"--across: {len(across)} records for {len(motions)} motions; give one for each"
@@ -102,7 +111,8 @@ def _with_pairs(
     tables: list[dict[str, Any]] = [{"name": name} for name in motions]
     for table, second in zip(tables, across or (), strict=False):
         table["across"] = second
-    return [table | {"angle": list(angles)} for table in tables] if angles else list(tables)
+    more = ({"angle": list(angles)} if angles else {}) | ({"resample": True} if resample else {})
+    return [table | more for table in tables]
 
 
 def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
@@ -131,7 +141,7 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
         checks = {key: given.pop(key) for key in ("codes", "rotation", "zone") if key in given}
         laboratory = {key: given.pop(key) for key in Laboratory.model_fields if key in given}
         given["laboratory"] = overridden({}, laboratory, Laboratory) or None
-        given["motions"] = _with_pairs(given.get("motions"), across, angle)
+        given["motions"] = _with_pairs(given, across, angle, case)
         given["components"], both = analysis.one_or_both(components)
         given |= {"fixed_base": fixed_base or None, "exposure": exposure_given(exposure)}
         if case is None:
@@ -161,9 +171,9 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
         return end.save(result, target)
 
     _analyse.__doc__ = purpose
-    command(app, name, *more, INPUTS, ANALYSIS, examples=examples, panel=ANALYSES, laws=True)(
-        _analyse
-    )
+    command(
+        app, name, *more, INPUTS, PAIRS, ANALYSIS, examples=examples, panel=ANALYSES, laws=True
+    )(_analyse)
 
 
 _add(
@@ -281,8 +291,9 @@ def _list() -> Answer:
     from thermobearing.structure.model import list_structures, load_structure
 
     names = list_structures()
+    width = max(map(len, names)) + 2
     for name in names:
-        print(f"{name:15}{load_structure(name).description}", flush=True)
+        print(f"{name:{width}}{load_structure(name).description}", flush=True)
     return {"structures": names}
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 import typer
 
 from thermobearing.border.errors import InputError
-from thermobearing.commands.common import FILES, Answer, Ending, Group, app, with_progress
+from thermobearing.commands.common import FILES, RESAMPLE, Answer, Ending, Group, app, with_progress
 from thermobearing.commands.options import command, fields
 
 HELP = "List, examine and generate ground motions."
@@ -27,7 +27,7 @@ ACROSS = fields(
     "across across_component resample",
     across="|File or built-in name of the second record of a pair.|NAME/FILE",
     across_component="|Component of the second record; makes a pair with the same file.",
-    resample="|Bring the second record to the time step and the length of the first.",
+    resample=RESAMPLE,
 )
 EXAMINED = fields(
     "motions.run:examine_motion",

@@ -34,9 +34,9 @@ class Motion(Strict):
     """A built-in motion, a file with what it does not say itself, or samples; or a pair of them.
 
     `label` is its name in tables and figures: that of the motion, made different from others of
-    that name by component, ending, factor, angle or folder. `group` names those whose peaks are
-    averaged; by default the standard spectrum of a built-in motion. `acceleration` holds the
-    samples of one that is no file, in `unit`, every `dt`.
+    that name by component, ending, factor, angle or folder; an angle that is not zero is always
+    in it. `group` names those whose peaks are averaged; by default the standard spectrum of a
+    built-in motion. `acceleration` holds the samples of one that is no file, in `unit`, every `dt`.
 
     `across` makes a pair: the record of the direction at a right angle, of the same file if only
     `across_component` is given. `angle` is that from the axis of the bridge to the first record
@@ -261,12 +261,26 @@ def _tell_apart(tables: list[Any], loaded: list[GroundMotion]) -> list[str]:
         for k, end in zip(same, ends, strict=True):
             tables[k]["label"] = f"{name}{end}"
             loaded[k] = replace(loaded[k], name=tables[k]["label"])
+    for k, table in enumerate(tables):
+        label = loaded[k].name.removesuffix(_at(table)) + _at(table)
+        if _angle(table) and label != loaded[k].name:
+            table["label"], loaded[k] = label, replace(loaded[k], name=label)
     labels = [motion.name for motion in loaded]
     again = {label for label in labels if labels.count(label) > 1}
     return faults or [f'motions: two are called "{label}"; give a label' for label in again]
 
 
 AT = " at "  # between the label of a pair and its angle
+
+
+def _angle(table: dict[str, Any]) -> float:
+    """Return the angle of the table of a motion [deg]."""
+    return parse_quantity(str(table.get("angle") or "0 deg"), "deg")
+
+
+def _at(table: dict[str, Any]) -> str:
+    """Return the end of a label that states the angle."""
+    return f"{AT}{_angle(table):g} deg"
 
 
 def rotation_groups(motions: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float]]:
@@ -318,13 +332,12 @@ def rotation_frame(
 def _ends(motions: list[tuple[dict[str, Any], GroundMotion]]) -> list[str]:
     """Return ends of labels that differ: component, ending, factor, folder, angle or number."""
     paths = [Path(table["name"]) for table, _ in motions]
-    angles = [parse_quantity(str(table.get("angle") or "0 deg"), "deg") for table, _ in motions]
     ways = [
         [f"-{motion.component}" if motion.component else "" for _, motion in motions],
         [path.suffix.replace(".", "-") for path in paths],
         [f"-x{table.get('factor', 1.0):g}" for table, _ in motions],
         [f"-{path.parent.name}" for path in paths],
-        [f"{AT}{angle:g} deg" for angle in angles],
+        [_at(table) for table, _ in motions],
     ]
     unique = [way for way in ways if len(set(way)) == len(way)]
     return unique[0] if unique else [f"-{k}" for k in range(1, len(motions) + 1)]

@@ -157,6 +157,8 @@ def _misfits(first: GroundMotion, second: GroundMotion) -> list[str]:
     if len(first.acceleration) != len(second.acceleration):
         sizes = (f"{n} has {len(m.acceleration)} samples ({m.duration:g} s)" for n, m in pairs)
         found.append(f"lengths differ: {' and '.join(sizes)}")
+    if found:
+        found[-1] += "; resample = true in the table of the motion, or --resample, makes them equal"
     return found
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, eigh
+from scipy.linalg import eigh
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
@@ -30,6 +30,7 @@ from thermobearing.structure.model import (
 
 DAMPED_MODES = 2  # that Rayleigh damping fits
 NO_STIFFNESS = 1e-12  # of the largest squared frequency: rounding leaves 1e-16 of it
+NO_MASS = 1e-13  # of the mass of one coordinate alone: rounding leaves 1e-16 of it
 MOVING = 0.01  # of the kinetic energy of a motion without stiffness: the coordinate is named
 NEGATIVE = -1e-9  # of the largest damping: what is below feeds energy in, beyond rounding
 Part = tuple[float, Floats]  # damping ratio, stiffness [n, n]
@@ -324,21 +325,30 @@ def find_modes(
 
     `names` of the coordinates are for its message.
     """
-    try:
-        values, shapes = eigh(stiffness, mass)
-    except LinAlgError:
+    scale = np.sqrt(np.diag(mass))
+    values, shapes = eigh(mass / np.outer(scale, scale))
+    if values[0] <= NO_MASS:
+        motion = _motion(names, np.square(shapes[:, values <= NO_MASS]).max(axis=1))
+        remedy = "rotary_inertia, or masses at two heights"
+        if ' twist"' in motion:
+            remedy = "twist_inertia, or masses at two points of the plan"
         raise InputError(
-            "some motion moves no mass; give every body that rotates a rotary_inertia, or masses "
-            "at two heights (and look for masses that differ by more than 1e12)",
+            f"{motion} moves no mass; give that body {remedy} (and look for masses that differ by "
+            "more than 1e12)",
             where,
-        ) from None
+        )
+    values, shapes = eigh(stiffness, mass)
     free = values <= NO_STIFFNESS * values[-1]
     if free.any():
         share = np.diag(mass) * np.square(shapes[:, free]).max(axis=1)
-        moving = [f'"{name}"' for name, part in zip(names, share, strict=False) if part > MOVING]
-        motion = f"the motion of {', '.join(moving)}" if moving else "some motion"
-        raise InputError(f"is a mechanism: {motion} meets no stiffness", where)
+        raise InputError(f"is a mechanism: {_motion(names, share)} meets no stiffness", where)
     return Modes(np.sqrt(values), shapes)
+
+
+def _motion(names: Sequence[str], share: Floats) -> str:
+    """Return words for a motion that has these shares in the kinetic energy of coordinates."""
+    moving = [f'"{name}"' for name, part in zip(names, share, strict=False) if part > MOVING]
+    return f"the motion of {', '.join(moving)}" if moving else "some motion"
 
 
 def _own_parts(structure: Structure, matrices: Matrices) -> list[Part]:

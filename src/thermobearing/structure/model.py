@@ -297,14 +297,15 @@ class Structure(Sourced):
     @model_validator(mode="after")
     def _plan_is_complete(self) -> "Structure":
         """Refuse keys that say nothing without a plan, and a twist that nothing can hold."""
-        faults = []
-        for where, items in self._parts().items():
+        faults: list[str] = []
+        given: dict[tuple[str, str], str] = {}  # the first place of each key
+        for where, items in self._parts().items() if not self.plan else ():
             for number, item in enumerate(items):
-                faults += [
-                    f"{where}[{number}].{key}: only in a structure with plan = true"
-                    for key in PLAN_KEYS
-                    if not self.plan and getattr(item, key, None) is not None
-                ]
+                for key in PLAN_KEYS:
+                    if getattr(item, key, None) is not None:
+                        given.setdefault((where, key), f"{where}[{number}].{key}")
+        if given:
+            faults.append(f"{', '.join(given.values())}: for a structure in plan; add plan = true")
         for body in self.bodies if self.plan else []:
             faults += self._one_point(body) if body.twists else []
         if faults:
@@ -326,8 +327,9 @@ class Structure(Sourced):
         if not lines or held or len(points) > 1:
             return []
         return [
-            f'bearings: coordinates missing: body "{body.name}" twists, and all that holds it is '
-            f"at one point of the plan, x = {points.pop()[0]:g} mm; give the bearing lines x and y"
+            f'bearings: body "{body.name}" twists, and all that holds it is at one point of the '
+            "plan, x = {:g} mm, y = {:g} mm, so that nothing holds the twist; place bearing lines "
+            "at different x or y, or leave out twists".format(*points.pop())
         ]
 
     def body(self, name: str) -> Body:
