@@ -193,3 +193,31 @@ def test_components_on_the_command_line(tmp_path: Path) -> None:
     done = inputs.command("bridge", "--structure", file, *words.split(), tmp_path / "out")
     assert done.exit_code == 0, done.output
     assert (tmp_path / "out" / "components.csv").exists()
+
+
+def test_a_deck_on_the_ground_has_no_pier(tmp_path: Path) -> None:
+    """Neither tables nor figures show a pier, and the title has no empty description."""
+    line = {"body": "deck", "height": "1 m", "count": 3, "equivalent_stiffness": "4 kN/mm"}
+    mass = {"body": "deck", "height": "2 m", "mass": "600 t", "twist_inertia": "1e8 kN mm s^2"}
+    table = {
+        "name": "low deck",
+        "plan": True,
+        "bodies": [{"name": "deck", "moves": True, "twists": True}],
+        "masses": [mass],
+        "bearings": [{"name": "W", "x": "-9 m"} | line, {"name": "E", "x": "9 m"} | line],
+        "report": {"deck": "deck"},
+    }
+    found = shaken(PAIR, structure=validated(Structure, table, "test"), components=2, duration=1)
+    assert not len(found.piers)
+    assert not [one for one in found.table if one.endswith("_pier")]
+    assert found.table.filter(regex="^pier_").isna().all(axis=None)
+    assert not [text for one in found.tables().values() for text in one.texts() if "ground" in text]
+    figures = found.plot.draw_all()
+    assert not [name for name in figures if name.startswith("pier")]
+    assert [ax.get_ylabel() for ax in figures["parts"]().axes if ax.get_visible()] == [
+        "bearing strain [%]",
+        "force of the line [kN]",
+    ]
+    for name in ("temperature", "loops_x"):
+        assert "(line W)" in figures[name]().get_suptitle()
+    assert figures["temperature"]().get_suptitle().startswith("low deck")

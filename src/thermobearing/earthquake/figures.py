@@ -104,8 +104,7 @@ class EarthquakeFigures(Panels):
                 draw(ax, int(run))
             drawing.name_axes(ax, *labels)
             return drawing.parent_figure(ax), []
-        about = part_names(self._data)
-        title = self._title(what, motions=True) + (f" ({about})" if about else "")
+        title = self._title(what, motions=True)
         motions = self._motions[:MOST_COLUMNS]
         figure, cells = self._grid(
             title, PANEL, self._bearings, motions, labels, heads=motions, sides=self._bearings,
@@ -415,14 +414,16 @@ class EarthquakeFigures(Panels):
         has its motions from the left.
         """
         tables = {"line": self._result.lines, "pier": self._result.piers}
-        shown = [item for item in PART_PANELS if tables[item[0]][item[1]].notna().any()]
+        tables = {part: table for part, table in tables.items() if len(table)}
+        shown = [one for one in PART_PANELS if one[0] in tables]
+        shown = [item for item in shown if tables[item[0]][item[1]].notna().any()]
         names = {part: list(dict.fromkeys(table[part])) for part, table in tables.items()}
         motions, rows = self._motions, (len(shown) + 1) // 2
         wide = max(len(parts) for parts in names.values())
         size = (max(3.6, 1.0 + 0.8 * wide) * 2, 2.7 * rows + 0.9)
         few = 1 < len(motions) < 5
         order = f" (motions from the left: {', '.join(motions)})" if few else ""
-        title = self._title(f"bearing lines and piers{order}")
+        title = self._title(f"bearing {' and '.join(f'{part}s' for part in tables)}{order}")
         figure, axes = drawing.panels(rows, 2, size, title)
         markers = {
             name: drawing.MARKERS[k % len(drawing.MARKERS)] for k, name in enumerate(self._bearings)
@@ -630,11 +631,14 @@ class EarthquakeFigures(Panels):
             return name in self._data and bool(np.isfinite(self._data[name].values).any())
 
         compared = self._result.compared
-        always = (self.loops, self.strain, self.energy, self.pier, self.pier_acceleration)
+        always = (self.loops, self.strain, self.energy)
         found: dict[str, Callable[[], Figure]] = {
             draw.__name__: draw for draw in (*always, self.deck, self.peaks)
         }
+        has_pier = self._result.has_pier
         sometimes = (
+            (self.pier, has_pier),
+            (self.pier_acceleration, has_pier),
             (self.parts, self._result.has_parts),
             (self.largest_loops, _holds("loop_start")),
             (self.modes, {"rt", "pd"} <= set(self._run_modes)),

@@ -18,6 +18,7 @@ from thermobearing.model.earlier import REFERENCE
 from thermobearing.quantities.register import quantity
 from thermobearing.results import drawing
 from thermobearing.results.profiles import MOST_PROFILES, ProfilePanel
+from thermobearing.structure.model import GROUND
 
 TIME_BINS = 900  # points of a history are thinned to two per bin
 STRAIN, FORCE, DISPLACEMENT = "shear strain [%]", "force [kN]", "displacement [mm]"
@@ -41,6 +42,8 @@ def part_names(dataset: xr.Dataset) -> str:
     if "line" not in dataset.coords:
         return ""
     names = {part: str(dataset.attrs[part]) for part in ("line", "pier")}
+    if names["pier"] == GROUND:  # the deck has no pier
+        del names["pier"]
     labels = [n if n.lower().startswith(part) else f"{part} {n}" for part, n in names.items()]
     return ", ".join(labels)
 
@@ -103,10 +106,12 @@ class Panels(drawing.Figures):
         self._run_modes = list(dict.fromkeys(result.modes))
 
     def _title(self, what: str, motions: bool = False) -> str:
-        """Return the title of a figure, which says how many motions it shows of how many."""
+        """Return the title of a figure; with `motions` how many of them it shows, and parts."""
         count = min(len(self._motions), MOST_COLUMNS)
         several = motions and count < len(self._motions)
         more = f" (first {count} of {len(self._motions)} motions)" if several else ""
+        about = part_names(self._data) if motions else ""
+        more += f" ({about})" if about else ""
         way = self._data.attrs.get(DIRECTION, "")
         return f"{self._data.attrs['structure']}{way and f', {way}'}: {what}{more}"
 

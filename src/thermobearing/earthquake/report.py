@@ -140,7 +140,7 @@ def _lines_table(case: Case) -> Table:
 
 def _question(result: EarthquakeResult, case: Case) -> str:
     structure = case["structure"]
-    about = structure.get("description") or structure["name"]
+    about = f" ({text})" if (text := structure.get("description")) else ""
     bearings = joined((bearing_words(one) for one in case["bearings"]), "or")
     motions = list(dict.fromkeys(str(name) for name in result["motion"].values))
     shown = joined(motions) if len(motions) <= 6 else counted(len(motions), "motion")
@@ -149,17 +149,16 @@ def _question(result: EarthquakeResult, case: Case) -> str:
     else:
         climate = f"at ambient {degrees(list(dict.fromkeys(result['ambient'].values.tolist())))}"
     which = "motions" if len(motions) > 1 else "motion"
-    demands = "the displacements and forces of the bearings and the demand on the piers"
+    demands = "the displacements and forces of the bearings"
+    demands += " and the demand on the piers" if result.has_pier else ""
     shaking = f"in the ground {which} {shown}, {climate}"
     if case["command"] == "hybrid":
         modes = joined(MODES[mode] for mode in dict.fromkeys(result.modes) if mode in MODES)
         return (
-            f"This report gives {demands} in a hybrid test of {structure['name']} ({about}), "
+            f"This report gives {demands} in a hybrid test of {structure['name']}{about}, "
             f"{modes}, with a specimen of {bearings} in the loop, {shaking}."
         )
-    return (
-        f"This report gives {demands} of {structure['name']} ({about}) with {bearings}, {shaking}."
-    )
+    return f"This report gives {demands} of {structure['name']}{about} with {bearings}, {shaking}."
 
 
 def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
@@ -315,8 +314,9 @@ def _governing(result: EarthquakeResult) -> str:
         f"the largest shear strain is {percent(strain)} ({where})",
         f"the largest force of one bearing {number(force)} kN"
         + (f" ({pushed})" if pushed != where else " (the same run)"),
-        f"{which} pier top moves {number(pier)} mm relative to its base ({moved})",
     ]
+    if pier == pier:
+        phrases.append(f"{which} pier top moves {number(pier)} mm relative to its base ({moved})")
     ductility, bent = _largest(result, "pier_ductility", "ductility_pier")
     hinge = "the hinge that turns most" if len(result.piers) else "its hinge"
     if ductility == ductility:

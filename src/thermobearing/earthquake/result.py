@@ -23,6 +23,7 @@ from thermobearing.results.ranges import largest_tested, limits_passed, rate_not
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.selection import chosen_runs, gridded, selected
 from thermobearing.results.writing import write_csv, write_dataset
+from thermobearing.structure.model import GROUND
 
 # Of the input. In the default analysis, bearings of runs below it move 13 to 19 % farther without
 # viscous damping, those of runs above it 12 to 200 %: there the assumed ratios count as much as
@@ -225,6 +226,11 @@ class EarthquakeResult(DatasetResult):
         return "line" in self.dataset.coords
 
     @property
+    def has_pier(self) -> bool:
+        """Whether the bearings stand on a pier, not on the ground."""
+        return str(self.dataset.attrs["pier"]) != GROUND
+
+    @property
     def run_names(self) -> list[str]:
         """Name of each run in sentences and tables."""
         bearing, motion, *others = [self.dataset[name].values.tolist() for name in self._labels]
@@ -250,7 +256,11 @@ class EarthquakeResult(DatasetResult):
         frame["outcome"] = data["outcome"].values
         for name in measures.COLUMNS:
             frame[name] = data[quantity(name).variable].values
+            if name.startswith("pier_") and not self.has_pier:
+                frame[name] = np.nan
         for name, (part, peak) in measures.PLACES.items() if self.has_parts else ():
+            if part == "pier_part" and not self.has_pier:
+                continue
             sizes = np.nan_to_num(np.abs(data[peak].values), nan=-1.0)
             names = data[part].values[sizes.argmax(axis=1)]
             frame[name] = np.where(sizes.max(axis=1) < 0.0, "", names)
@@ -302,7 +312,7 @@ class EarthquakeResult(DatasetResult):
     @property
     def piers(self) -> pd.DataFrame:
         """One row per run and pier: displacement, ductility of its hinge, moment; likewise."""
-        return self._parts("pier_part", measures.PIERS)
+        return self._parts("pier_part", measures.PIERS) if self.has_pier else pd.DataFrame()
 
     def by_direction(self, name: str = "table") -> pd.DataFrame:
         """Return a table with a row for each direction and the resultant of a run, line or pier.
@@ -498,7 +508,7 @@ class EarthquakeResult(DatasetResult):
     def show(self) -> None:
         """Print periods and damping, peaks, earlier models, the energy balance and warnings."""
         attrs = self.dataset.attrs
-        title = f"{attrs['structure']}: {attrs['title']}"
+        title = ": ".join(dict.fromkeys([attrs["structure"], attrs["title"]]))
         say(f"{title} ({attrs['mass']} mass, {attrs['method']})", "bold")
         modes, more = _numbers(attrs.get("periods_s", [])), ""
         if len(modes) > SHOWN_MODES:

@@ -178,11 +178,10 @@ def _peaks_table(
     marked = {name: [limit in one for one in limits] for limit, name in columns.items()}
     others = {limit for one in limits for limit in one} - {*columns, "strain_rate"}
     marked["motion"] = [bool(others.intersection(one)) for one in limits]
-    note = (
-        "Force and energy are those of one bearing; the displacement of the pier top is relative "
-    )
-    note += "to its base, the acceleration of the deck absolute; rubber and lead: highest "
-    note += "temperature."
+    note = "Force and energy are those of one bearing; "
+    if frame["pier_displacement_max_mm"].notna().any():
+        note += "the displacement of the pier top is relative to its base, "
+    note += "the acceleration of the deck absolute; rubber and lead: highest temperature."
     if "energy_of_warmest" in names and "energy_of_warmest" in frame:
         note += " The energy ratio is relative to the warmest run."
     if result.has_parts:

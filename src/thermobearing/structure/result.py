@@ -189,7 +189,7 @@ class StructureResult(Result):
     def show(self) -> None:
         """Print what the model is made of, and its modes."""
         structure, found = self.structure, self.tables()
-        say(f"{structure.name}: {structure.description}", "bold")
+        say(": ".join(filter(None, (structure.name, structure.description))), "bold")
         show_table(found["parts"])
         say(
             f"\n{TONNES * self.mass:g} t in all, {self.mass_model} mass, damping "
