@@ -244,11 +244,11 @@ def _rotation_table(result: "EarthquakeResult") -> Table:
 def _combined(x: Floats, y: Floats) -> dict[str, Floats]:
     """Return peaks of two one-directional analyses, and what designers combine them to.
 
-    The larger one; 100 % of one with 30 % of the other, whichever resultant is larger; the square
-    root of the sum of squares.
+    The larger one; 100 % of it with 30 % of the other; the square root of the sum of squares.
     """
-    rule = np.maximum(np.hypot(x, RULE * y), np.hypot(RULE * x, y))
-    return {"x": x, "y": y, "larger": np.maximum(x, y), "rule": rule, "srss": np.hypot(x, y)}
+    larger = np.maximum(x, y)
+    rule = np.hypot(larger, RULE * np.minimum(x, y))
+    return {"x": x, "y": y, "larger": larger, "rule": rule, "srss": np.hypot(x, y)}
 
 
 def components_frame(result: "EarthquakeResult", one: "EarthquakeResult") -> pd.DataFrame:
