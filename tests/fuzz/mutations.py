@@ -35,7 +35,7 @@ CELLS = [
     "1.234,5", "1,234", "31.02.2024 12:00", "12:00:61", "23:59", "2024-13-01T00:00", "CH1", "[s]",
     "1e-9", "-5", "1e5", "=1+1", ";", "\t", "a" * 5000, "1.7.2", "+", "e5", "1e", "None",
 ]  # fmt: skip
-NUMBER = re.compile(r"^\s*([-+]?[\d.]+(?:e[-+]?\d+)?)\s*(.*)$", re.IGNORECASE)
+NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?)\s*(.*)$", re.IGNORECASE)
 
 
 def plain_numbers() -> st.SearchStrategy[float]:

@@ -24,11 +24,12 @@ NEED_IT = (
     "tests/cross_code/test_opensees_pier.py",
     "tests/cross_code/test_opensees_plan.py",
     "tests/cross_code/test_opensees_plane.py",
+    "tests/cross_code/test_opensees_script.py",
     "tests/cross_code/test_opensees_serve.py",
     "tests/docs/test_site.py",
     "tests/verification/test_factors.py",
 )
-SKIPPED = 5 + 13 + 1 + 2 + 11 + 9 + 6 + 1 + 1
+SKIPPED = 5 + 13 + 1 + 2 + 11 + 5 + 9 + 6 + 1 + 1
 
 
 @pytest.fixture

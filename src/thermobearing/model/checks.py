@@ -175,7 +175,7 @@ def critical_load(geometry: Geometry, shear_modulus: float) -> float:
     --------
     >>> import thermobearing as tb
     >>> geometry = tb.load_bearing("shen-hdr-bridge").geometry
-    >>> 1e4 < critical_load(geometry, 1e-3) < 1e5
+    >>> 9e3 < critical_load(geometry, 1e-3) < 10e3
     True
     """
     rubber = geometry.total_rubber_thickness
