@@ -302,12 +302,18 @@ class StructureFigures(drawing.Figures):
         marks.append(Bbox(ax.transData.transform(arrows)))
         placed = _separate(figure, above, marks, "ablr")
         placed += _separate(figure, below, [*marks, *placed], "balr")
-        frame = ax.get_window_extent()
-        over = max(max(box.y1 - frame.y1, frame.y0 - box.y0) for box in placed) + 4.0 * point
-        over = max(over, 0.0) / frame.height
-        low, high = ax.get_ylim()
-        ax.set_ylim(low - over * (high - low), high + over * (high - low))
-        figure.set_figheight(figure.get_figheight() + 2.0 * over * frame.height / figure.dpi)
+        for _ in range(4):  # a layout may move again once the figure is higher
+            frame = ax.get_window_extent()
+            over = max(max(box.y1 - frame.y1, frame.y0 - box.y0) for box in placed) + 4.0 * point
+            if over <= 0.0:
+                break
+            over /= frame.height
+            low, high = ax.get_ylim()
+            ax.set_ylim(low - over * (high - low), high + over * (high - low))
+            figure.set_figheight(figure.get_figheight() + 2.0 * over * frame.height / figure.dpi)
+            for _ in range(2):
+                figure.draw_without_rendering()
+            placed = [name.get_window_extent() for name in (*above, *below)]
 
     def _outline(self, deck: str) -> Floats:
         """Return the corners of a deck in plan [m]: a little more than its lines and masses."""
