@@ -14,7 +14,7 @@ from thermobearing.border.threads import one_blas_thread
 
 one_blas_thread()  # before numpy is imported; the workers of pytest-xdist inherit it
 
-# Where Python is told to keep no byte code, every worker and every program that a test starts
+# Where Python is set to keep no byte code, every worker and every program that a test starts
 # would compile all sources again. What is kept lies in __pycache__, which git ignores.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
@@ -37,8 +37,8 @@ pytest_plugins = ["tests.fixtures.kernels", "tests.fixtures.study"]
 def pytest_xdist_setupnodes(config: pytest.Config) -> None:
     """Compile before the workers start, who would all do the same at the same time.
 
-    They find the machine code in its folder, where a stamp says that all is compiled. In a process
-    of its own, so that code that does not compile fails the tests that need it, and not all.
+    They find the machine code in its folder, where a stamp says that all is compiled. In a separate
+    process, so that code that does not compile fails the tests that need it, and not all.
     """
     from thermobearing.core.compiled.sources import cache_directory
 
@@ -53,6 +53,6 @@ def pytest_xdist_setupnodes(config: pytest.Config) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_finish() -> None:
-    """What is there before the tests stays to the end: the collector need not look at it again."""
+    """Collect garbage seldom, and not among what is imported, which took a tenth of the time."""
     gc.collect()
     gc.freeze()

@@ -1,4 +1,4 @@
-"""Run all benches, print one table, write it as JSON if asked."""
+"""Run all benchmarks, print one table, and write it as JSON if requested."""
 
 import argparse
 import json
@@ -39,7 +39,7 @@ MARKS = {True: "[green]yes[/]", False: "[bold red]NO[/]", None: ""}
 
 
 def measured(item: str) -> list[Row]:
-    """Rows of one bench; one that breaks becomes a row of its own and spoils no other."""
+    """Return the rows of one benchmark; one that fails becomes a row with its error."""
     try:
         rows: list[Row] = import_module(f"benchmarks.{item}").rows()
     except Exception as error:
@@ -48,7 +48,7 @@ def measured(item: str) -> list[Row]:
 
 
 def table(found: dict[str, list[Row]], about: dict[str, str]) -> Table:
-    """What, measured, target, met; one section per bench."""
+    """Return a table with one section for each benchmark."""
     caption = ", ".join(f"{key} {value}" for key, value in about.items())
     out = Table(title="thermobearing: measured beside target", caption=caption)
     for head in ("", "what", "measured", "target", "met", "note"):
@@ -61,7 +61,7 @@ def table(found: dict[str, list[Row]], about: dict[str, str]) -> Table:
 
 
 def main() -> None:
-    """Always ends with status 0: the table says what was not met."""
+    """Run the benchmarks; the status is 0 even if targets are not met."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the same as JSON")
     parser.add_argument("--only", metavar="ITEM", nargs="+", choices=ITEMS, default=list(ITEMS))

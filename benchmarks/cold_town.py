@@ -48,7 +48,7 @@ SITE = Hazard([1.0, 25.0], [0.18, 0.18 * 25.0**-2.5], "Sa")
 
 
 class Limit(NamedTuple):
-    """What is asked: the demand, what it may be, what failed runs count as."""
+    """A limit: the demand, the capacity, and what failed runs count as."""
 
     told: str
     demand: str
@@ -167,7 +167,7 @@ def shares_beyond(table: pd.DataFrame, bearing: str, limit: Limit) -> pd.Series:
 
 
 def hours_table(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> list[str]:
-    """Runs at hours of the weather beside the levels, each by its share of the time."""
+    """Compare runs at hours of the weather with levels weighted by their share of the time."""
     rows = [
         "| share of the runs, all intensities | hours of the weather | levels by their share of "
         "the time | deviation by chance |",

@@ -14,7 +14,7 @@ from tests.verification.test_fe_heat import AMBIENT, END, loading, variant
 
 Floats = NDArray[np.float64]
 TIMES = (10.0, 20.0, 30.0, 40.0, END, 60.0, 80.0, 110.0, 170.0)  # [s]
-INTERFACE = 9  # cell of the end plate at 48 mm, beside the sealing plate
+INTERFACE = 9  # cell of the end plate at 48 mm, next to the sealing plate
 STEP = 0.1  # of the finite elements [s]
 WAYS: dict[str, tuple[str, dict[str, Any]]] = {
     "default": ("LHDR", {}),

@@ -30,7 +30,7 @@ print(json.dumps([int(result["steps"][0]), before, kept, after]))
 
 
 def rows() -> list[Row]:
-    """In a process of its own, so that the other benches do not count."""
+    """Measure in a separate process, so that the other benchmarks do not count."""
     run_at(specimen_constants(), table_34(), 23.0)  # compiling needs memory too: not there
     command = [sys.executable, "-c", CODE]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -1,4 +1,6 @@
-"""The stand-in for II-II-1 beside records: `python -m benchmarks.near_fault [RECORD[*FACTOR] ...]`.
+"""Compare the substitute for II-II-1 with records.
+
+Usage: `python -m benchmarks.near_fault [RECORD[*FACTOR] ...]`.
 
 Prints what the motions are (section 3.4.2) and what the hybrid tests on them give on two bearings
 (sections 3.4.3 to 3.4.6), as the Markdown tables of docs/texts/near_fault.md. With `--search` it

@@ -1,4 +1,6 @@
-"""Lead temperature in OpenSees beside ours: `python -m benchmarks.opensees_lead_figure OUT.png`.
+"""Compare the lead temperature in OpenSees with ours.
+
+Usage: `python -m benchmarks.opensees_lead_figure OUT.png`.
 
 Heating agrees. Cooling in LeadRubberX runs at half the rate of its own equations (the second
 of its two stages is never allowed to cool), and its clock counts from the domain's time zero

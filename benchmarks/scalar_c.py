@@ -1,4 +1,4 @@
-"""The coupled step beside the same step in C, and what it keeps beside a copy in memory."""
+"""Compare the coupled step with the same step in C, and its stored histories with a copy."""
 
 import ctypes
 import math

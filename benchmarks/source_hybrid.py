@@ -1,4 +1,4 @@
-"""Four statements of the source about energy and damping, beside what the model gives.
+"""Compare four statements of the source about energy and damping with the model.
 
 `python -m benchmarks.source_hybrid` prints a Markdown table: the numbers of docs/verification.md,
 "What the source says of energy and damping". `--motion FILE` takes another motion.

@@ -64,7 +64,7 @@ def measured(way: str) -> dict[str, float]:
 
 
 def list_rows(way: str) -> list[Row]:
-    """In a process of its own, whose memory nobody else had."""
+    """Measure in a separate process, whose memory nothing else has used."""
     what = f"pier P1, 40 s, LHDR, {WAYS[way]} runs {way}, one process"
     command = [sys.executable, "-m", "benchmarks.study", way]
     done = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -38,9 +38,10 @@ PROPERTIES: list[tuple[str, Any]] = []  # of all tests, in the order in which th
 def coarse_figures(request: pytest.FixtureRequest) -> Iterator[None]:
     """Figures of few points where a file does not look at the points: a quarter of their time.
 
-    Where it does not look at figures at all, they are not laid out either, and without the thorough
-    tests they stay blank. For a whole file, so that what its fixtures draw is drawn like what its
-    tests draw.
+    A file that looks at saved figures states `pytestmark = pytest.mark.drawn`: its figures are laid
+    out and drawn, with few points an inch, or with all of them by `drawn(fine=True)`. Saved figures
+    of other files are not laid out, and blank unless the thorough tests run too. What is measured
+    after `draw_without_rendering` is laid out in every file.
     """
     place = request.path.as_posix()
     with pytest.MonkeyPatch.context() as patch:
@@ -103,7 +104,7 @@ def pytest_testnodedown(node: Any, error: object) -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_terminal_summary(terminalreporter: "pytest.TerminalReporter") -> None:
-    """In CI: skipped tests beside the expected list, measured numbers beside those in the docs."""
+    """In CI: skipped tests against the expected list, measured numbers against the docs."""
     if not os.environ.get("CI"):
         return
     terminalreporter.section("skipped tests")

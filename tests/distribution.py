@@ -65,7 +65,7 @@ def readme_commands() -> Iterator[list[str]]:
 
 
 class Environment:
-    """An empty environment of a Python in a directory of its own, and runs in `work`."""
+    """An empty environment of a Python in a separate directory, and runs in `work`."""
 
     def __init__(self, python: str, folder: Path) -> None:
         self.bin, self.work = folder / "bin", folder / "work"

@@ -12,7 +12,7 @@ ABSENT = "the folder of real records is absent"
 def shared_data(name: str) -> Path:
     """Path of a shared file such as "bearing_tests/Test_2D_shear.csv"; skips where it is absent.
 
-    The folder is ../shared beside the repository, or where THERMOBEARING_SHARED says.
+    The folder is ../shared next to the repository, or where THERMOBEARING_SHARED says.
     """
     folder = Path(os.environ.get("THERMOBEARING_SHARED") or BESIDE)
     if not (folder / "data").is_dir():

@@ -59,7 +59,7 @@ CELLS_ESTIMATE = 0.25  # of the next finer estimate, from a quarter; 0.1 measure
 TABLE_SLOPE = 1e-3  # 1/K: change of slope over 0.05 K; 1e-4 measured, 2e-2 with straight pieces
 CELLS_ENOUGH = 0.01  # of stiffness, energy and rise of the reference test
 
-# --- Energy books ------------------------------------------------------------------------
+# --- Energy balance ----------------------------------------------------------------------
 ENERGY_BOOKS = 1e-10  # of the work: what the specification promises; below 1e-14 measured
 CLOSED_CYCLE = 1e-9  # of the work of a cycle: Z forgets its start as exp(-path / d_y)
 
@@ -97,9 +97,7 @@ SECOND_DECIMAL, THIRD_DECIMAL = 0.006, 0.0006  # numbers in docs/theory.md, roun
 SIX_DIGITS = 1e-5  # numbers that stand in a file with six digits
 PRINTED_G = 1e-3  # lrb-example prints K_r and K_l with three and four digits
 LOOP_POINTS = 1e-5  # 2000 points on an ellipse, 8e-7; an end between two points
-FORCE_AT_A_REST = (
-    0.05  # of Q_d: 2 kN/mm of stiffness over 0.4 mm beside zero and a jitter of 0.02 mm
-)
+FORCE_AT_A_REST = 0.05  # of Q_d: 2 kN/mm of stiffness over 0.4 mm near zero and a jitter of 0.02 mm
 FITTED_RISE = 0.01  # of a rise that another grid of steps gives
 FITTED_RANGE = 2e-3  # of the slope: 20 000 points, a few more or less at the ends of the range
 POLYGON = 1e-6  # 4000 points on an ellipse: (2 pi / n)^2 / 6 = 4e-7
@@ -175,7 +173,7 @@ STEP_PEAKS = 0.01  # peaks when the step is halved, as asked
 NEWMARK_ORDER = 0.1
 TAKEDA = 1e-12  # straight lines, relative to the yield moment
 SAME_MOTION = 1e-9  # of the peak, between two ways to the same structure
-STIFF_SPRINGS = 2e-3  # a footing on springs 1e6 times as stiff, beside one that is held
+STIFF_SPRINGS = 2e-3  # a footing on springs 1e6 times as stiff, against one that is held
 PERIOD_TABLE = 5e-4  # s: periods are printed with three digits
 EXACT_LINEAR = 2e-4  # of the peak, dt 2.5 ms against the exact solution of the linear structure
 DELAYED = 2e-3  # of the peak displacement; a quarter of a step comes to 8e-3
@@ -259,7 +257,7 @@ VIRGIN_STEP = 0.01  # of the energy of a cycle when 10 ms are halved; first orde
 VIRGIN_NRMSE = 0.03  # as asked; 0.026 measured
 VIRGIN_ENERGY = 0.12  # of each cycle, as asked; 0.113 measured, in the very first cycle
 
-# --- Energy books of next to nothing -----------------------------------------------------
+# --- Energy balance of very small motions ------------------------------------------------
 LEAST_RESIDUAL = 1e-8  # 5e-10 measured: rounding of temperatures over a least warming of 1e-4 K
 
 # --- One model in every analysis ------------------------------------------------------------
@@ -314,7 +312,7 @@ REST_OF_LEAD = 0.01  # of the difference: 0.002 (rubber) and 0.002 (lead) measur
 REST_OF_LEAD_ELEMENTS = 0.02  # of the difference: 0.015 measured
 
 # --- Studies -------------------------------------------------------------------------------
-LIKELIEST = 1e-6  # another search stops at 1e-10 of its own; its likelihood is flat to 1e-8
+LIKELIEST = 1e-6  # another search stops at 1e-10 of it; the likelihood is flat to 1e-8
 LEAST_COVERAGE = 0.83  # of bands of 95 %: bootstrap 0.92, less three deviations of 80 repetitions
 LEAST_COVERAGE_OF_FEW = 0.88  # with a dozen motions; plain percentiles 0.75 to 0.90
 LEAST_COVERAGE_OF_RATIOS = 0.85  # classes take some of the share

@@ -20,7 +20,7 @@ AMBIENT = "Ambient [°C]"
 
 
 def histories_by_run(result: AnyResult) -> dict[str, History]:
-    """Histories by the name of their run.
+    """Return histories by the name of their run.
 
     `result`: as loaded, or as it was computed.
     """
@@ -69,7 +69,7 @@ def _of_test(result: Result) -> dict[str, History]:
 
 
 def _of_tables(saved: SavedResult) -> dict[str, History]:
-    """Long tables, such as samples of tests; columns that identify rows become keys."""
+    """Return long tables, such as samples of tests; columns that identify rows become keys."""
     found = {}
     for name, table in saved.tables.items():
         if len(table) <= MOST_ROWS:

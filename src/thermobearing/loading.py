@@ -22,7 +22,7 @@ AnyResult = Result | EarthquakeResult | SequenceResult | ServedResult | StudyRes
 
 
 def load_result(path: str | Path) -> AnyResult:
-    """A saved result again, whatever made it.
+    """Load a saved result of any command.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def load_result(path: str | Path) -> AnyResult:
 
 
 def _with_bearings(found: SavedResult) -> SavedResult:
-    """The bearing that was identified, or those that were designed, read too."""
+    """Return the bearing that was identified, or those that were designed, read too."""
     if found.command in WITH_DATASET:
         raise InputError(f"no result.nc there, which {found.command} writes", str(found.path))
     files = [found.path / IDENTIFIED, *sorted((found.path / BEARINGS).glob("*.toml"))]

@@ -84,7 +84,8 @@ def make_report(
     directory : that a result was saved in; of a path not needed.
     title : title block (project, structure, client, author, number, date, revision, logo);
         missing values are those of report.toml in the directory.
-    template : Markdown file that puts the pieces in order; None for that of the package.
+    template : Markdown file that orders the pieces; None for that of the package.
+    html : write report.html; without it report.pdf is not written either.
     pdf : write report.pdf too; needs the extra `report`.
     workbook : write report.xlsx too; needs the extra `report`.
     live : let report.html of a cyclic test or a bridge compute the analysis again in the browser,
@@ -101,7 +102,7 @@ def make_report(
     ------
     InputError : there is no readable result there, title block or template is wrong, or what a
         format needs is not installed.
-    OutputError : a file cannot be written; the earlier ones are as they were.
+    OutputError : a file cannot be written; earlier ones are unchanged.
 
     Examples
     --------

@@ -104,7 +104,7 @@ def motion(folder: Path) -> Path:
 
 
 def structure(folder: Path) -> Path:
-    """A structure before it is shaken: with no words of its own for a document."""
+    """A structure before it is shaken: with no text specific to it for a document."""
     assert command("structures", "show", "pier-p1", "-o", folder, "-q").exit_code == 0
     return folder
 

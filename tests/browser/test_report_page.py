@@ -180,7 +180,7 @@ def test_the_contents_list_jumps_and_follows(opened: Any) -> None:
     contents.get_by_role("link", name="Figures").click()
     until(lambda: 0.0 <= opened.evaluate(TOP_OF_FIGURES) < NEAR)
     until(lambda: current.all_inner_texts() == ["Figures"])
-    assert contents.is_visible()  # it stays beside the text
+    assert contents.is_visible()  # it stays next to the text
 
 
 def test_tables_sort_by_click_and_by_key(opened: Any) -> None:

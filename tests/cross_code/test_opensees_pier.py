@@ -2,7 +2,7 @@
 
 OpenSees knows one lead temperature above an ambient that never changes, so it is compared with
 our `lead-alone` model. Its motion must be imposed with velocities (MultipleSupport), its clock
-counts from domain time zero, and its cooling runs at half the rate of its own equations: only
+counts from domain time zero, and its cooling runs at half the rate of its equations: only
 the heating is compared, from time zero.
 """
 

@@ -17,13 +17,7 @@ from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.core.types import Floats
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.structure import run
-from thermobearing.structure.model import (
-    Damping,
-    Structure,
-    along,
-    list_structures,
-    load_structure,
-)
+from thermobearing.structure.model import Damping, Structure, along, list_structures, load_structure
 
 DT, STEPS = 0.01, 800
 BEARING = load_bilinear("shen-bilinear-bridge")

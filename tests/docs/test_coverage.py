@@ -127,7 +127,7 @@ def test_every_item_is_there_once() -> None:
 
 
 def test_numbers_and_verdicts_are_those_of_the_ledger() -> None:
-    """An item with claims has no verdict of its own; typed words have no result in them."""
+    """An item with claims has no separate verdict; typed words have no result in them."""
     ledger = generate.load(generate.LEDGER)
     for item in tomllib.loads(generate.COVERAGE.read_text())["items"]:
         assert ("verdict" in item) != ("ledger" in item), item["item"]

@@ -108,7 +108,7 @@ def test_readme_commands_can_be_given() -> None:
 
 @pytest.mark.thorough
 def test_readme_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first as a program of its own, the others in this process, which is quicker.
+    """The first as a separate program, the others in this process, which is quicker.
 
     Their figures are drawn by other tests, and would take half of the time.
     """

@@ -85,7 +85,7 @@ def run_command(words: list[str], folder: Path) -> str:
 
 
 def _check_refused(words: list[str], done: Result, new: set[str]) -> None:
-    """A refusal is told on stderr and leaves nothing, but for the report of refused tests."""
+    """A refusal is reported on stderr and leaves nothing, but for the report of refused tests."""
     if "--check" in words and any(name.endswith("summary.json") for name in new):
         return
     assert done.output.strip(), "status 2 without a word"

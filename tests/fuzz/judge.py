@@ -57,7 +57,7 @@ class Example:
 class Tally:
     border: str
     ends: Counter[str] = field(default_factory=Counter)
-    faults: dict[str, list[str]] = field(default_factory=dict)  # what was told, by signature
+    faults: dict[str, list[str]] = field(default_factory=dict)  # what was reported, by signature
 
     def try_example(self, example: Example, folder: Path) -> None:
         folder.mkdir()

@@ -2,7 +2,7 @@
 
 Two thousand examples by default, always the same; the first tenth of them where the thorough
 tests are left out (`make test`). `make fuzz` tries a hundred thousand others;
-THERMOBEARING_FUZZ is their number and THERMOBEARING_FUZZ_SEED their seed. What fails is told
+THERMOBEARING_FUZZ is their number and THERMOBEARING_FUZZ_SEED their seed. What fails is reported
 with an example, and kept whole in the folder THERMOBEARING_FUZZ_KEEP if that is set.
 """
 

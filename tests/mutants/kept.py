@@ -17,7 +17,7 @@ class Mutant:
 
     Attributes
     ----------
-    file : below src/thermobearing, or of `reproduction/` beside it.
+    file : below src/thermobearing, or of `reproduction/` next to it.
     means : what is wrong now, in words.
     text : the whole file with the change.
     tests : arguments of pytest.

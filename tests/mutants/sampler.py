@@ -63,7 +63,7 @@ class Verdict:
 
 
 def _pytest_here(folder: Path, environment: dict[str, str], words: list[str], said: Path) -> None:
-    """In a child of its own: the tests of a copy; ends the process with their status."""
+    """In a child process: the tests of a copy; ends the process with their status."""
     with said.open("wb") as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)

@@ -1,7 +1,7 @@
 """Rewrite the golden files: `python -m tests.regression.regenerate "reason" [CASE ...]`.
 
 Run it only when a change of the numbers is meant. It prints what changed, and keeps the reason
-beside the files, in golden/reasons.md. Without a reason it only prints.
+next to the files, in golden/reasons.md. Without a reason it only prints.
 """
 
 import argparse

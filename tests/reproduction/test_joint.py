@@ -81,7 +81,7 @@ def test_a_tiny_search_of_the_hybrid_test() -> None:
     assert not ours["twice"]
     assert ours["period: numbers"] == "1.5"
     assert ours["why"] == ""
-    # Rayleigh damping through both modes of that pier is no damping: told, and none is met.
+    # Rayleigh damping through both modes of that pier is no damping: reported, and none is met.
     assert other["met"] == 0
     assert "feeds energy" in other["why"]
 

@@ -1,4 +1,4 @@
-"""Tables of the source beside ours: every printed number has ours, a reason, or what broke."""
+"""Tables of the source and ours: every printed number has ours, a reason, or what broke."""
 
 import numpy as np
 import pandas as pd
@@ -27,7 +27,7 @@ MENDED = {
     ("table_a_2", "d_1", "HDR G12"),
 }
 # What our numbers are away from printed ones that should follow from others [%]: rounded ones,
-# nominal moduli, and those that contradict the numbers beside them.
+# nominal moduli, and those that contradict the numbers next to them.
 AWAY = {
     "G, shear modulus": 50.0,
     "frequency": 4.0,

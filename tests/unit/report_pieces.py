@@ -59,7 +59,7 @@ def many_columns(count: int, rows: int = 3) -> Pieces:
 
 
 def saved_directory(folder: Path) -> Path:
-    """A result directory of a command whose documents have no words of their own."""
+    """A result directory of a command whose documents have no specific text."""
     folder.mkdir()
     write_summary(folder, {"command": "intake", "outcome": "completed", "version": "0.2.0"})
     pd.DataFrame({"file": [EVIL], "force_kN": [312.6]}).to_csv(folder / "table.csv", index=False)

@@ -20,7 +20,7 @@ QUICK: dict[str, Any] = {"bearing": "shen-bilinear-bridge", "ambient": 23, "dura
 
 
 def kiknet(folder: Path) -> list[str]:
-    """Two horizontal components of one station, told apart by the ending of the file only."""
+    """Two horizontal components of one station, distinguished by the ending of the file only."""
     found = []
     for end, direction in (("EW2", "5"), ("NS2", "4")):
         path = folder / f"ABCH011103111446.{end}"

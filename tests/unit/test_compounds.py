@@ -10,12 +10,7 @@ from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests import tolerances as tol
-from thermobearing.bearing.compound import (
-    COMPOUNDS,
-    Compound,
-    _compound_from_table,
-    as_compound,
-)
+from thermobearing.bearing.compound import COMPOUNDS, Compound, _compound_from_table, as_compound
 from thermobearing.bearing.scaling import build_bearing, extract_compound, lead_cores, resized
 from thermobearing.border.toml import sourced_toml, to_table
 from thermobearing.cli import app
@@ -130,7 +125,7 @@ def test_stress_at_a_strain_is_that_of_the_compound() -> None:
 def test_the_pairs_of_the_source_are_not_one_compound(
     kind: str, stiffness: float, damping: float, printed: tuple[float, float]
 ) -> None:
-    """The numbers of docs/theory.md: the specimen at full size beside the bridge bearing."""
+    """The numbers of docs/theory.md: the specimen at full size against the bridge bearing."""
     specimen, bridge = (tb.load_bearing(f"shen-{kind}-{size}") for size in ("specimen", "bridge"))
     made = resized(specimen, bridge.geometry, bridge.lead.diameter if bridge.lead else None)
     for bearing, (wanted, loss) in ((made, (stiffness, damping)), (bridge, printed)):

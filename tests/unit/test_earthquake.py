@@ -358,7 +358,7 @@ def test_a_motion_file_is_read_once_until_it_changes(
 
 @pytest.mark.parametrize(("mode", "speed"), [("rt", 0.0), ("pd", 25.0)])
 def test_laboratory_by_hand(mode: str, speed: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Noise with the standard deviation that was asked for; a clock of its own in pd only."""
+    """Noise with the standard deviation that was asked for; a separate clock in pd only."""
     asked: dict[str, Any] = {}
 
     def fake(prepared: Any, lines: Any, ground: Any, dt: float, air: Any, **options: Any) -> Any:

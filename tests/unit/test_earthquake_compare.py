@@ -1,4 +1,4 @@
-"""Earlier models in earthquakes: which run, how their errors are told, and the verdict."""
+"""Earlier models in earthquakes: which run, how their errors are reported, and the verdict."""
 
 import json
 from pathlib import Path

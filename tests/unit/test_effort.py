@@ -1,4 +1,4 @@
-"""What would take hours or more memory than there is, is told before anything is computed."""
+"""What would take hours or more memory than there is, is reported before anything is computed."""
 
 from collections.abc import Callable
 from typing import Any

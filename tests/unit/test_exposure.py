@@ -1,4 +1,4 @@
-"""Exposure factors multiply what they say, once, in every analysis, and are told."""
+"""Exposure factors multiply what they say, once, in every analysis, and are reported."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Tests held out of a fit, bearings validated with tests, thermocouples beside the model."""
+"""Tests held out of a fit, bearings validated with tests, thermocouples against the model."""
 
 import json
 from dataclasses import replace

@@ -53,7 +53,7 @@ from thermobearing.identify.uncertainty.covariance import (
 HDR, LHDR = tb.load_bearing("shen-hdr-specimen"), tb.load_bearing("shen-lhdr-specimen")
 SHORT = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, rest=600.0)
 POINTS = 200  # of a cycle
-AMPLITUDES = (10.0, 10.0, 4.0, 0.8, 30.0, 30.0)  # 4 is a level of its own, 0.8 stops the motion
+AMPLITUDES = (10.0, 10.0, 4.0, 0.8, 30.0, 30.0)  # 4 is a separate level, 0.8 stops the motion
 
 
 def sines(amplitudes: tuple[float, ...] = AMPLITUDES, sign: float = 1.0) -> TestRecord:

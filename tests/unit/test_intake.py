@@ -231,7 +231,7 @@ def test_a_chamber_that_warms_is_told(tmp_path: Path, warmer: float, told: str) 
 
 
 def test_rests_do_not_fill_the_picture(tmp_path: Path) -> None:
-    """Four rests of 75 s beside loadings of 40 s had two thirds of its time axis; a rest of an
+    """Four rests of 75 s between loadings of 40 s had two thirds of its time axis; a rest of an
     hour all of it."""
     (found,) = tb.take_in(laboratory(tmp_path / "lab.csv")).files
     axis = _time_axis(found.report)

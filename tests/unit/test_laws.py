@@ -59,7 +59,7 @@ def file(tmp_path: Path) -> Path:
 
 
 def exponential(bearing: tb.Bearing) -> str:
-    """Register the exponential law of a bearing as a law of its own."""
+    """Register the exponential law of a bearing as a new law."""
     h = bearing.hysteresis
     m, n, zero = (
         h.elastic_temperature_coefficient / 100.0,

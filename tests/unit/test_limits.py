@@ -31,7 +31,7 @@ from thermobearing.tables.text import MOST_ROWS, is_numeric, is_stamp
 
 FILES = (Bearing, BilinearBearing, Structure, Case, EarthquakeCase, DesignCase)
 USUAL = 10.0  # how far the limits are from what is in the library, at least
-# Ratios that end at 1 by their meaning, and s that ends at -1; beside these, temperatures (and
+# Ratios that end at 1 by their meaning, and s that ends at -1; besides these, temperatures (and
 # their coefficients, which are logarithms already) and what is zero for nothing are left out.
 MEANT = {"post_yield_ratio", "surface_ratio", "end_spreading", "yield_rotation", "shape"}
 
@@ -247,7 +247,7 @@ def test_a_row_that_looks_like_units_is_passed_in_time(tmp_path: Path) -> None:
 
 
 def test_the_widest_table_is_read_in_time(tmp_path: Path) -> None:
-    """A thousand columns with a title of their own; the work for titles grew with its square."""
+    """A thousand columns with separate titles; the work for titles grew with its square."""
     titles = ",".join(f"channel {k} [u{k}]" for k in range(997))
     path = text(HEAD.strip() + f",{titles}\n" + ("1,1,1" + ",0" * 997 + "\n") * 3)(
         tmp_path / "t.csv"

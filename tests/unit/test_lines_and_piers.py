@@ -1,4 +1,4 @@
-"""Several bearing lines and piers: rows of their own, bearings, air and counts of their own."""
+"""Several bearing lines and piers: separate rows, bearings, air and counts."""
 
 from pathlib import Path
 from typing import Any
@@ -29,7 +29,7 @@ MOTION: dict[str, Any] = {"motion": "jra-ii-i-1", "duration": 6.0}
 
 
 def two_piers() -> dict[str, Any]:
-    """A deck on two hinged piers that stand on the ground, A without a hinge of its own: stiff."""
+    """A deck on two hinged piers that stand on the ground, A without a hinge: stiff."""
     pier = {"on": "ground", "rotates": True}
     spring = {"base": "ground", "rotational_stiffness": "4e7 kN m/rad"}
     line = {"body": "deck", "height": "10 m", "count": 3, "equivalent_stiffness": "2.6 kN/mm"}
@@ -227,7 +227,7 @@ def test_the_figure_has_a_dot_for_every_part(study: tb.EarthquakeResult, tmp_pat
 
 
 def test_counts_go_into_the_structure() -> None:
-    """And the same bearing on a line of its own is of the same kind, to the bit."""
+    """And the same bearing on a separate line is of the same kind, to the bit."""
     line = {"line": "on B", "count": 4, "equivalent_stiffness": "3 kN/mm"}
     case = case_of(two_piers(), lines=[line | {"bearing": "shen-hdr-bridge"}])
     assert [(b.count, b.equivalent_stiffness) for b in case.structure.bearings] == [
@@ -293,7 +293,7 @@ def test_the_line_of_the_report_may_be_said() -> None:
 
 
 def test_a_fixed_base_is_that_of_stiff_springs() -> None:
-    """The footing held, beside the footing on springs a million times as stiff."""
+    """The footing held, against the footing on springs a million times as stiff."""
     held = tb.bridge("shen-bilinear-bridge", ambient=23, fixed_base=True, **MOTION)
     stiff = tb.load_structure("pier-p1")
     springs = [

@@ -283,7 +283,7 @@ def test_a_neighbour_that_is_not_closed_leaves_the_other() -> None:
 
 
 def test_what_stays_on_one_side_after_the_loop_is_not_in_it() -> None:
-    """Small waves on both sides, then at rest beside zero: the loop is closed by then."""
+    """Small waves on both sides, then at rest near zero: the loop is closed by then."""
     d = np.concatenate([waves(0.05, -3.0, 5.0, -0.05)[:-1], np.linspace(0.0, 0.4, 100)])
     assert metrics.find_largest_loop(d) == (200, 600)
 
@@ -300,7 +300,7 @@ def test_measures_of_an_ellipse_among_smaller_ones(sign: float, shift: float) ->
     """f = k d + c d'/omega of a whole sine: K_eq, h_eq, energy and extremes in closed form."""
     stiffness, viscous, amplitude = 1.5, 0.4, 30.0
     angle = np.linspace(0.0, 6.0 * np.pi, 6001) + shift / 1000.0
-    wide = np.abs(angle - 3.0 * np.pi) < np.pi + 0.003  # with the points beside the zeros
+    wide = np.abs(angle - 3.0 * np.pi) < np.pi + 0.003  # with the points next to the zeros
     size = np.where(wide, amplitude, 0.3 * amplitude)
     d = sign * size * np.sin(angle)
     if shift == 0.0:

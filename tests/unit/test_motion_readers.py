@@ -307,7 +307,7 @@ def test_bad_argument_is_told(call: Any, pieces: list[str]) -> None:
 @pytest.mark.parametrize("pga", [204.0, 300.0, 605.0, 825.0, 980.0])
 @pytest.mark.parametrize("factor", [9.80665, 100.0, 980.665])
 def test_wrong_unit_never_passes(pga: float, factor: float, tmp_path: Path) -> None:
-    """Motions of 204 to 980 gal, told too large or too small by the factors between units."""
+    """Motions of 204 to 980 gal, reported too large or too small by the factors between units."""
     for wrong in (factor, 1.0 / factor):
         path = files.write(tmp_path / "a.csv", files.csv_text(pga=pga * wrong))
         with pytest.raises(InputError, match="is the unit wrong") as caught:

@@ -59,7 +59,7 @@ def test_the_title_block_is_kept_and_said_again(earlier: Path, tmp_path: Path) -
     (tmp_path / "logo.svg").write_bytes(LOGO)
     words = ["--title", f"logo={tmp_path / 'logo.svg'}", "--title", "revision=B"]
     assert command("report", earlier, "-q", "--no-pdf", *words).exit_code == 0
-    (tmp_path / "logo.svg").unlink()  # a copy is beside the document
+    (tmp_path / "logo.svg").unlink()  # a copy is next to the document
     kept = tomllib.loads((earlier / "report.toml").read_text())["report"]
     assert kept == {"project": "First", "revision": "B", "logo": "report-logo"}
     first = (earlier / "report.html").read_bytes()
@@ -177,7 +177,7 @@ def test_an_exchange_that_is_stopped_goes_back(
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
 def test_a_kill_at_any_moment_leaves_whole_files(tmp_path: Path) -> None:
-    """Each document is the earlier or the later one; what is left beside is taken away."""
+    """Each document is the earlier or the later one; other files left over are removed."""
     out = tmp_path / "out"
     moment, ended = 1, False
     while not ended:

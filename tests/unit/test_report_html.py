@@ -250,7 +250,7 @@ def test_small_figures_are_vectors_and_large_ones_points(monkeypatch):
     monkeypatch.setattr(figures, "LARGEST_VECTORS", 1000)
     assert 'src="data:image/png;base64,' in body(FigureBlock("line", figure))
     logo = html_page(Document("x", {}, b"<svg onload='hurt()'/>", [], {}))
-    # A picture of its own, in which no script runs.
+    # A separate picture, in which no script runs.
     assert not [attributes for _, attributes in Parts(logo).tags if "onload" in attributes]
 
 

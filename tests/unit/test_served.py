@@ -33,13 +33,7 @@ from thermobearing.opensees.element import ServedElement, StepError
 from thermobearing.opensees.line import ServingError, serve
 from thermobearing.opensees.result import ServedResult
 from thermobearing.opensees.server import LOOPBACK, Server
-from thermobearing.opensees.wire import (
-    Action,
-    Request,
-    Setup,
-    decode_reply,
-    receive_exactly,
-)
+from thermobearing.opensees.wire import Action, Request, Setup, decode_reply, receive_exactly
 
 LIMIT = 20.0  # s, for what takes milliseconds
 ONE = Layout(1, (1,), (1,), None)

@@ -154,7 +154,7 @@ def test_actuator_is_where_it_was_told_to_be_a_delay_ago(steps: float, tmp_path:
     late = np.interp(study["time"].values[0] - steps * dt, study["time"].values[0], told)
     found = study["bearing_displacement"].values[0]
     assert np.abs(found).max() > 2.0
-    # What was told is the prediction of a step, before it was corrected.
+    # The command was the prediction of a step, before it was corrected.
     assert np.abs(found - late).max() < tol.DELAYED * np.abs(found).max()
 
 

@@ -136,7 +136,7 @@ def test_full_disk(tmp_path: Path, small_files: dict[str, bytes]) -> None:
 def test_ctrl_c(
     tmp_path: Path, small_files: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """In the middle of a run, in this process; then while processes of their own are at work."""
+    """In the middle of a run, in this process; then while separate processes are at work."""
     run, calls = peaks.run_task, []
 
     def interrupted(task: Any) -> Any:

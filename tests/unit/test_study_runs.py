@@ -503,7 +503,7 @@ def test_a_shard_is_sent_its_own_hours(town: Path) -> None:
 def test_lines_with_a_bearing_of_their_own_are_foreseen(
     town: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A line of its own has heat in every run, also where the bearing of the study has none."""
+    """A separate line has heat in every run, also where the bearing of the study has none."""
     structure = Path(__file__).parents[1] / "regression" / "inputs" / "two-piers.toml"
     case = {"duration": "0.05 s", "lines": [{"line": "on A", "bearing": "lrb-example"}]}
     factors = {"bearing": BEARINGS[1:], "motion": "jra-ii-i-1", "structure": str(structure)}

@@ -1,4 +1,4 @@
-"""What a bearing in the weather exchanges heat with: defaults, keys of the user, what is told."""
+"""Heat exchange of a bearing in the weather: defaults, keys of the user, and messages."""
 
 from pathlib import Path
 from typing import Any

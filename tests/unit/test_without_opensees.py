@@ -17,7 +17,7 @@ from tests.opensees import MISSING
 
 ROOT = Path(__file__).parents[2]
 # Files with tests whose reference is OpenSees, and how many tests they are; all have it in their
-# names. The modules beside them hold no tests, but are collected.
+# names. The modules next to them hold no tests, but are collected.
 NEED_IT = (
     "tests/cross_code/test_opensees_girder.py",
     "tests/cross_code/test_opensees_material.py",

@@ -119,7 +119,7 @@ def test_same_as_given_motions_of_the_same_phases(
 
 
 def test_stand_in_grows_as_the_record(measured: Recorder) -> None:
-    """Arias intensity of the built-in II-II-1 beside Takatori's, as recorded and fitted."""
+    """Arias intensity of the built-in II-II-1 against Takatori's, as recorded and fitted."""
     own = _near_fault()["jra-ii-ii-1"]
     built_in = load_motion("jra-ii-ii-1")
     raw, fitted = record(TAKATORI), record("II-II-1_like_TAK000.csv")

@@ -1,4 +1,4 @@
-"""What the source says of the HDR bearings, beside what this model gives."""
+"""What the source says of the HDR bearings, against what this model gives."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The hybrid test beside what chapters 3 and 5 print and report: which statements hold.
+"""The hybrid test against what chapters 3 and 5 print and report: which statements hold.
 
 The table of all of them, for several numbers of bearings, is printed by `benchmarks.bearing_count`.
 Where the model contradicts the source the contradiction is asserted, so that a change shows.

@@ -1,4 +1,4 @@
-"""What the source reports of the LHDR bearings, beside what this model gives."""
+"""What the source reports of the LHDR bearings, against what this model gives."""
 
 from typing import Any
 

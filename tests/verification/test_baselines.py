@@ -1,4 +1,4 @@
-"""Earlier models do what their equations say, and `compare` lays them beside ours."""
+"""Earlier models do what their equations say, and `compare` compares them with ours."""
 
 import numpy as np
 import pytest

@@ -77,6 +77,6 @@ def test_studies_are_what_they_say() -> None:
     air = table["ambient_degC"].to_numpy()
     np.testing.assert_allclose(air, weather.temperature[table["hour"].to_numpy()], atol=tol.MEAN)
     assert abs(air.mean() - weather.temperature.mean()) < tol.MONTHLY_MEAN
-    assert table["hour"].nunique() > 3900  # an hour of its own for each run
+    assert table["hour"].nunique() > 3900  # a separate hour for each run
     assert hours.factors.motion == levels.factors.motion
     assert hours.factors.scale == levels.factors.scale

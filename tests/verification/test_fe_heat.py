@@ -107,7 +107,7 @@ def test_one_dimension_against_two(name: str, measured: Recorder) -> None:
 def test_the_error_of_the_layers_is_that_of_two_cells(measured: Recorder) -> None:
     """Two cells a layer (Fig. 4.2b) miss the middle of its parabola; eight do not.
 
-    Each with the heat of its own run: a layer that is warmer at mid-thickness releases less.
+    Each with the heat of its run: a layer that is warmer at mid-thickness releases less.
     """
     bearing = variant("HDR")
     cells = bearing.cells.model_copy(update={"rubber": 8, "shim": 2})

@@ -15,13 +15,7 @@ from thermobearing.studies.statistics.fragility import (
     fragility_curve,
     fragility_curves,
 )
-from thermobearing.studies.statistics.hazard import (
-    Hazard,
-    Rate,
-    annual_rate,
-    ratio,
-    shares_of_time,
-)
+from thermobearing.studies.statistics.hazard import Hazard, Rate, annual_rate, ratio, shares_of_time
 from thermobearing.studies.statistics.likelihood import Curves, Estimate
 from thermobearing.studies.statistics.variance import _sobol_indices, sobol_table, variance_shares
 
@@ -312,7 +306,7 @@ def test_ends_of_the_hazard_curve_are_told() -> None:
     late = annual_rate(lognormal(2.0, 0.4), power_law(2.0, (1.5, 1e3)))
     assert "ends at 2" in early.notes[0]
     assert "begins at 1.5" in late.notes[0]
-    # What goes beyond at the end already is counted, and nothing is to be told.
+    # What goes beyond at the end already is counted, and nothing is to be reported.
     assert annual_rate(lognormal(0.5, 0.1), power_law(2.0, (1e-3, 2.0))).notes == ()
     # What is beyond the end counts with the probability there.
     assert early.rate < closed_form(2.0, 0.4, 1e-2, 2.0)

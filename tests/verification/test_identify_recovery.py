@@ -179,7 +179,7 @@ def test_outliers_and_a_robust_loss() -> None:
 
 
 def test_thermocouples_are_fitted_and_judged() -> None:
-    """Temperatures of two layers beside the force; the rise is judged by Eq. 4.39."""
+    """Temperatures of two layers besides the force; the rise is judged by Eq. 4.39."""
     test = tb.cyclic_test(strain=[1.0, 2.0], cycles=3, rest=600.0)
     places = {"T1_degC": "rubber 1", "T3_degC": "rubber 4"}
     bare = replace(synthetic_record(HDR, 0.0, test), places=places)

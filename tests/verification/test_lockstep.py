@@ -198,7 +198,7 @@ SCALES = {  # what the end of a run is a part of
 
 
 def in_plan(run: Run) -> Run:
-    """The same with a second motion across, and a mass beside the bearings: it twists."""
+    """The same with a second motion across, and a mass next to the bearings: it twists."""
     prepared = prepare_structure(eccentric_deck())
     other = 0.8 * ground_of("jra-ii-i-2", run.dt, run.dt * (len(run.ground) - 1))
     ground = 0.5 * np.stack([run.ground, other], axis=-1)
@@ -335,7 +335,7 @@ def test_bearings_of_another_heat_are_in_another_lockstep() -> None:
 
 @pytest.mark.thorough
 def test_what_leaves_the_lockstep_is_run_alone() -> None:
-    """Steps that are cut, and numbers that end a run, beside one that goes through."""
+    """Steps that are cut, and numbers that end a run, together with one that goes through."""
     prepared = prepare_structure(load_structure(STRUCTURE))
     ground = ground_of("jra-ii-i-1", 0.05, 10.0)
     constants = real_bearing("shen-lhdr-bridge")

@@ -488,8 +488,7 @@ def test_a_pair_is_wanted_in_the_plane(wrong: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    "options",
-    [{"integrator": "euler"}, {"small_loops": "closed"}, {"hardening": "monotone"}],
+    "options", [{"integrator": "euler"}, {"small_loops": "closed"}, {"hardening": "monotone"}]
 )
 def test_what_is_for_a_line_only_is_refused(options: dict[str, Any]) -> None:
     with pytest.raises(tb.InputError) as refused:

@@ -26,9 +26,7 @@ SCRATCH = ("work.", ".unknowns")  # arrays
 ROUNDING = ("layer_force_mismatch",)  # fields that are nothing but rounding
 RUNS: dict[str, Callable[[], object]] = {
     "march": lambda: tb.run(
-        "shen-lhdr-specimen",
-        tb.cyclic_test(strain=[0.5, 1.75], cycles=2, dt=0.05),
-        ambient=-20.0,
+        "shen-lhdr-specimen", tb.cyclic_test(strain=[0.5, 1.75], cycles=2, dt=0.05), ambient=-20.0
     ),
     "newmark_march": lambda: tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", -20.0, duration=4.0),
     "predictor_march": lambda: tb.hybrid(

@@ -208,7 +208,7 @@ def test_a_symmetric_structure_has_the_modes_of_one_direction() -> None:
 
 
 def test_across_the_bridge_the_force_acts_higher() -> None:
-    """`height_across` is the height of the line in a one-directional analysis across."""
+    """`height_across` is the height of the line in a unidirectional analysis across."""
     structure = footing_and_pier()
     plan = build_matrices(structure)
     for column, way in enumerate(DIRECTIONS):

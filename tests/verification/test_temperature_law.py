@@ -1,4 +1,4 @@
-"""A table beside the exponents of Eq. 4.34, the stated range, and what is said beyond it."""
+"""A table in place of the exponents of Eq. 4.34, the stated range, and what is said beyond it."""
 
 from pathlib import Path
 from typing import Any

@@ -33,7 +33,7 @@ class Ambient:
 
     @classmethod
     def series(cls, time: Floats, temperature: Floats, where: str = "ambient series") -> "Ambient":
-        """A series; InputError unless times increase and temperatures are plausible."""
+        """Return a series; InputError unless times increase and temperatures are plausible."""
         for values in (time, temperature):
             refuse_hidden(values, where)
         try:
@@ -53,16 +53,16 @@ class Ambient:
 
     @classmethod
     def from_csv(cls, path: str | Path) -> "Ambient":
-        """A series from a table with columns time and temperature."""
+        """Return a series from a table with columns time and temperature."""
         data = read_air_columns(path).values
         return cls.series(data["time"], data["temperature"], str(path))
 
     def at(self, time: float) -> float:
-        """Temperature at a time [degC]."""
+        """Return the temperature at a time [degC]."""
         return float(np.interp(time, self.time, self.temperature))
 
     def means(self, start: float, dt: Floats) -> Floats:
-        """Mean temperature over each of the steps dt that follow `start` [degC]."""
+        """Return the mean temperature over each of the steps dt that follow `start` [degC]."""
         if len(self.time) == 1:
             return np.full(len(dt), self.temperature[0])
         edges = start + np.concatenate([[0.0], np.cumsum(dt)])

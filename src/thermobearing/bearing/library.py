@@ -104,9 +104,8 @@ def changed_bearing(
     Parameters
     ----------
     bearing : a Bearing, a library name, or a TOML file.
-    law : name of a law of `tb.laws.register`, or several; a temperature law replaces m_T and n_T,
-        which become 0, and the table of factors. "published" and "closed" are the built-in laws of
-        hysteresis (`hysteresis.small_loops`).
+    law : name of a law of `thermobearing list` or of `tb.laws.register`, or several; a registered
+        temperature law replaces m_T and n_T, which become 0, and the table of factors.
     changes : new values by the keys of a bearing's file (docs/files.md). A table holds only what
         changes in it, `hysteresis={"layer_stiffness": 40.0}`; a plan with its `shape` replaces the
         old one, and None removes an optional table. Numbers in the units of the file's keys (mm,

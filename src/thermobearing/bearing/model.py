@@ -343,8 +343,8 @@ SmallLoops = Literal["published", "closed"]
 class RubberHysteresis(Strict):
     """Identified parameters of ONE rubber layer (Eq. 4.34-4.37; symbols of Table 4.2).
 
-    `small_loops` is the law used in the calibration (core/hysteresis.py); by default the
-    published one.
+    `small_loops` and `hardening_form` are the laws used in the calibration (core/hysteresis.py,
+    core/hardening.py); by default the published ones.
     """
 
     post_yield_ratio: Annotated[float, Field(ge=1e-3, le=1)]  # alpha_0; 1 is linear rubber

@@ -63,7 +63,7 @@ def new_bearing(
     diameter : diameter of a round bearing [mm], in [1, 1e5].
     end_plate : thickness of an end plate [mm], in [0.05, 1000]; 30 mm are assumed by default.
     sealing_plate : thickness of a plate inside each end plate [mm], in [0, 1000]; none by default.
-    lead : diameter of a lead core [mm], in [1, 1e4]; no lead by default.
+    lead : diameter of a lead core [mm], in [0.1, 1e4]; no lead by default.
     cores : number of lead cores, in [1, 1000].
     confined : cores in springs, which conduct heat to the end plates only.
     end_spreading : factor of heat into the end plates of confined cores, in [0.001, 1].
@@ -130,7 +130,7 @@ def new_bearing(
 
 
 def _plan(plan: str | None, diameter: str | float | None) -> dict[str, Any]:
-    """The table `plan` of a bearing."""
+    """Return the table `plan` of a bearing."""
     if (plan is None) == (diameter is None):
         raise InputError('give plan ("1000x1000mm") or diameter ("700mm")')
     if diameter is not None:
@@ -153,7 +153,7 @@ def _plan(plan: str | None, diameter: str | float | None) -> dict[str, Any]:
 
 
 def _layers(layers: str) -> dict[str, Any]:
-    """Number and thickness of the rubber layers."""
+    """Return the number and thickness of the rubber layers."""
     match = TIMES.match(str(layers))
     if match is None or not match["first"].isdecimal() or not match["second"]:
         raise InputError(
@@ -173,7 +173,7 @@ def _with_unit(key: str, text: str, length: str) -> str:
 
 
 def _sources(made: Bearing, of: Compound, *, assumed_plate: bool) -> dict[str, str]:
-    """Rule and source of each number of the new bearing, by dotted key."""
+    """Return the rule and source of each number of the new bearing, by dotted key."""
     of_compound = of.sources
     found = {}
     for key in _number_keys(made):

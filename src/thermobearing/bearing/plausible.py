@@ -34,7 +34,7 @@ class Usual(Strict):
     kinds: list[str] = []  # noqa: RUF012 (pydantic copies it)
     source: Annotated[str, Field(min_length=1)]
     note: Annotated[str, Field(min_length=1)]
-    slip: Annotated[str, Field(min_length=1)]
+    slip: Annotated[str, Field(min_length=1)]  # the usual cause of a value outside
 
     @property
     def unit(self) -> str:
@@ -113,7 +113,7 @@ def sentence(what: str, value: float, usual: Usual) -> str:
 
 
 def _value(item: Any, key: str) -> float | None:
-    """A number by its dotted key; None where the bearing has no such part."""
+    """Return a number by its dotted key; None where the bearing has no such part."""
     for name in key.split("."):
         item = getattr(item, name, None)
     return None if item is None else float(item)

@@ -107,7 +107,7 @@ def extract_compound(bearing: Bearing, name: str = "") -> Compound:
 
 
 def _number_sources(bearing: Bearing) -> dict[str, str]:
-    """Sources of a bearing's numbers under the names that they have in a compound."""
+    """Return the sources of a bearing's numbers under the names that they have in a compound."""
     found = {}
     for key, source in bearing.sources.items():
         table, _, name = key.partition(".")
@@ -137,7 +137,7 @@ def _find_kind(compound: Compound, *, with_lead: bool) -> str:
 
 
 def split_parts(compound: Compound, geometry: Geometry, cores: Cores | None) -> dict[str, Any]:
-    """Hysteresis, lead and rate of a bearing of that size, by key of `Bearing`."""
+    """Return hysteresis, lead and rate of a bearing of that size, by key of `Bearing`."""
     rubber, height = compound.rubber, geometry.total_rubber_thickness
     lead_area = cores.cores * cores.core_area if cores else 0.0
     net = geometry.plan.area - lead_area
@@ -165,7 +165,7 @@ def split_parts(compound: Compound, geometry: Geometry, cores: Cores | None) -> 
 
 
 def _lead(compound: Compound, cores: Cores, height: float, post_yield: float) -> LeadCores:
-    """Cores of the compound's lead; `post_yield` is K_2 of linear rubber [kN/mm]."""
+    """Return the cores of the compound's lead; `post_yield` is K_2 of linear rubber [kN/mm]."""
     given = compound.lead
     if given is None:
         raise InputError(f"compound {compound.name} has no lead parameters")

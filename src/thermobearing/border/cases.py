@@ -23,8 +23,8 @@ def load_things(
 ) -> list[str]:
     """Replace a name or file in a table, or each one in a list, by the object that `load` returns.
 
-    Files are relative to `folder`, unless the name is a `known` one. An entry that cannot be loaded
-    stays unchanged; the messages returned begin with its key, after `before`.
+    Files are relative to `folder`. An entry that cannot be loaded stays unchanged; the messages
+    returned begin with its key, after `before`.
     """
     if key not in table:
         return []

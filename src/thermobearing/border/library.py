@@ -100,7 +100,7 @@ class Library:
     folder: str  # below the package's data
 
     def names(self) -> list[str]:
-        """Names of the built-in ones, sorted."""
+        """Return the names of the built-in ones, sorted."""
         return list(_names(self.folder))
 
     def path(self, name_or_path: str | Path) -> Path:
@@ -135,7 +135,7 @@ class Library:
         return _over(self.table(below, (*above, path))[0], table), str(path)
 
     def read(self, name_or_path: str | Path) -> tuple[dict[str, Any], str]:
-        """The plain values of a file, and its path for messages; see `path`."""
+        """Return the plain values of a file, and its path for messages; see `path`."""
         table, where = self.table(name_or_path)
         return split_sources(table)[0], where
 

@@ -221,7 +221,7 @@ RATIO = _Ratio()
 
 
 def _parts(item: Any) -> Iterator[Any]:
-    """Types, validators and limits in a field or annotation, at any depth."""
+    """Yield types, validators and limits in a field or annotation, at any depth."""
     if isinstance(item, FieldInfo):
         inner: Iterable[Any] = [*item.metadata, item.annotation]
     else:
@@ -318,7 +318,7 @@ def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
 
 
 def _allowed(model: type[BaseModel], name: str) -> str:
-    """The numbers a field takes, such as "a number greater than 0 and at most 5 mm"."""
+    """Return the numbers a field takes, such as "a number greater than 0 and at most 5 mm"."""
     parts = list(_parts(model.model_fields[name]))
     what = "an integer" if int in parts and float not in parts else "a number"
     words = {Gt: "greater than", Ge: "at least", Lt: "less than", Le: "at most"}

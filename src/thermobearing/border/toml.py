@@ -128,7 +128,7 @@ def _entry(value: Any, unit: str | None) -> Any:
 
 
 def with_sources(table: dict[str, Any], sources: Mapping[str, str]) -> dict[str, Any]:
-    """The table with {value, source} where a source of an entry is known, by dotted key.
+    """Return the table with {value, source} where a source of an entry is known, by dotted key.
 
     Texts at the top (name, citation, ...) stay plain: readers look for them there.
     """

@@ -68,7 +68,7 @@ class Hourly:
             object.__setattr__(self, "begins", self.begins.astype("datetime64[h]"))
 
     def __len__(self) -> int:
-        """Number of hours."""
+        """Return the number of hours."""
         return len(self.temperature)
 
     @property

@@ -42,23 +42,16 @@ def as_weather(weather: str | Path | Hourly) -> Hourly:
 class Site:
     """Statistics of the cold of a site.
 
-    Attributes
-    ----------
-    name : of the weather.
-    winters : number of complete years from summer to summer.
-    design_temperature : daily mean for instantaneous stiffening [degC]: of `return_period`, or the
-        lowest on record where there are fewer than ten winters.
-    return_period : of the design temperature [year]; None for the lowest on record.
-    stiffening : coldest daily mean of a winter [degC] by return period, with its 90 % interval.
-    cold_days : number and longest run of days below temperatures.
+    The design temperature for instantaneous stiffening is a daily mean: that of the return period,
+    or the lowest on record where there are fewer than ten winters.
     """
 
-    name: str
-    winters: int
-    design_temperature: float
-    return_period: int | None
-    stiffening: pd.DataFrame
-    cold_days: pd.DataFrame
+    name: str  # of the weather
+    winters: int  # complete years from summer to summer
+    design_temperature: float  # [degC]
+    return_period: int | None  # [year]; None for the lowest on record
+    stiffening: pd.DataFrame  # coldest daily mean of a winter by return period, 90 % interval
+    cold_days: pd.DataFrame  # number and longest run of days below temperatures
 
 
 def find_cold(weather: str | Path | Hourly, return_period: int = 50) -> Site:
@@ -67,19 +60,9 @@ def find_cold(weather: str | Path | Hourly, return_period: int = 50) -> Site:
     The coldest daily mean of each winter follows a Gumbel distribution (L-moments; interval from
     1000 bootstrap samples). A day is cold if its mean is below a limit, or its highest temperature
     ("all day"). Return periods of runs of days are those of the record (Weibull's plotting
-    positions) and are left out where the record is too short.
+    positions) and are left out where the record is too short. `return_period` is that of the design
+    temperature [year].
 
-    Parameters
-    ----------
-    weather : hourly weather, a file of it, or the name of a climate.
-    return_period : of the design temperature [year], in [2, 1000].
-
-    Raises
-    ------
-    InputError : less than one complete year; a return period out of range.
-
-    Examples
-    --------
     >>> site = find_cold("cold-town")
     >>> site.winters, site.return_period, -40.0 < site.design_temperature < -25.0
     (50, 50, True)

@@ -74,8 +74,8 @@ def check_file(path: Path) -> Checked:
     """Return the kind of a TOML file, its main facts, and warnings of implausible values.
 
     Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
-    next to a CSV), "earthquake case", "study", "sequence case", "served case", "design case",
-    "case" of a cyclic test, and those of the package's own data.
+    next to a CSV), "climate", "earthquake case", "study", "sequence case", "served case", "design
+    case", and "case" of a cyclic test.
     """
     table, _ = split_sources(read_toml(path))
     kind = _find_kind(table, path)
@@ -219,7 +219,7 @@ def _earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
 
 
 def _line_text(line: OnLine) -> str:
-    """Return what a bearing line has of its own."""
+    """Return the properties that a bearing line overrides."""
     parts = [line.bearing.name if line.bearing else "", line.weather or ""]
     parts += [f"{line.ambient:g} degC"] if line.ambient is not None else []
     parts += [f"{line.axial_force:g} kN"] if line.axial_force is not None else []
@@ -259,7 +259,7 @@ def _served_facts(case: ServedCase) -> dict[str, str]:
 
 
 def _structure_facts(structure: Structure, damping: DampingKind | None = None) -> dict[str, str]:
-    """Coordinates, masses, periods and damping of a structure."""
+    """Return coordinates, masses, periods and damping of a structure."""
     prepared = prepare_structure(structure, damping=damping)
     total = 1e3 * sum(item.mass for item in structure.masses)
     return {
@@ -283,7 +283,7 @@ def _bilinear_facts(bearing: BilinearBearing) -> dict[str, str]:
 
 
 def bearing_facts(bearing: Bearing) -> dict[str, str]:
-    """Main dimensions and derived numbers of a bearing."""
+    """Return the main dimensions and derived numbers of a bearing."""
     g = bearing.geometry
     half, full = build_stack(bearing, half=True), build_stack(bearing, half=False)
     return {
@@ -350,7 +350,7 @@ def _rig_facts(rig: Rig) -> dict[str, str]:
 
 
 def _levels(study: Study) -> list[Any]:
-    """Bearings and structures of a study, those that are levels."""
+    """Return bearings and structures of a study, those that are levels."""
     bearings = [one for one in study.factors.bearing.levels if not isinstance(one, Posterior)]
     return [*bearings, *study.factors.structure.levels]
 

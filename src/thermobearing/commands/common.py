@@ -69,8 +69,9 @@ def _as_options(text: str) -> str:
     """Return a message of the library with the options of the command that runs.
 
     A key with a value ("test.dt = ...", "ambient[0] = ...") becomes the option that gave it, if one
-    did; a keyword in advice ("a larger dt", "give trust_unit") becomes the option of that name, if
-    the command has it. Outside a command the text is unchanged.
+    did, and an entry of a table ("exposure.stiffness = ...") the option with that entry; a keyword
+    in advice ("a larger dt", "give trust_unit") becomes the option of that name, if the command has
+    it. The name of a function is omitted. Outside a command the text is unchanged.
 
     >>> before = RUNNING.set({"--dt": True, "--keep-every": False})
     >>> _as_options("command line: test.dt = '9 s': must be at most 1 s")

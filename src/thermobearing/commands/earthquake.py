@@ -116,7 +116,7 @@ def _with_pairs(
 
 
 def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
-    """Add the command of an analysis, with options of its own in addition to those of both."""
+    """Add the command of an analysis, with its specific options and those of both."""
 
     def _analyse(
         case: CaseFile,
@@ -346,7 +346,7 @@ def _export(
     output: Annotated[Path, option("-o", "--output", help="Script, .py or .tcl.", metavar="FILE")],
     overwrite: Overwrite,
 ) -> Answer:
-    """Write a structure on linear or bilinear bearings as a script of OpenSees."""
+    """Write a structure on linear or bilinear bearings as an OpenSees script."""
     from thermobearing.opensees.script import write_structure
 
     remarks = write_structure(structure, output, overwrite=overwrite, **given)

@@ -29,7 +29,7 @@ MEASURED = re.compile(r"(?<!not )\bmeasured\b")
 
 @command(app, "list", examples="list", panel=FILES)
 def _list() -> Answer:
-    """List the built-in bearings, compounds, structures, rigs and motions."""
+    """List the built-in bearings, compounds, structures, rigs, laws and motions."""
     from thermobearing.bearing.bilinear import BILINEAR, load_bilinear
     from thermobearing.bearing.compound import COMPOUNDS, load_compound
     from thermobearing.bearing.library import list_bearings, load_bearing

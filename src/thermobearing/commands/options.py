@@ -95,7 +95,7 @@ FIGURE_OPTIONS = {
         bool, option("--no-titles", help="Draw figures without titles.", panel=RESULT)
     ],
 }
-# Fields of `Printed`, and additional ones of `Ending`.
+# Fields of `Drawn` and `Printed`, and additional ones of `Ending`.
 RESULT_OPTIONS = {
     "output": Annotated[
         Path | None, option("-o", "--output", help="Directory for the results.", panel=RESULT)
@@ -184,7 +184,8 @@ def command(
     """Add a function to a program as a command, with examples (one a line) at the end of its help.
 
     Its argument `given` takes the values of the options of `made` that were given, by name; an
-    argument of the type `Ending` those of where the result goes, of `Printed` without a report.
+    argument of the type `Ending` those of where the result goes, of `Printed` without a report, of
+    `Drawn` those of figures alone.
     The others are options written by hand. `laws` adds the option --law. What the function returns
     is printed with --json; its "exit_status" is that of the command.
     """

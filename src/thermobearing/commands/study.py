@@ -105,7 +105,7 @@ def _run(
 
 @command(studies, "status", examples="study status p1")
 def _status(directory: DIRECTORY) -> Answer:
-    """Show the progress of a study and the reasons of failed runs."""
+    """Show the progress of a study and the reasons for failed runs."""
     from thermobearing.studies.run.engine import study_status
 
     found = study_status(directory)
@@ -122,7 +122,7 @@ def _table(
     ],
     overwrite: Overwrite,
 ) -> Answer:
-    """Export all completed runs as a file with one row for each."""
+    """Export all completed runs to a table file with one row per run."""
     from thermobearing.studies.store import Store, write_table
 
     found = Store(directory).table()
@@ -154,7 +154,7 @@ def _export(
     ],
     overwrite: Overwrite,
 ) -> Answer:
-    """Export demands and fragility curves as files of pelicun."""
+    """Export demands and fragility curves as pelicun files."""
     from thermobearing.studies.report import write_pelicun
     from thermobearing.studies.result import study_result
 
@@ -239,7 +239,7 @@ def _repeat(
     run: Annotated[int, typer.Argument(help="Number of the run.", metavar="RUN", min=0)],
     end: Printed,
 ) -> Answer:
-    """Repeat one run of a study with all histories, as `bridge` does."""
+    """Repeat one run of a study and save all histories, as `bridge` does."""
     from thermobearing.studies.definition.case import load_study
     from thermobearing.studies.run.engine import repeat_run
     from thermobearing.studies.store import STUDY

@@ -71,7 +71,7 @@ def substitute(
 ) -> tuple[float, float, float]:
     """The way up the matrix: `change` [K], temperatures `after` the step, and the books.
 
-    Returns the heat stored, and lost through end faces and sides, over the step [kN mm], whole
+    Returns the heat stored, and lost through end faces and sides, over the step [kN mm], complete
     bearing.
     """
     side_share = 0.5 if side_implicit else 0.0

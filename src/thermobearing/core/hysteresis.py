@@ -187,7 +187,7 @@ def exact_increment(
 def euler_increment(
     z: float, increment: float, d_y: float, curvature: float
 ) -> tuple[float, float]:
-    """The published explicit Euler step: the slope at the start, over the whole increment."""
+    """The published explicit Euler step: the slope at the start, over the complete increment."""
     u = select(increment >= 0.0, z, -z)
     slope = hysteretic_slope(u, d_y, curvature)
     return z + slope * increment, slope

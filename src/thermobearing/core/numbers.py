@@ -31,7 +31,7 @@ SIDE_FLUX: Final = 0.785  # of the flux from a core into the plates around it, E
 class Heights(NamedTuple):
     """What lies in a stack, from face to face; scalars only."""
 
-    layers: int  # rubber layers of the whole bearing
+    layers: int  # rubber layers of the complete bearing
     half: bool  # whether only the upper half is modelled
     end_plate: float  # thicknesses [mm]
     sealing_plate: float  # 0 for none
@@ -153,7 +153,7 @@ class Fill(NamedTuple):
 class BesideLead(NamedTuple):
     """Contact of the cells with lead; all [n]."""
 
-    height: Floats  # of lead next to the cell, of the whole bearing [mm]
+    height: Floats  # of lead next to the cell, of the complete bearing [mm]
     touches_end: NDArray[np.bool_]  # whether it is the cell of an end plate next to the others
 
 

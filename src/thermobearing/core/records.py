@@ -41,7 +41,7 @@ class Rows(Protocol[R]):
         ...
 
     def copy(self) -> "Rows[R]":
-        """The same numbers in an array of its own."""
+        """Return a copy of the numbers."""
         ...
 
 

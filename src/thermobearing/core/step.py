@@ -140,7 +140,7 @@ def _add_layer_heat(
     """Heat of every layer into the right side of the heat step (Eq. 4.22).
 
     `viscous_heat` is that of one layer. Returns the heat released and the energy recoverable
-    from the layers afterwards, whole bearing [kN mm].
+    from the layers afterwards, of the complete bearing [kN mm].
     """
     released = 0.0
     recoverable = 0.0

@@ -3,7 +3,7 @@
 Units: kN, mm, s, degC, J = kN mm. `L` counts the rubber layers that the stack models (half of
 them when the stack is cut at its symmetry plane), `n` its heat cells. What is remembered of one
 thing stands in one row (`records.py`), since every array handed to a compiled function costs
-nanoseconds; what long loops run through, cells and scratch, stands in columns (measured).
+nanoseconds; what long loops run through, cells and scratch, is stored in columns (measured).
 """
 
 from typing import Annotated, Any, Final, NamedTuple, TypeAlias
@@ -42,14 +42,14 @@ NEVER_MOVED: Final = 1e30  # Branches.idle of a virgin bearing: the first motion
 
 
 class Cells(NamedTuple):
-    """The heat cells: exchange rates, and capacity counted for the whole bearing; all [n]."""
+    """The heat cells: exchange rates, and capacity counted for the complete bearing; all [n]."""
 
     to_previous: Floats  # [1/s], as the next three
     to_next: Floats
     end_loss: Floats  # to the ambient, through an end face
     side_loss: Floats  # to the ambient, through the side
     capacity: Floats  # [kN mm/K]
-    beside_lead: Floats  # height of lead beside the cell [mm]
+    beside_lead: Floats  # height of lead next to the cell [mm]
 
 
 class SharedCells(Cells):
@@ -201,7 +201,7 @@ class PortWork(NamedTuple):
 class Rubber(NamedTuple):
     """Numbers of ONE rubber layer, and how its equations are solved; scalars only."""
 
-    layer_count: float  # rubber layers in the whole bearing, N
+    layer_count: float  # rubber layers in the complete bearing, N
     elastic_stiffness: float  # alpha_0 K_r [kN/mm]
     hysteretic_stiffness: float  # (1 - alpha_0) K_r [kN/mm]
     elastic_exponent: float  # m_T / 100 [1/K]
@@ -232,7 +232,7 @@ class Rubber(NamedTuple):
 class Lead(NamedTuple):
     """Numbers of ONE lead core, and how its heat is booked; scalars only."""
 
-    cores: float  # in the whole bearing, n_l; 0 for none
+    cores: float  # in the complete bearing, n_l; 0 for none
     stiffness: float  # K_l [kN/mm]
     strength: float  # Q_l at the reference temperature [kN]
     softening: float  # E2 of exp(-E2 (T - T_0)) [1/K]; 0 for constant strength
@@ -276,7 +276,7 @@ class Constants(NamedTuple):
     lead_cells: Rows[LeadCell]  # those that touch lead
     lead_ports: int  # ways out of a core, P; 0 for the half-space formula
     lead_modes: Rows[Mode]  # [K] of all ports
-    source_rise: float  # temperature rise of a layer per heat in one whole layer [K/(kN mm)]
+    source_rise: float  # temperature rise of a layer per heat in one layer [K/(kN mm)]
     side_implicit: bool  # side loss in Crank-Nicolson (True) or explicit as printed (False)
     heat_source: int  # HEAT_FROM_WORK or HEAT_FROM_DISSIPATION
     limits: Limits

@@ -56,7 +56,7 @@ class Earlier(Protocol):
 
 @dataclass(frozen=True)
 class InitialState:
-    """Where a bearing begins: at a temperature, or where an earlier analysis left it.
+    """Initial state of a bearing: a temperature, or the end of an earlier analysis.
 
     Attributes
     ----------
@@ -64,8 +64,8 @@ class InitialState:
         default.
     lead : temperature of the lead [degC]; that of the adjacent cells by default.
     result : an earlier result of the same bearing (of `run`, `hybrid` or `bridge`), or its
-        directory: the bearing goes on where that one ended, with temperatures, forces and all
-        memory. Or its state, from `end_state`.
+        directory: the bearing continues where that one ended, with temperatures, forces and
+        history. Or its state, from `end_state`.
     """
 
     temperature: float | Sequence[float] | None = None
@@ -101,9 +101,9 @@ class Keep:
 
     Attributes
     ----------
-    groups : of "rubber", "layer_displacement", "hysteretic" and "cells", besides displacement,
-        force and energy; of an earthquake "rubber" and, for profiles, "cells".
-    every : keep every n-th step; turning points of a test are kept besides.
+    groups : of "rubber", "layer_displacement", "hysteretic" and "cells", in addition to
+        displacement, force and energy; of an earthquake "rubber" and, for profiles, "cells".
+    every : keep every n-th step, and all turning points of a test.
     histories : in the files of `save`: "thinned" (default), turning points and 200 points a
         cycle, or "complete".
     """
@@ -153,17 +153,17 @@ def left_by(data: xr.Dataset, bearing: Bearing, ambient: list[float], where: str
 def end_state(
     result: Earlier | str | Path, bearing: Bearing | str | Path, ambient: float | None = None
 ) -> SpecimenState:
-    """Where an earlier result left a bearing, for `tb.element(bearing, initial=...)`.
+    """Return the final state of a bearing, for `tb.element(bearing, initial=...)`.
 
     Parameters
     ----------
     result : of a test, or of `bridge` or `hybrid` on one bearing line; or its directory.
-    bearing : the same bearing, with which the forces and the memory go.
+    bearing : the same bearing, to which forces and history belong.
     ambient : which run, if the result has several [degC].
 
     Returns
     -------
-    SpecimenState : displacement, forces, temperatures and all memory.
+    SpecimenState : displacement, forces, temperatures and history.
 
     Raises
     ------
@@ -361,7 +361,7 @@ class Case(Strict):
     sources: dict[str, dict[str, str]] | None = None
 
     def to_toml(self) -> str:
-        """The case with every default filled in, as TOML; reads back to the same bits."""
+        """Return the case with every default filled in, as TOML; reads back to the same bits."""
         return to_toml(self, without="" if self.ambient_series is None else "ambient")
 
     def faults(self) -> list[str]:
@@ -412,17 +412,13 @@ class Case(Strict):
 
 
 def load_case(path: str | Path, **overrides: Any) -> Case:
-    r"""A case from TOML; `bearing` may be a name, a file next to the case, or a table.
+    r"""Load a case from TOML; `bearing` may be a name, a file next to the case, or a table.
 
     Parameters
     ----------
     path : the case file.
     overrides : values that replace those of the file, by key of `Case` or `Analysis`
         (`dt` goes to the test); None leaves the file's value.
-
-    Returns
-    -------
-    Case
 
     Raises
     ------

@@ -28,7 +28,7 @@ FINER = 2  # times as many cells in layers and shims
 RICHARDSON = FINER**2 / (FINER**2 - 1)  # of the difference, for a scheme of second order
 TOLERABLE = 0.01  # of stiffness and energy: specimens of one make differ by 10 %
 MOST_CELLS = 1000  # in a layer
-LEAST_DAMPING = 1e-3  # h_eq below which there is no energy to speak of: linear rubber
+LEAST_DAMPING = 1e-3  # h_eq below which the energy is negligible: linear rubber
 
 
 def compare_models(case: Case) -> dict[str, Result]:

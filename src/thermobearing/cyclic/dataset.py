@@ -293,7 +293,7 @@ THINNED, COMPLETE = "thinned", "complete"
 def written_part(result: Result) -> Result:
     """Return the result with its cycles as a table, and the rows that are worth writing.
 
-    These are all rows where the case asks for complete histories.
+    These are all rows if the case requests complete histories.
     """
     data = result.dataset
     if data.attrs.get("histories") == COMPLETE or data.attrs.get(ROWS) == THINNED:

@@ -229,11 +229,11 @@ class Ramp(Strict):
         return _exactly_one(given, "to_strain", "to") + _exactly_one(given, "speed", "duration")
 
     def target(self, total_rubber_thickness: float) -> float:
-        """Displacement at the end [mm]."""
+        """Return the displacement at the end [mm]."""
         return (self.to_strain or 0.0) * total_rubber_thickness if self.to is None else self.to
 
     def seconds(self, distance: float) -> float:
-        """Time that the move takes [s]."""
+        """Return the time that the move takes [s]."""
         return self.duration or distance / (self.speed or 1.0)
 
 
@@ -254,11 +254,11 @@ class Rest(Strict):
         return self.duration or SETTLE_LIMIT
 
     def longest_step(self, dt: float) -> float:
-        """Largest of its growing steps [s]."""
+        """Return the largest of its growing steps [s]."""
         return max(dt, min(self.span / REST_STEPS, 600.0))
 
     def _steps(self, dt: float) -> float:
-        """Number of steps, or a few more: those that grow, and those that do not."""
+        """Return the number of steps, or a few more: those that grow, and those that do not."""
         longest, shortest = self.longest_step(dt), min(dt, self.span, REST_START)
         return math.log(longest / shortest) / math.log(REST_GROWTH) + self.span / longest + 2.0
 
@@ -318,7 +318,7 @@ Step = Annotated[AnyStep, Field(discriminator="step")]
 
 
 class CyclicTest(Strict):
-    """What is done to a bearing, step by step; `cyclic_test` makes the usual ones.
+    """The steps of a cyclic test; `cyclic_test` creates the usual ones.
 
     Attributes
     ----------
@@ -441,7 +441,7 @@ def cyclic_test(
     ratio: float | None = None,
     dt: float = 0.005,
 ) -> CyclicTest:
-    """Cycles at several amplitudes with rests between; without arguments, Table 3.4.
+    """Return a test of cycles at several amplitudes, with rests between them; default: Table 3.4.
 
     Parameters
     ----------
@@ -461,10 +461,6 @@ def cyclic_test(
     ratio : amplitude of the path across (y) over that along x, in [0.001, 1]; 0.5 of an ellipse
         and a figure of eight, 1 of a square and a cruciform by default.
     dt : largest time step while the bearing moves [s].
-
-    Returns
-    -------
-    CyclicTest
 
     Raises
     ------

@@ -79,7 +79,7 @@ def build_pieces(result: Result) -> Pieces:
 
 
 def words_of_test(test: Case) -> str:
-    """Return what is done in a test of a resolved case, as a sentence without its full stop."""
+    """Return the steps of a test of a resolved case in words."""
     moving = [step for step in test["steps"] if step["step"] != "rest"]
     found = [_alike_words(list(same)) for _, same in groupby(moving, key=_alike)]
     if rests := [step for step in test["steps"] if step["step"] == "rest"]:

@@ -236,7 +236,7 @@ def governing_checks(rows: pd.DataFrame, *, every_part: bool) -> pd.DataFrame:
     """Return the checks that use most of their limits, or have the largest value without one.
 
     One of each code, bearing and check, and of each part if `every_part`; `part` has the bearing
-    too where there are several.
+    too where there are several. Strains are in %.
     """
     size = rows["used"].where(rows["limit"].notna(), rows["value"]).astype(float).fillna(-np.inf)
     keys = [rows[name] for name in ("code", "bearing", *["part"] * every_part, "what")]

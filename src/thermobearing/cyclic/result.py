@@ -284,11 +284,11 @@ class Result(DatasetResult):
         return pd.DataFrame(rows)
 
     def tables(self) -> dict[str, Table]:
-        """Tables for readers: cycles, energy balance, and other models if they were run."""
+        """Return tables for readers: cycles, energy balance, and other models if they were run."""
         return dict(self._view("tables").result_tables(self))
 
     def notes(self) -> list[str]:
-        """Sentences on softened layers and on other models that ended early."""
+        """Return sentences on softened layers and on other models that ended early."""
         data, found = self.dataset, []
         names = ("ambient", "steps", "softened_steps", "layer_force_mismatch_max")
         for ambient, steps, softened, most in zip(*(data[n].values for n in names), strict=True):

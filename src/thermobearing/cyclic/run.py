@@ -70,15 +70,15 @@ def run(
     progress: Progress | None = None,
     **options: Unpack[ModelKeywords],
 ) -> Result:
-    """Put a bearing through a displacement-controlled test.
+    """Run a displacement-controlled test of a bearing.
 
     Parameters
     ----------
     bearing : a Bearing, a library name, or a TOML file.
-    test : what to do; Table 3.4 if not given. Or a history, two arrays: times [s] that increase
-        and displacements [mm], the first where the bearing is (0 mm for a virgin one); straight
-        lines between. Three arrays, times and the displacements along x and across (y), move
-        the bearing in a plane, as `cyclic_test(path="circle", ...)` does.
+    test : the test, Table 3.4 by default; or a history, two arrays: times [s] that increase and
+        displacements [mm], the first where the bearing is (0 mm for a virgin one); straight lines
+        between. Three arrays, times and the displacements along x and across (y), move the bearing
+        in a plane, as `cyclic_test(path="circle", ...)` does.
     ambient : ambient temperature [degC], in [-100, 100]; several temperatures make several
         runs in one result; an `Ambient` is a series in time.
     model : `ModelOptions`, or the name of an earlier model to compare with (model/earlier.py);
@@ -87,21 +87,17 @@ def run(
         default, which is 0.005 unless it says otherwise.
     initial : temperature at the start [degC]: uniform, or one per cell (upper face first); the
         ambient temperature by default. Or an earlier result of the same bearing, or its
-        directory: the test goes on where that one ended. `InitialState` holds all of these and
+        directory: the test continues where that one ended. `InitialState` holds all of these and
         the temperature of the lead.
-    keep : histories to keep besides displacement, force and energy, of "rubber",
-        "layer_displacement", "hysteretic" and "cells"; the first and last by default. `Keep`
-        holds every how many steps and what is written too.
+    keep : histories to keep in addition to displacement, force and energy, of "rubber",
+        "layer_displacement", "hysteretic" and "cells"; the first and last by default. `Keep` also
+        states the interval of steps and what is written.
     rig : limits of force [kN], stroke [mm] and speed [mm/s]; a warning says which a run exceeds:
         a name ("shen-rig"), a file or a table; none by default.
     axial_force : on the bearing [kN], positive in compression, in [-1e6, 1e6]. It changes neither
         force nor heat; the result then has checks of stress and critical load.
     progress : called with (steps done, all steps).
     options : fields of `ModelOptions`, such as scheme or lead_ends.
-
-    Returns
-    -------
-    Result
 
     Raises
     ------
@@ -154,17 +150,13 @@ def _as_test(test: CyclicTest | History | None) -> CyclicTest | None:
 def run_case(
     case: Case, *, series: Ambient | None = None, progress: Progress | None = None
 ) -> Result:
-    """Carry out a complete case; never raises for a failed analysis (see `Result.outcome`).
+    """Run a complete case; a failed analysis does not raise an error (see `Result.outcome`).
 
     Parameters
     ----------
     case : from `load_case` or `make_case`.
     series : temperature of the air in time, instead of that of the case.
     progress : called with (steps done, all steps).
-
-    Returns
-    -------
-    Result
 
     Examples
     --------

@@ -63,8 +63,8 @@ def bounds_study(
     """Compare a bounding analysis with the coupled model, for one bearing on the pier of a bridge.
 
     The bounds are bilinear models of the bearing soaked at the warmest and at the coldest
-    temperature (equal peak force and loop area in the third cycle at the design strain, as a
-    code's property modification factors would have it, but from the model itself).
+    temperature (equal peak force and loop area in the third cycle at the design strain, as with the
+    property modification factors of a code, but from the model).
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def bounds_study(
         piers for each of them (column `part`): lower, upper, envelope of the two; largest of the
         coupled model and the temperature where it occurs; envelope over coupled; verdict
         ("unsafe" below 0.95, "wasteful" above 1.3); quantities beyond the tested range. Its `attrs`
-        hold what the coupled model asks of that range, and how runs ended that did not complete.
+        hold the excursions of the coupled model, and the outcomes of failed runs.
 
     Examples
     --------
@@ -151,7 +151,7 @@ def _compared(
 
 
 def _demanded(study: EarthquakeResult) -> pd.DataFrame:
-    """Demands of every run, of each line and pier where there are several: a row each."""
+    """Return demands of every run, of each line and pier where there are several: a row each."""
     keys, found = ["bearing", "motion", "ambient_degC"], []
     for motion in dict.fromkeys(study.table["motion"]):
         for column in DEMANDS:
@@ -193,8 +193,7 @@ def bound_models(
 ) -> pd.DataFrame:
     """Return the softest and the stiffest cycle of a table of factors as bilinear models.
 
-    Softest and stiffest by K_eq over all temperatures and over first and heated cycles; peak
-    force and loop area are those of that cycle. A row each, of one bearing [kN], [kN/mm].
+    By K_eq over all temperatures, first and heated cycles; of one bearing [kN], [kN/mm].
     """
     rows = table[(table["strain"] == strain) & table["basis"].isin(["first", "heated"])]
     if rows.empty:

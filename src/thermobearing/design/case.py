@@ -85,7 +85,7 @@ class DesignCase(Strict):
         ]
 
     def to_toml(self) -> str:
-        """The case with every default filled in, as TOML; reads back to the same bits."""
+        """Return the case with every default filled in, as TOML; reads back to the same bits."""
         return to_toml(self)
 
 

@@ -35,17 +35,14 @@ class PublishedTable(Strict):
     unverified: bool
 
     def relative_to(self, reference: float, temperatures: Floats) -> Floats:
-        """Return factors over the one at a reference temperature; NaN colder than the table.
-
-        Linear between the values; the last value holds at higher temperatures.
-        """
+        """Return factors over that at a reference temperature; NaN colder than the table."""
         at = np.append(np.asarray(temperatures, dtype=np.float64), reference)
         found = np.interp(at, self.temperatures, self.factors, left=np.nan)
         return np.asarray(found[:-1] / found[-1])
 
 
 class _PublishedCode(Strict):
-    """What a code asks about temperature; `unverified`: its text was not read."""
+    """What a code requires about temperature; `unverified`: its text was not read."""
 
     name: str
     code: str
@@ -78,11 +75,7 @@ def tables_for(kind: str) -> list[PublishedTable]:
 def strength_share(
     table: pd.DataFrame, strain: float, reference: float, displacement: float
 ) -> float:
-    """Return the share of Q_d in the peak force Q_d + K_d D of the first cycle.
-
-    `table` is one of `temperature_factors`; `reference` its reference temperature [degC] and
-    `displacement` D that of the strain [mm].
-    """
+    """Return the share of Q_d in the peak force Q_d + K_d D of the first cycle."""
     same = (table["strain"] == strain) & (table["ambient_degC"] == reference)
     value = table[same & (table["basis"] == "first")].set_index("quantity")["value"]
     strength = float(value["Q_d"])
@@ -102,10 +95,7 @@ def bilinear_factors(strength: Floats, stiffness: Floats, share: float) -> dict[
 def code_factors(
     kind: str, reference: float, temperatures: Floats, share: float
 ) -> dict[tuple[str, str], dict[str, Floats]]:
-    """Return factors by code, class of rubber and quantity, at temperatures [degC].
-
-    Q_d and K_d are those of the codes; K_eq and h_eq follow from them (`bilinear_factors`).
-    """
+    """Return factors by code, class of rubber and quantity, at temperatures [degC]."""
     found: dict[tuple[str, str], dict[str, Floats]] = {}
     for item in tables_for(kind):
         if item.code:
@@ -121,10 +111,7 @@ def compare_with_codes(
 ) -> list[dict[str, Any]]:
     """Compare the factors of a bearing with those of codes: a row for each quantity.
 
-    At the coldest temperature of `table` for which the codes have factors, otherwise at the
-    coldest; a row has `quantity`, `ambient_degC`, `first` and `heated` factors, the ends of their
-    bands (`first_low`, ...; NaN for one bearing), `codes` (factors by code and class of rubber) and
-    `difference` in words.
+    At the coldest temperature for which the codes have factors, otherwise at the coldest.
     """
     rows = table[table["strain"] == strain]
     cold = np.sort(rows.loc[rows["ambient_degC"] < reference, "ambient_degC"].unique())

@@ -64,12 +64,12 @@ def temperature_factors(
     cycles: str | Sequence[int] = "1-3",
     **options: Any,
 ) -> pd.DataFrame:
-    """K_eq, Q_d, K_d, h_eq and energy over temperature, relative to a reference temperature.
+    """Return K_eq, Q_d, K_d, h_eq and energy relative to those at a reference temperature.
 
-    The coupled model does sine cycles from a soaked state at each temperature. Basis "first"
-    is the first cycle; "heated" the last of the chosen cycles, with self-heating until then;
-    "mean" the mean over the chosen cycles. Every factor is relative to the same basis at the
-    reference temperature.
+    The coupled model runs sine cycles from a soaked state at each temperature. Basis "first" is the
+    first cycle; "heated" the last of the chosen cycles, with self-heating until then; "mean" the
+    mean over the chosen cycles. Every factor is relative to the same basis at the reference
+    temperature.
 
     Parameters
     ----------
@@ -86,8 +86,8 @@ def temperature_factors(
     Returns
     -------
     DataFrame : strain, basis, ambient_degC, quantity, unit, value, factor, factor_low,
-        factor_high (these two NaN for one bearing), beyond_tested (what the first was not tested
-        at).
+        factor_high (these two NaN for one bearing), beyond_tested (quantities outside the
+        calibration range of the first).
 
     Raises
     ------
@@ -256,12 +256,7 @@ STRAIN, COUNT, REST = 1.75, 5, 3600.0  # of the study; s
 
 
 def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
-    """Return a bearing with all lengths times a factor, of the same compound.
-
-    Under the same strain history in the same time, forces go with the factor squared and
-    displacements with the factor (bearing/scaling.py); stresses, strains and coefficients stay. The
-    new bearing has at least as many heat cells as a file without the table `cells`.
-    """
+    """Return a bearing of the same compound with all lengths times a factor."""
     if not is_number(factor) or not 1e-3 <= factor <= 1e3:
         raise InputError(f"factor = {factor!r}: must be a number from 0.001 to 1000")
     bearing = as_bearing(bearing)
@@ -290,11 +285,7 @@ def scale_study(
     ambient: float = -20.0,
     **options: Any,
 ) -> tuple[pd.DataFrame, dict[float, Result]]:
-    """Run one strain history at several sizes: five 2 s cycles of 175 %, then an hour of rest.
-
-    Return a row per factor on all lengths (rises of layers and lead at the end and after one and
-    ten minutes [K], stress of cycle 5 over cycle 1), and the results by factor.
-    """
+    """Return rises [K] and results of five 2 s cycles of 175 % and an hour of rest, by size."""
     bearing = as_bearing(bearing)
     cycles = {"step": "cycles", "strain": STRAIN, "wave": "sine", "period": PERIOD, "count": COUNT}
     test = CyclicTest(dt=0.005, steps=[cycles, {"step": "rest", "duration": REST}])

@@ -148,7 +148,7 @@ def of_group(name: str, group: str = "") -> str:
 
 
 def _whose(table: pd.DataFrame) -> list[str]:
-    """Return the key columns of `judged` except the temperature."""
+    """Return the key columns of `collect_peaks` except the temperature."""
     return [name for name in ("bearing", "group") if name in table]
 
 

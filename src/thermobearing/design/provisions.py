@@ -194,10 +194,7 @@ def _checks(code: _Code, demand: _Demand, part: str, zone: int) -> list[Check]:
 def _displacements(
     data: xr.Dataset, motions: Sequence[Motion], rule: PeakRule, runs: Any
 ) -> dict[int | None, Any]:
-    """Return the displacements of the lines by level of the motions [mm]; NaN without motions.
-
-    In a plane those of the resultant.
-    """
+    """Return the displacements of lines by level of the motions [mm]; NaN without motions."""
     name = "bearing_displacement_max"
     if DIRECTION in data.dims:
         data = data.sel({DIRECTION: DIRECTIONS[-1]})
@@ -220,7 +217,7 @@ def check_bearings(
     rotation: float = 0.0,
     zone: int = 4,
 ) -> EarthquakeResult:
-    """Check the bearings of an analysed bridge after codes; no analysis is run again.
+    """Check the bearings of an analysed bridge according to design codes, without a new analysis.
 
     Every line of bearings is checked at every temperature, with the displacement that the rule of
     the code gives for the motions: the mean of three or more of each group (JRA), or of seven or

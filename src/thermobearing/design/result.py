@@ -59,16 +59,16 @@ class Design(Result):
 
     Attributes
     ----------
-    case : what was to be designed.
-    rounds : of every turn one for each group of lines.
-    outcome : "converged", "two_sizes" (the safer of two that alternate was taken), or why not.
-    sentence : the same for people.
-    checks : the calculation sheet of the turn that was taken, of each kind the governing first.
-    bearings : bilinear bearings of that turn, one for each group.
-    study : its dynamic analyses.
-    equal : layered bearings scaled to the stiffness of each group in that turn.
-    chosen : number of the turn that was taken; the last by default.
-    temperatures : peaks of the layered bearings at every temperature; see `judged`.
+    case : the input.
+    rounds : one entry for each group of lines in every round.
+    outcome : "converged", "two_sizes" (the larger of two that alternate), or why it failed.
+    sentence : the outcome in words.
+    checks : checks of the adopted round, the governing one of each kind first.
+    bearings : bilinear bearings of the adopted round, one for each group.
+    study : dynamic analyses of the adopted round.
+    equal : layered bearings scaled to the stiffness of each group in that round.
+    chosen : number of the adopted round; the last by default.
+    temperatures : peaks of the layered bearings at every temperature; see `collect_peaks`.
     """
 
     title: ClassVar[str] = "Design"
@@ -330,23 +330,18 @@ def _site_summary(site: Site) -> dict[str, Any]:
 
 @dataclass(frozen=True, repr=False)
 class FactorReport(Result):
-    """Temperature factors of a bearing, and what follows from them.
-
-    The first of `bearings` gives the values of `table` (see `temperature_factors`), all of them the
-    bands; `reference` [degC]; `motion` and `cycles` say how it was tested; `sizes` holds table and
-    results of `scale_study`, and `site` the cold of a site, if they were wanted.
-    """
+    """Temperature factors of a bearing, and what follows from them."""
 
     title: ClassVar[str] = "Temperature factors"
     _figures: ClassVar[str] = "FactorFigures"
 
-    bearings: list[Bearing]
-    table: pd.DataFrame
-    reference: float
-    motion: str
+    bearings: list[Bearing]  # the first gives the values, all of them the bands
+    table: pd.DataFrame  # from `temperature_factors`
+    reference: float  # temperature [degC]
+    motion: str  # of the tests, in words
     cycles: str
-    sizes: tuple[pd.DataFrame, dict[float, CyclicResult]] | None = None
-    site: Site | None = None
+    sizes: tuple[pd.DataFrame, dict[float, CyclicResult]] | None = None  # from `scale_study`
+    site: Site | None = None  # with its cold
 
     @property
     def name(self) -> str:

@@ -160,7 +160,7 @@ def _one_turn(case: DesignCase, number: int, assumed: Sequence[float]) -> Turn:
 def _ended(
     case: DesignCase, turns: list[Turn], searches: Sequence[Search]
 ) -> tuple[str, str, Turn]:
-    """Outcome and sentence, when the loop ends with these turns, and which is taken."""
+    """Return the outcome and sentence, when the loop ends with these turns, and which is taken."""
     last, tolerance = turns[-1], case.tolerance
     if last.study.outcome not in ("completed", PIER_BEYOND_LIMIT):  # a first size may be far off
         return last.study.outcome, last.study.sentence, last
@@ -212,7 +212,7 @@ def _at_every_air(
     equal: Sequence[Sequence[EqualBearing]],
     checks: Sequence[Check],
 ) -> pd.DataFrame:
-    """Return the peaks of layered bearings on the bridge at every temperature; see `judged`."""
+    """Return the peaks of layered bearings on the bridge at every temperature."""
     if not equal or not case.ambient:
         return pd.DataFrame()
     stiffnesses = [turn.stiffness for turn in rounds]
@@ -237,9 +237,9 @@ def run_design(
     """Size the bearings of a bridge: assume a displacement, size, analyse, compare, repeat.
 
     The found displacement of each group of lines replaces the assumed one (6.2.2) until all agree
-    within the tolerance, with the bridge analysed in every round; see `Search`. Where no size
-    of a group moves as far as it is sized for, the outcome is "two_sizes" with the safer of the
-    two. Layered bearings are then checked on the bridge at every temperature of the case.
+    within the tolerance, with the bridge analysed in every round; see `Search`. Where two sizes of
+    a group alternate, the outcome is "two_sizes" with the larger one. Layered bearings are then
+    checked on the bridge at every temperature of the case.
 
     Parameters
     ----------
@@ -249,10 +249,6 @@ def run_design(
     templates : layered bearings to scale to the stiffness of each group, once it converged.
     overrides : values that replace those of a file or table, by key, such as motions, compound,
         start [mm] and weight [kN].
-
-    Returns
-    -------
-    Design
 
     Raises
     ------
@@ -341,8 +337,8 @@ def run_factors(
     The first bearing gives the values, several (samples of a posterior) make bands. Temperatures
     are [degC] in [-60, 60], strains in [0.1, 3]; `period` of the sine [s] or its mean `speed`
     [mm/s]; `cycles` a name of `PRESETS` or numbers from 1 to 100. `weather` (hourly, a file of it,
-    or a climate) adds the cold of a site, and its design temperature of `return_period` [year] to
-    the temperatures.
+    or a climate) adds the cold of a site, and its design temperature of `return_period` [year] (50
+    by default) to the temperatures.
     """
     site = None if weather is None else find_cold(weather, return_period)
     if site is not None:

@@ -223,17 +223,13 @@ MOST_EQUAL_LAYERS = 200  # of any bearing
 
 @dataclass(frozen=True)
 class EqualBearing:
-    """A layered bearing scaled to a stiffness.
-
-    K_eq [kN/mm] and h_eq are those of its third cycle without heating at the design displacement
-    u_B [mm] and the reference temperature of its rubber; `group` as of `Round`.
-    """
+    """A layered bearing scaled to a stiffness, at the reference temperature of its rubber."""
 
     bearing: Bearing
-    stiffness: float
-    damping: float
-    displacement: float
-    group: str = ""
+    stiffness: float  # K_eq of its third cycle without heating [kN/mm]
+    damping: float  # h_eq, likewise
+    displacement: float  # design displacement u_B [mm]
+    group: str = ""  # of bearing lines
 
 
 def _with_side(template: Bearing, side: float, layers: int) -> Bearing:
@@ -251,7 +247,7 @@ def equal_bearing(
     displacement: float,
     design_strain: float = 1.75,
 ) -> EqualBearing:
-    """A bearing of the template's rubber, layers and lead with a given K_B.
+    """Return a bearing of the template's rubber, layers and lead with a given K_B.
 
     As many layers as keep the design strain; the side of the square plan follows from K_B, in
     steps of 5 mm; the rest follows from the compound (bearing/scaling.py).
@@ -262,10 +258,6 @@ def equal_bearing(
     stiffness : K_B [kN/mm], > 0.
     displacement : design displacement u_B [mm], > 0.
     design_strain : largest strain, u_B over total rubber thickness, > 0.
-
-    Returns
-    -------
-    EqualBearing
 
     Raises
     ------
@@ -330,12 +322,7 @@ def third_cycle(bearing: Bearing, displacement: float) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True)
 class Round:
-    """One turn of the loop, of one group of bearing lines; see `row` for the names of its numbers.
-
-    `found` displacement [mm] and `ductility` of the pier are those over the motions that the rule
-    of the case takes, `largest` is the displacement of all motions [mm]; `group` is the name of the
-    group of lines, empty where there is only one.
-    """
+    """One turn of the loop, of one group of bearing lines; `row` has the names of its numbers."""
 
     number: int
     assumed: float
@@ -345,10 +332,10 @@ class Round:
     strength: float
     post_yield: float
     initial: float
-    found: float
-    ductility: float
-    largest: float = math.nan
-    group: str = ""
+    found: float  # displacement over the motions that the rule of the case takes [mm]
+    ductility: float  # of the pier, likewise
+    largest: float = math.nan  # displacement of all motions [mm]
+    group: str = ""  # of bearing lines; empty where there is only one
 
     @property
     def difference(self) -> float:

@@ -93,7 +93,7 @@ def bridge(
         or its state (`end_state`); virgin by default. Of several runs that of this bearing at
         this ambient temperature counts.
     keep : histories of temperatures: ["rubber"] by default; ["rubber", "cells"] for the profiles
-        through the height too. `Keep` holds every how many steps (2 by default) too.
+        through the height too. `Keep` also states the interval of steps (2 by default).
     rig : limits of force [kN], stroke [mm] and speed [mm/s]; a warning says which a run exceeds:
         a name ("shen-rig"), a file or a table; none by default.
     axial_force : on one bearing [kN], positive in compression, in [-1e6, 1e6]; a table of `lines`
@@ -104,7 +104,7 @@ def bridge(
         in a list they are compared in `result.one_component` and a table.
     executor : any `concurrent.futures` executor; threads by default.
     progress : called with (runs done, all runs).
-    fixed_base : leave out the springs of the foundation; what stands on them is held.
+    fixed_base : omit the foundation springs; bodies on them are fixed.
     duration : cut motions to this [s], in [0.001, 1e6].
     dt : largest time step [s], in [1e-6, 0.1]; 0.005 by default.
     method : "average-acceleration" (default), "linear-acceleration" or "predictor-corrector".
@@ -112,10 +112,6 @@ def bridge(
     damping : "modal", "rayleigh", "element", "none" or "source"; by default that of the structure
         (pier-p1 and your own: modal; hybrid-pier: source).
     options : fields of `ModelOptions`, such as scheme or lead_ends.
-
-    Returns
-    -------
-    EarthquakeResult
 
     Raises
     ------
@@ -175,11 +171,11 @@ def hybrid(
         built-in motion of 20 s, and 23, 0 and -20 degC.
     structure : as of `bridge`; "hybrid-pier" by default.
     laboratory : a table with `mode`, "rt" (real time, the default), "pd" (the actuator moves
-        at `speed`, "10 mm/s" by default, which slows the specimen's clock down) or both in
-        a list, which makes two runs of each, compared in `modes_table`; `delay`
-        of the actuator, `compensation` (order of the extrapolation of the command by the delay),
-        `force_noise` (standard deviation of the measured force) and its `seed`; with a specimen
-        also `time_out`, `force_limit` and `displacement_limit`; numbers as text with their unit.
+        at `speed`, "10 mm/s" by default, on a slower clock) or both in a list, compared in
+        `modes_table`; `delay` of the actuator, `compensation` (order of the extrapolation of the
+        command by the delay), `force_noise` (standard deviation of the measured force) and its
+        `seed`; with a specimen also `time_out`, `force_limit` and `displacement_limit`; numbers as
+        text with their unit.
     specimen : address of a specimen or program outside, "tcp://HOST:PORT", which moves and gives
         the force in place of the modelled bearing of the reported line (wire format of OpenSees'
         genericClient, one degree of freedom at two nodes, mm and kN). There is one run then; force
@@ -188,10 +184,6 @@ def hybrid(
     method : as of `bridge`; "predictor-corrector" by default, which moves the specimen once in
         each step.
     axial_force, fixed_base, duration, dt, mass, damping, options : as of `bridge`.
-
-    Returns
-    -------
-    EarthquakeResult
 
     Raises
     ------
@@ -256,7 +248,7 @@ def sweep(
     ambient: float | Sequence[float] = 23.0,
     **options: Any,
 ) -> xr.Dataset:
-    """Bearings, motions and temperatures, every combination: one labelled dataset.
+    """Return one labelled dataset of all combinations of bearings, motions and temperatures.
 
     With a motion the dataset is that of `bridge(...).to_dataset()`: every peak and history with
     the dimensions bearing, motion and ambient. With a test it has the measures of each cycle
@@ -310,9 +302,7 @@ def compare_models(
 ) -> dict[str, EarthquakeResult]:
     """Return the results of models by name, the multi-layer one first.
 
-    Each model makes its own motion of the structure. Bilinear bearings are left out: they have no
-    heat. A model is run for the bearings that it fits (`lead-alone` needs lead). InputError: see
-    `refuse_incomparable`.
+    Each model makes its own motion of the structure. Bilinear bearings, without heat, are left out.
     """
     refuse_incomparable(case)
     results: dict[str, EarthquakeResult] = {}
@@ -328,11 +318,7 @@ def compare_models(
 def compare_components(
     case: EarthquakeCase, *, executor: Executor | None = None, progress: Progress | None = None
 ) -> EarthquakeResult:
-    """Return the result with two components, that with one at a time as its `one_component`.
-
-    With one component the structure in plan is analysed along and across the bridge on its own.
-    InputError: the structure is not in plan, or no motion has a component across it.
-    """
+    """Return the result with two components, that with one at a time as its `one_component`."""
     cases = [
         case.model_copy(update={"analysis": case.analysis.model_copy(update={"components": count})})
         for count in (2, 1)

@@ -75,7 +75,7 @@ class OnLine(Strict):
 
 
 def _settle_lines(table: dict[str, Any], folder: Path) -> list[str]:
-    """Load the bearings of lines of their own in the table of a case; return what is wrong."""
+    """Load the bearings of `lines` in the table of a case; return what is wrong."""
     if not isinstance(table.get("lines"), list | tuple):
         return []
     faults: list[str] = []
@@ -189,7 +189,7 @@ class Laboratory(Strict):
     compensation : order of the polynomial that extrapolates the command by the delay (Horiuchi
         et al., 1999), in [0, 4]; 0 is no compensation, 3 is usual.
     specimen : address of a specimen or program that takes the place of the modelled bearing,
-        tcp://HOST:PORT. It has its own delay; `delay` is only what `compensation` makes up for.
+        tcp://HOST:PORT. It has its own delay; `delay` is for `compensation` only.
     time_out : largest time in which the specimen answers [s], in [0.001, 1e5].
     force_limit : largest measured force of the specimen [kN], in [0.001, 1e6]; the test stops.
     displacement_limit : largest displacement of the specimen [mm], in [0.001, 1e5], likewise.
@@ -288,20 +288,20 @@ class EarthquakeCase(Strict):
     structure : structure on bearings: library name, TOML file, or table.
     bearings, motions : one or several: library name, file, or table.
     ambient : ambient temperature, also that of the bearings at the start [degC], in [-100, 100].
-    weather : file of time and temperature (a table or EPW) until the earthquake begins, instead of
+    weather : file of the air temperature until the earthquake (a table or EPW), instead of
         `ambient`. Faces and sides of the bearings then have other defaults.
     duration : largest duration of the motions [s], in [0.001, 1e6]; by default their full length.
     analysis : how to compute, and what to keep.
     laboratory : of a specimen in the loop.
     initial_state : where an earlier test left the bearing; of one bearing that is not bilinear.
         `initial_result` of a file becomes it.
-    lines : bearing lines with a bearing, an air, an axial force or a count of their own.
+    lines : bearing lines with their own bearing, ambient temperature, axial force or count.
     sources : of the numbers of bearings, structure and rig, by name and dotted key, where their
         own files have some;
         for documents only.
     rig : test rig (name or file); a warning names the limits that a run exceeds.
-    axial_force : on one bearing [kN], positive in compression, in [-1e6, 1e6], for checks of stress
-        and critical load.
+    axial_force : axial force on one bearing [kN], positive in compression, in [-1e6, 1e6], for
+        checks of stress and critical load.
     """
 
     command: Command
@@ -358,7 +358,7 @@ class EarthquakeCase(Strict):
         return reported_line(self.structure, own)
 
     def to_toml(self) -> str:
-        """The case with every default filled in, as TOML; reads back to the same bits."""
+        """Return the case with every default filled in, as TOML; reads back to the same bits."""
         return to_toml(self, without="" if self.weather is None else "ambient")
 
     def faults(self) -> list[str]:
@@ -396,7 +396,7 @@ class EarthquakeCase(Strict):
         return list({b.name: b for b in [*self.bearings, *own] if b is not None}.values())
 
     def _plan_faults(self) -> list[str]:
-        """Return what does not go with two components of the ground motion."""
+        """Return what cannot be combined with two components of the ground motion."""
         found = []
         if not self.structure.plan:
             found.append(f'two need a structure with plan = true; "{self.structure.name}" has none')
@@ -426,19 +426,13 @@ class EarthquakeCase(Strict):
         return [f"initial_state: {fault}"] if fault else []
 
     def count_steps(self, motion: GroundMotion | MotionPair) -> tuple[int, float]:
-        """Number of steps of a motion of the case, and their length [s].
-
-        The step divides the sampling interval, so that every sample is met.
-        """
+        """Return the number of steps of a motion, and their length [s], which divides its own."""
         dt = motion.dt / max(1, math.ceil(motion.dt / self.analysis.dt - 1e-9))
         length = motion.duration if self.duration is None else min(self.duration, motion.duration)
         return round(length / dt), dt
 
     def motion_faults(self, motions: list[GroundMotion]) -> list[str]:
-        """Return faults of a duration without a step, and of motions that only act across.
-
-        `motions` are those along the bridge. Too many steps are refused when run.
-        """
+        """Return faults of a duration without a step, and of motions that only act across."""
         found = []
         counts = [self.count_steps(motion)[0] for motion in motions]
         if self.duration is not None and 0 in counts:
@@ -455,7 +449,7 @@ class EarthquakeCase(Strict):
 def make_earthquake_case(
     table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
 ) -> EarthquakeCase:
-    """Check a case from a table of a file and overrides, defaults filled in.
+    """Check a case from a table with `command` (paths are relative to `folder`) and overrides.
 
     The table has the key `command`, "bridge" or "hybrid"; paths in it are relative to `folder`.
     `where` names the file in messages. `overrides` replace values of the table: structure,

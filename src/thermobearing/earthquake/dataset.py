@@ -71,10 +71,7 @@ def _last_lead(task: "Task", end: Any) -> float:
 def _labelled_ends(
     case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> dict[str, Any]:
-    """Return the states at the end of all runs as variables; nothing of several bearing lines.
-
-    In plan with one component they are those of the runs in each direction.
-    """
+    """Return the states at the end of all runs as variables; nothing of several bearing lines."""
     warm = [task.device.stack is not None for task in tasks]
     if not any(warm) or len(case.structure.bearings) > 1:
         return {}

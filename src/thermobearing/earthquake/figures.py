@@ -583,7 +583,7 @@ class EarthquakeFigures(Panels):
         """Return peaks with two components over those with one at a time, a dot for each run.
 
         A row of panels for each bearing: each direction, and the resultant over the larger of both
-        one-directional peaks, over 100 % of one with 30 % of the other, and over their SRSS.
+        unidirectional peaks, over 100 % of one with 30 % of the other, and over their SRSS.
         """
         frame = self._result.components
         names = [name for name in COMBINATIONS if name in set(frame["combination"])]

@@ -127,8 +127,6 @@ def _plain(value: Any) -> Any:
 def farthest(values: Any) -> Any:
     """Return the value of largest magnitude along the last axis; NaN where none is known.
 
-    Examples
-    --------
     >>> farthest([[1.0, -3.0, np.nan], [np.nan, np.nan, np.nan]]).tolist()
     [-3.0, nan]
     """
@@ -158,10 +156,7 @@ def structure_traces(task: "Task", history: StructureHistory) -> dict[str, Float
 def _hinge_histories(
     history: StructureHistory, hinges: Sequence[int | None]
 ) -> tuple[Floats, Floats]:
-    """Return rotation [rad] and moment [kN m] of a pier's hinge, NaN where there is none.
-
-    In plan there is one in each direction, and no resultant.
-    """
+    """Return rotation [rad] and moment [kN m] of a pier's hinge in each direction, NaN without."""
     missing = np.full(len(history.rows.q), np.nan)
     bends = [None if number is None else history.hinge(number) for number in hinges]
     turned = [missing if bend is None else bend["rotation"] for bend in bends]
@@ -276,10 +271,7 @@ def governing_peaks(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def drift(task: "Task", moved: Sequence[Any]) -> float:
-    """Return the largest displacement of a pier top over the height of its pier; NaN without.
-
-    In plan it is that of the direction with the larger one.
-    """
+    """Return the largest displacement of a pier top, in x or y, over its height; NaN without."""
     piers = [pier for pier, _, _ in task.prepared.piers]
     tops = [float(np.max(np.atleast_1d(top)[:2])) for top in moved]
     each = [m / p.height if p.height > 0.0 else np.nan for p, m in zip(piers, tops, strict=True)]
@@ -294,9 +286,7 @@ def compute_measures(
 ) -> dict[str, Any]:
     """Return `NUMBERS` of a run by name in the dataset: of the line or pier that goes farthest.
 
-    Heat and the mismatch of layers are those of the line whose histories are kept; `trace` is
-    from `structure_traces` or `history_traces`, `peaks` are those of lines and of piers where they
-    are known.
+    Heat and the mismatch of layers are those of the line whose histories are kept.
     """
     bearing, books = history.bearing(task.reported_line), history.rows.books
     found: dict[str, Any] = {
@@ -332,10 +322,7 @@ def _actuator_work(task: "Task", history: StructureHistory) -> float:
 
 
 def compute_residuals(numbers: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the residuals of the energy balances, see `EarthquakeResult.energy`.
-
-    `numbers` are those of `compute_measures`, of one run or as columns.
-    """
+    """Return the residuals of the energy balances of one run, or of columns of runs."""
     given = numbers["energy_input"]
     spent = sum(numbers.get(f"energy_{name}", 0.0) for name in STRUCTURE[1:])
     work, released = numbers["heat_work_in"], numbers["heat_heat_released"]
@@ -351,10 +338,7 @@ def compute_residuals(numbers: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def loop_measures(task: "Task", trace: Mapping[str, Floats]) -> dict[str, Any]:
-    """Return numbers of the largest loop by name in the dataset; NaN where none is closed.
-
-    In plan they are those of each direction; the resultant has no loops.
-    """
+    """Return numbers of the largest loop, in plan of each direction; NaN where none is closed."""
     moved, force, work = (trace[f"bearing_{n}"] for n in ("displacement", "force", "energy"))
     if moved.ndim == 1:
         return _loop_numbers(task, trace["time"], moved, force, work)

@@ -87,10 +87,7 @@ class Motion(Strict):
         return self.label or "+".join(names)
 
     def load(self) -> GroundMotion:
-        """Return the motion along the bridge under its label, not yet scaled.
-
-        It is the record, or the component along the axis x of a pair or of a record at an angle.
-        """
+        """Return the motion along the bridge under its label, not yet scaled."""
         if self.is_pair or self.angle is not None:
             return self.load_pair().along("x")
         loaded = self._record(*FIRST)
@@ -284,10 +281,7 @@ def _at(table: dict[str, Any]) -> str:
 
 
 def rotation_groups(motions: Sequence[Mapping[str, Any]]) -> dict[str, dict[str, float]]:
-    """Return the angles [deg], by label, of each motion that a case has at several angles.
-
-    `motions` are tables of a resolved case; the groups have the label without the angle.
-    """
+    """Return angles [deg] by label, of each motion of a resolved case that has several."""
     groups: list[tuple[dict[str, Any], dict[str, float]]] = []
     for motion in motions:
         if "angle" not in motion or "label" not in motion:
@@ -309,11 +303,9 @@ def rotation_frame(
     labels: Sequence[str],
     names: Sequence[str],
 ) -> pd.DataFrame:
-    """Return RotD50 and RotD100 of peaks over the angles of each motion at several angles.
+    """Return RotD50 and RotD100 of the columns `names` of runs, NaN where a run failed.
 
-    `runs` has a row for each run, `labels` are its columns that distinguish runs of a motion,
-    `names` those of peaks. A peak of which an angle failed is NaN. Columns of the result: the
-    labels, motion (without the angle), angles (their number), measure, peaks.
+    `labels` are the columns that distinguish runs of one motion at one angle.
     """
     rows = []
     peaks = runs[list(names)].astype(float).where(runs["outcome"] == "completed")

@@ -49,11 +49,7 @@ def part_names(dataset: xr.Dataset) -> str:
 
 
 def select_part(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
-    """Return the dataset whose peaks, and histories where it has them, are those of one part.
-
-    `part` is "pier" or "line"; `name` None stands for the one whose histories the dataset holds.
-    InputError: no part has that name; the nearest is named.
-    """
+    """Return the dataset with peaks and histories of one part, by default the reported one."""
     several = "line" in dataset.coords
     name = dataset.attrs.get(part) if name is None else name
     if name is None or (name == dataset.attrs.get(part) and not several):
@@ -106,7 +102,10 @@ class Panels(drawing.Figures):
         self._run_modes = list(dict.fromkeys(result.modes))
 
     def _title(self, what: str, motions: bool = False) -> str:
-        """Return the title of a figure; with `motions` how many of them it shows, and parts."""
+        """Return the title of a figure, with the bearing and the motion where there is one.
+
+        With `motions` it also states how many of them are shown, and parts.
+        """
         count = min(len(self._motions), MOST_COLUMNS)
         several = motions and count < len(self._motions)
         more = f" (first {count} of {len(self._motions)} motions)" if several else ""
@@ -186,7 +185,10 @@ class Panels(drawing.Figures):
         share: bool | Literal["row", "col"] = True,
         zero: bool = False,
     ) -> tuple[Figure, list[Cell]]:
-        """Return a figure and its panels, each with what its row and its column stand for."""
+        """Return a figure and its panels, each with what its row and its column stand for.
+
+        The only name of a column or row is left out; the title has it.
+        """
         count = len(columns)
         inches = (max(size[0] * count, 5.0) + 0.6, size[1] * len(rows) + 1.0)
         figure, axes = drawing.panels(len(rows), count, inches, title, share=share)

@@ -82,7 +82,7 @@ def _input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
 
 
 def _list_all_bearings(case: Case) -> list[Mapping[str, Any]]:
-    """Return the bearings of the analysis and those of lines of their own, each once."""
+    """Return the bearings of the analysis and of its lines, each once."""
     found = {str(one["name"]): one for one in case["bearings"]}
     for line in case.get("lines", []):
         if isinstance(line.get("bearing"), Mapping):

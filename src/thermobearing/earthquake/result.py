@@ -126,10 +126,6 @@ class EarthquakeResult(DatasetResult):
             Of bearing, motion, ambient [degC] and mode: a value, or several in a list. Of
             a structure in plan `direction` too: "x", "y" or, with two components, "resultant".
 
-        Returns
-        -------
-        EarthquakeResult
-
         Raises
         ------
         InputError
@@ -189,7 +185,7 @@ class EarthquakeResult(DatasetResult):
     def components(self) -> pd.DataFrame:
         """Peaks with two components of the ground motion over those with one at a time, if known.
 
-        One row per run, quantity and combination of the one-directional peaks: x, y, the larger
+        One row per run, quantity and combination of the unidirectional peaks: x, y, the larger
         one, 100 % of one with 30 % of the other (rule), the root of the sum of squares (srss).
         """
         return self._rows(COMPONENTS)
@@ -222,7 +218,7 @@ class EarthquakeResult(DatasetResult):
 
     @property
     def has_parts(self) -> bool:
-        """Whether there are several lines or piers, with rows of their own."""
+        """Whether there are several lines or piers, each with its rows."""
         return "line" in self.dataset.coords
 
     @property
@@ -402,7 +398,8 @@ class EarthquakeResult(DatasetResult):
         """Return the main histories of one run, one row a kept step.
 
         The displacement of the deck is relative to the ground; accelerations are absolute unless
-        they are said to be relative. A body that is neither deck nor pier has its own column.
+        they are said to be relative. A body that is neither deck nor pier has its own column;
+        on the ground there are no columns of a pier.
 
         Parameters
         ----------
@@ -496,7 +493,7 @@ class EarthquakeResult(DatasetResult):
         return tables.make_tables(self)
 
     def notes(self) -> list[str]:
-        """Return sentences on the energy balance, on pairs of motions and on strain rates."""
+        """Return sentences on the energy balance and on strain rates."""
         found = []
         if self.runs:
             worst = float(self.energy["structure_residual"].abs().max())

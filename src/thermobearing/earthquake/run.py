@@ -152,10 +152,7 @@ def build_device(case: EarthquakeCase, bearing: Bearing | BilinearBearing) -> De
 def build_shaking(
     case: EarthquakeCase, number: int, motion: GroundMotion | MotionPair, direction: str = ""
 ) -> Shaking:
-    """Return a motion of the case, cut, scaled, and linear between its samples.
-
-    Of a pair both components, or that of one direction.
-    """
+    """Return a motion of the case, cut and scaled; of a pair both components, or one direction."""
     steps, dt = case.count_steps(motion)
     times, factor = dt * np.arange(steps + 1), case.motions[number].factor
     if isinstance(motion, MotionPair) and direction:
@@ -238,9 +235,8 @@ def judged(
 ) -> str:
     """Return the outcome of a run that reached its end: whether the model holds that far.
 
-    `moved` is the largest displacement of the modelled bearing of each line [mm], of the resultant
-    in plan, `turned` the largest rotation of each hinge [rad], `tops` the largest displacement of
-    each pier top relative to its base [mm].
+    `moved`, `turned` and `tops` are the largest movements of each bearing [mm], hinge [rad] and
+    pier top [mm].
     """
     structure = task.case.structure
     for one, far in zip(task.lines, moved, strict=True):
@@ -321,11 +317,7 @@ def prepared_lines(
     own: Sequence[Device | None],
     start: Callable[[Device], OneLine],
 ) -> tuple[OneLine, ...]:
-    """Return all bearing lines of a run: those of the analysis, and those of their own kind.
-
-    `own` is the device of each of the case's own lines, None for that of the analysis; `start`
-    gives a device the temperatures of the run.
-    """
+    """Return all lines of a run; `own` are the devices of the case's own lines, or None."""
     usual = start(device)
     special = {item.line: (item, mine) for item, mine in zip(case.lines, own, strict=True)}
     found = []
@@ -472,10 +464,7 @@ def soaked_hours(device: Device, weather: Hourly, hours: Ints | None = None) -> 
 
 
 def history_weights(constants: Constants, hours: int) -> Floats:
-    """Return weights [n, hours + 1] on the ambient temperature at full hours.
-
-    Rows are cells, lead and the memory of lead of a bearing that starts at the ambient temperature.
-    """
+    """Return weights [cells and lead, hours + 1] on the ambient temperature at full hours."""
     hour = _hour_map(constants)
     begin = _uniform(constants, 1.0)
     weights = np.zeros((len(begin), hours + 1))
@@ -491,10 +480,7 @@ def history_weights(constants: Constants, hours: int) -> Floats:
 def soaked_history(
     constants: Constants, weights: Floats, ambient: Floats
 ) -> tuple[Floats, float | None]:
-    """Return temperatures of cells and lead at the end of some hours, as `soaked`.
-
-    `weights` are from `history_weights`; `ambient` is at the full hours [degC], the end included.
-    """
+    """Return temperatures of cells and lead from `history_weights` and hourly temperatures."""
     found = weights @ ambient
     cells = len(constants.cells.capacity)
     return found[:cells].copy(), float(found[cells]) if _has_lead(constants) else None

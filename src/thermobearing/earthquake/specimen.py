@@ -49,17 +49,7 @@ def read_address(text: str) -> tuple[str, int]:
 
 
 class TcpSpecimen:
-    """A specimen behind a TCP connection; see `structure.run.Specimen`.
-
-    Parameters
-    ----------
-    laboratory : its address, the limits, and how long an answer may take.
-    line : number of the bearing line whose modelled bearing it replaces.
-
-    Raises
-    ------
-    InputError : nothing answers at the address.
-    """
+    """A specimen behind a TCP connection, in place of the bearing of a line; see `Specimen`."""
 
     def __init__(self, laboratory: "Laboratory", line: int) -> None:
         assert laboratory.specimen is not None
@@ -82,12 +72,7 @@ class TcpSpecimen:
             ) from None
 
     def move(self, displacement: float, speed: float, time: float) -> float:
-        """Move to a displacement [mm] at a speed [mm/s] and a time [s]; return the force [kN].
-
-        Raises
-        ------
-        SpecimenError : the specimen does not answer, or a limit is exceeded.
-        """
+        """Move to a displacement [mm] at a speed [mm/s] and a time [s]; return the force [kN]."""
         if abs(displacement) > (self._lab.displacement_limit or math.inf):
             raise SpecimenError(DISPLACEMENT_LIMIT)
         self._last = displacement, time

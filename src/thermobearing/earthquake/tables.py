@@ -73,7 +73,7 @@ PARTS: Final = {
         "top_acceleration_max_m_s2",
     ),
 }
-MOST_ROWS: Final = 24  # of lines or piers on the console: of more, the largest of all runs
+MOST_ROWS: Final = 24  # of lines, piers or checks on the console: of more, the largest of all
 FAST, SLOW = "rt", "pd"
 RATIOS: Final = {  # of a real-time test over the pseudo-dynamic one: column of the table of runs
     "force": "bearing_force_max_kN",
@@ -133,10 +133,7 @@ def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
 
 
 def console_tables(result: "EarthquakeResult") -> list[Table]:
-    """Return the tables that the console prints, those of the peaks by bearing.
-
-    Of many lines or piers they hold the largest of all runs.
-    """
+    """Return the tables of the console: peaks by bearing, the largest of many lines or piers."""
     found = make_tables(result)
     for part in PARTS:
         if f"{part}s" in found:
@@ -242,10 +239,7 @@ def _rotation_table(result: "EarthquakeResult") -> Table:
 
 
 def _combined(x: Floats, y: Floats) -> dict[str, Floats]:
-    """Return peaks of two one-directional analyses, and what designers combine them to.
-
-    The larger one; 100 % of it with 30 % of the other; the square root of the sum of squares.
-    """
+    """Return peaks of two unidirectional analyses and their usual combinations."""
     larger = np.maximum(x, y)
     rule = np.hypot(larger, RULE * np.minimum(x, y))
     return {"x": x, "y": y, "larger": larger, "rule": rule, "srss": np.hypot(x, y)}
@@ -254,10 +248,8 @@ def _combined(x: Floats, y: Floats) -> dict[str, Floats]:
 def components_frame(result: "EarthquakeResult", one: "EarthquakeResult") -> pd.DataFrame:
     """Return two components of the ground motion compared with one at a time, a row for each peak.
 
-    Columns: bearing, motion, ambient_degC, quantity (column of the table of runs), combination (x,
-    y: the peak of that direction; larger, rule, srss of both, compared with the resultant),
-    one_component, two_components, two_over_one. Of hinges and temperatures only the larger one is
-    compared with that of two components. Runs that ended early are left out.
+    Of hinges and temperatures only the larger one is compared with that of two components. Runs
+    that ended early are left out.
     """
     keys = list(KEYS[:3])
     two = {name: _peaks_by_run(result.sel(direction=name), keys) for name in DIRECTIONS}
@@ -324,11 +316,7 @@ def _components_table(result: "EarthquakeResult") -> Table:
 
 
 def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
-    """Return the largest of every peak over all runs, lines and piers of each bearing.
-
-    Columns: bearing, what, largest, part (line or pier; empty where there is one), motion,
-    ambient_degC; a row for each bearing and peak that is known. In a laboratory both modes count.
-    """
+    """Return the largest of every peak over all runs, lines and piers of each bearing."""
     rows = []
     runs = result.table
     parts = {"": pd.DataFrame(), "line": result.lines, "pier": result.piers}
@@ -426,9 +414,7 @@ def _parts_table(result: "EarthquakeResult", part: str, most: int | None = None)
 def modes_frame(result: "EarthquakeResult") -> pd.DataFrame:
     """Return real-time tests over pseudo-dynamic ones: a row per bearing, motion, temperature.
 
-    Ratios of the peak force, the peak strain and the energy of the specimen; the largest rise of
-    the outer and the innermost rubber layer and of the lead in both [K], and their ratios. Empty
-    unless both modes were run.
+    Ratios of peaks, energy and rises of temperature; empty unless both modes were run.
     """
     table = result.table
     rows: list[dict[str, Any]] = []
@@ -534,12 +520,8 @@ UNDERESTIMATES = "underestimates inner layer"
 def comparison_table(results: "dict[str, EarthquakeResult]") -> pd.DataFrame:
     """Return the errors of each earlier model, one row per run and model.
 
-    `results` are by the name of the model, the multi-layer one among them (`compare_models`). The
-    columns hold the root mean square and largest temperature error of the outer layer, the inner
-    layer and the lead [K], over the run; the error of the largest rise of the inner layer
-    [K] and whether the model underestimates it; the root mean square error of the force [% of
-    the peak]; errors of peaks and of the largest loop [%]. A run that ended early, which its
-    outcome says, is compared up to its end.
+    Errors of temperatures [K], of the force [% of the peak], and of peaks and the largest loop
+    [%], up to the end of a run that ended early.
     """
     truth = results[REFERENCE]
     table = truth.table
@@ -586,8 +568,6 @@ def _errors(
 def _underestimates(found: Floats, expected: Floats) -> bool:
     """Return whether both the largest rise of a temperature and its mean over the run are lower.
 
-    Examples
-    --------
     >>> late = np.array([0.0, 0.0, 3.0])
     >>> _underestimates(late - [0.0, 0.0, 1.0], late)
     True
@@ -602,10 +582,7 @@ def _rise(values: Floats) -> float:
 
 
 def verdict(table: pd.DataFrame) -> str:
-    """Return whether a single temperature underestimates the inner layer, in a sentence.
-
-    It does where the largest rise of the inner layer and its mean over the run are both lower.
-    """
+    """Return whether a single temperature underestimates the inner layer, in a sentence."""
     mine = table[table["model"] == SINGLE]
     missed = mine[~mine[UNDERESTIMATES].to_numpy(dtype=bool)]
     low, high = mine[f"{INNER} rise K"].min(), mine[f"{INNER} rise K"].max()

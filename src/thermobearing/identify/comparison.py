@@ -23,24 +23,15 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class Comparison:
-    """One test compared with one bearing and model.
-
-    Attributes
-    ----------
-    record : the test.
-    bearing, model : names; "identified" is the model of a calibration.
-    rubber : total rubber thickness [mm].
-    prediction : the model at the samples of the test; None if it ended early.
-    outcome : of the model's run, as of a cyclic test.
-    compared : rows of `results.ranges.compared`, for the calibration range of the bearing.
-    """
+    """One test compared with one bearing and model."""
 
     record: TestRecord
-    bearing: str
-    model: str
-    rubber: float
-    prediction: Prediction | None
-    outcome: str = COMPLETED
+    bearing: str  # name
+    model: str  # name; "identified" is the model of a calibration
+    rubber: float  # total thickness [mm]
+    prediction: Prediction | None  # at the samples of the test; None if it ended early
+    outcome: str = COMPLETED  # of the model's run, as of a cyclic test
+    # Rows of `results.ranges.compared`, for the calibration range of the bearing.
     compared: list[Row] = field(default_factory=list)
 
     @cached_property

@@ -237,8 +237,8 @@ class IdentificationFigures(ComparisonFigures):
     def cycles(self) -> Figure:
         """Draw the measures of each cycle: the test as a broad band, the model as a line.
 
-        The model's are those of its own force; the test's differ from them by the error in the
-        table, from short running means of both: extremes of noisy samples are too large.
+        Those of the model follow from its computed force. Those of the test differ by the error
+        in the table, which compares short running means: extremes of noisy samples are too large.
         """
         title = self._title("test and model, each cycle")
         figure, axes = drawing.panels(2, 2, (10.0, 6.4), title)

@@ -89,7 +89,7 @@ class Identification(Result):
 
     Attributes
     ----------
-    bearing : the bearing with the identified numbers; its tested range is what the tests cover.
+    bearing : the calibrated bearing; its tested range is that of the tests.
     pset, cube : parameters, and the place of the optimum in their unit cube.
     records, checks, predictions : tests, their checks, the model at their samples.
     uncertainty : standard errors, intervals, correlation, warnings.
@@ -216,7 +216,7 @@ class Identification(Result):
         return said
 
     def tables(self) -> dict[str, Table]:
-        """Tables of parameters, of the agreement with the tests, and of thermocouples."""
+        """Return tables of parameters, of the agreement with the tests, and of thermocouples."""
         from thermobearing.identify import report
 
         summary = self.summary()
@@ -229,7 +229,7 @@ class Identification(Result):
         return {name: table for name, table in found.items() if table.rows}
 
     def notes(self) -> list[str]:
-        """Columns of the tests that are not used, and warnings of the forecast."""
+        """Return columns of the tests that are not used, and warnings of the forecast."""
         ahead = self.forecast.warnings if self.forecast else ()
         return [*unused_columns(self.records), *(f"warning: {text}" for text in ahead)]
 

@@ -78,10 +78,6 @@ def identify_bearing(
     one_temperature : free m_T and n_T, if `free` contains them, even if the ambient temperatures
         of the tests differ by less than 10 K; otherwise they are held, with a warning.
 
-    Returns
-    -------
-    Identification
-
     Raises
     ------
     InputError : a test that cannot be used, with the reason; unknown names; a model that ends

@@ -72,7 +72,7 @@ class Intake:
         return "ambient" in self.sidecar and "ambient" not in self.kept
 
     def table(self) -> Table:
-        """The recognised quantity of each column, with a caption about the file."""
+        """Return the recognised quantity of each column, with a caption about the file."""
         form = f'sheet "{self.sheet}"' if self.sheet else f"separated by {self.separator}"
         comma = "decimal comma, " if self.decimal == "," else ""
         blocks = "1 block" if self.blocks == 1 else f"{self.blocks} blocks"
@@ -295,9 +295,9 @@ def write_template(
 ) -> Path:
     """Write an Excel workbook for a laboratory to fill in, which `take_in` reads as it is.
 
-    Its sheet "Test" has columns of time, displacement, force and temperatures of the rubber layers
-    and the lead of a bearing (two layers and lead without one); "Description" has what else is to
-    be known of the test.
+    Its sheet "Test" has columns of time, displacement, force and temperatures of the lead and the
+    rubber layers of a bearing as `history.csv` of a run has them: to the middle of the bearing (two
+    layers and lead without a bearing). "Description" has what else is to be known of the test.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""The live page: the bearing computes itself in the reader's browser."""
+"""The live page: a bearing model that runs in the reader's browser."""

@@ -108,11 +108,9 @@ EDITABLE = {  # tables of a bearing file whose numbers the page can change
 
 
 def live_module() -> bytes:
-    """Return the WebAssembly module of the kernels, built from the present sources.
+    """Return the WebAssembly module of the kernels.
 
-    Raises
-    ------
-    InputError : the installation has none, or it was built from other sources.
+    Raises InputError if the installation has none, or it was built from other sources.
     """
     with _built():
         return read_library(FOLDER, Path(MODULE).stem)[1]
@@ -143,15 +141,7 @@ def live_data(
 ) -> dict[str, Any]:
     """Return what `createEngine` of the engine takes, for `json.dumps`.
 
-    Parameters
-    ----------
-    bearings : names, files or bearings; all of the library by default.
-    motions : names of built-in ground motions.
-    structure : name of the structure under them.
-
-    Raises
-    ------
-    InputError : the installation has no module, or a name is unknown.
+    The bearings are all of the library by default; motions and structures are those of the package.
     """
     names = list_bearings() if bearings is None else bearings
     chosen = [as_bearing(name) for name in names]

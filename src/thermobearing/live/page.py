@@ -41,10 +41,10 @@ EXPORTED = re.compile(r"^export (?:async )?(?:function|const|class) (\w+)", re.M
 def live_page(
     path: str | Path, bearing: Bearing | str | Path | None = None, *, overwrite: bool = False
 ) -> Path:
-    """Write a page in which a bearing is tested and a bridge is shaken, computed by the browser.
+    """Write a page in which the browser computes tests of a bearing and a bridge.
 
     The page is one HTML file that opens from a disk, a mail attachment or a phone. It contains
-    the kernels of this package as WebAssembly and asks for nothing from a network.
+    the kernels of this package as WebAssembly and needs no network.
 
     Parameters
     ----------

@@ -103,19 +103,10 @@ def _constants() -> tuple[dict[str, Any], dict[str, Any]]:
 def overlap_area(plan: Plan, displacement: Floats) -> Floats:
     """Return the area of a plan that still lies above itself when the top has moved [mm2].
 
-    Parameters
-    ----------
-    plan : plan of the bearing.
-    displacement : of the top relative to the bottom [mm]: a number for each place, or pairs (x, y)
-        on the last axis of two dimensions; x is along the `length` of a rectangular plan.
+    It is (a - abs(x)) (b - abs(y)) of a rectangle, the lens of two circles of a round plan.
+    `displacement` [mm] has a number for each place, or pairs (x, y) on the last axis of two
+    dimensions; x is along the `length` of a rectangular plan.
 
-    Returns
-    -------
-    array : (a - abs(x)) (b - abs(y)) of a rectangle, the lens of two circles of a round plan; zero
-        where nothing overlaps.
-
-    Examples
-    --------
     >>> from thermobearing.bearing.model import RectangularPlan
     >>> plan = RectangularPlan(shape="rectangular", length=400, width=300)
     >>> overlap_area(plan, np.array([[100.0, -50.0], [500.0, 0.0]])).tolist()
@@ -164,15 +155,9 @@ def critical_load(geometry: Geometry, shear_modulus: float) -> float:
         P_S = G A \frac{h}{T_r}, \quad P_E = \frac{\pi^2}{h^2} \frac{E_c I}{3} \frac{h}{T_r}
 
     of Haringx's column, with both ends held against rotation, between the end plates (height h of
-    rubber and shims, T_r of rubber), about the weaker axis.
+    rubber and shims, T_r of rubber), about the weaker axis; `shear_modulus` is the secant modulus
+    of the rubber [GPa].
 
-    Parameters
-    ----------
-    geometry : plan and layers.
-    shear_modulus : secant modulus of the rubber [GPa], > 0.
-
-    Examples
-    --------
     >>> import thermobearing as tb
     >>> geometry = tb.load_bearing("shen-hdr-bridge").geometry
     >>> 9e3 < critical_load(geometry, 1e-3) < 10e3
@@ -222,24 +207,14 @@ def vertical_checks(
     temperature: float,
     part: str = "",
 ) -> list[Check]:
-    """Return the checks of a bearing under a vertical load along its way.
+    """Return the checks of a bearing under a vertical load [kN] along its way [mm].
 
-    Parameters
-    ----------
-    bearing : the bearing; None for one of which the plan is not known, such as a bilinear one.
-    axial_force : of one bearing [kN], positive in compression. Tension is outside the model: the
-        only row then says so.
-    displacement : history [mm], of pairs (x, y) in a plane; the place with the smallest overlap
-        decides.
-    temperature : ambient temperature [degC]. The shear modulus is that of scragged rubber at 100 %
-        strain at this temperature, at least at the reference temperature of the rubber.
-    part : bearing line, where there are several.
-
-    Returns
-    -------
-    list of Check : compressive stress on the plan and on the overlap of top and bottom, whose
-        limits are not available, and the axial force compared with the critical load without
-        displacement and with the reduced area. No row with neither bearing nor tension.
+    They are the compressive stress on the plan and on the smallest overlap of top and bottom, whose
+    limits are not available, and the axial force compared with the critical load without
+    displacement and with the reduced area. The shear modulus is that of scragged rubber at 100 %
+    strain at the ambient `temperature` [degC], at least at the reference temperature of the rubber.
+    Tension is outside the model: the only row then says so. There are no rows for a bearing of
+    unknown plan (None), such as a bilinear one. `part` is a bearing line, where there are several.
     """
     known = _constants()[1]
     if axial_force < 0.0:

@@ -112,13 +112,13 @@ def _lumped_with_losses(constants: Constants, bearing: Bearing, stack: Stack) ->
 
 
 def _lone_cell(capacity: float, beside_lead: float) -> Cells:
-    """A single cell that exchanges no heat."""
+    """Return a single cell that exchanges no heat."""
     none = [np.zeros(1) for _ in Cells._fields]
     return Cells(*none)._replace(capacity=np.array([capacity]), beside_lead=np.array([beside_lead]))
 
 
 def _unexchanging(cells: Cells) -> Cells:
-    """The same cells, without heat exchange between each other and with the ambient."""
+    """Return the same cells, without heat exchange between each other and with the ambient."""
     none = np.zeros_like(cells.capacity)
     return cells._replace(to_previous=none, to_next=none, end_loss=none, side_loss=none)
 
@@ -139,7 +139,7 @@ def _temperature_blind(constants: Constants) -> Constants:
 
 
 def _bilinear(constants: Constants, parameters: BilinearParameters) -> Constants:
-    """The bilinear model of design (Fig. 6.3), temperature-independent.
+    """Return the bilinear model of design (Fig. 6.3), temperature-independent.
 
     A linear spring K_2 and, in parallel, an elastic and perfectly plastic one of strength Q_d
     and stiffness K_1 - K_2, which are the branches of the lead here.
@@ -178,7 +178,7 @@ def bilinear_constants(parameters: BilinearParameters) -> Constants:
 
 
 def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
-    """A chain of `count` linear layers whose stiffness is K_2 [kN/mm]."""
+    """Return a chain of `count` linear layers whose stiffness is K_2 [kN/mm]."""
     return Rubber(
         layer_count=count,
         elastic_stiffness=count * parameters.post_yield,
@@ -228,7 +228,7 @@ def isothermal(constants: Constants) -> Constants:
 
 
 def models_that_fit(bearing: Bearing) -> list[Model]:
-    """The multi-layer model and the earlier ones; `lead-alone` needs lead."""
+    """Return the multi-layer model and the earlier ones; `lead-alone` needs lead."""
     return [m for m in get_args(Model) if m != "lead-alone" or bearing.lead is not None]
 
 

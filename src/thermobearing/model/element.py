@@ -55,23 +55,19 @@ class Trial:
 
 @dataclass(frozen=True)
 class PlaneTrial:
-    """Response to one trial displacement in a horizontal plane.
+    """Response to one trial displacement in a horizontal plane, as `Trial` with components.
 
-    Attributes
-    ----------
-    force : components of the restoring force [kN], [2].
-    tangent : derivatives of the force (rows) by the displacement (columns) [kN/mm], [2, 2]; not
-        symmetric in general, because a hysteretic force has no potential.
-    outcome : "completed", or the reason why the step ended early.
+    The tangent has derivatives of the force (rows) by the displacement (columns); it is not
+    symmetric in general, because a hysteretic force has no potential.
     """
 
-    force: Floats
-    tangent: Floats
+    force: Floats  # [2]
+    tangent: Floats  # [2, 2]
     outcome: str
 
 
 class BearingElement:
-    """One bearing for an outside solver, modelled as `run` models it.
+    """A bearing for an external solver, modelled as in `run`.
 
     Parameters
     ----------
@@ -357,14 +353,7 @@ class BearingElement:
 
 @dataclass(frozen=True)
 class Trials:
-    """Responses of several bearings to one trial displacement each.
-
-    Attributes
-    ----------
-    force : restoring forces [kN].
-    tangent : their slopes [kN/mm].
-    outcome : "completed", or the reason why the step of a bearing ended early.
-    """
+    """Responses of several bearings to one trial displacement each, as those of `Trial`."""
 
     force: NDArray[np.float64]
     tangent: NDArray[np.float64]
@@ -372,7 +361,7 @@ class Trials:
 
 
 class BearingElements:
-    """Several bearings that an outside solver moves in one call.
+    """Several bearings that an external solver moves in one call.
 
     Parameters
     ----------
@@ -473,10 +462,6 @@ def element(
     initial, initial_lead, components, model, options : as of `BearingElement`; two components
         are for a bearing that moves in a plane.
 
-    Returns
-    -------
-    BearingElement
-
     Raises
     ------
     InputError : no such bearing or option, or temperatures that do not fit.
@@ -549,7 +534,7 @@ def _numbers(key: str, unit: str, value: Any, components: int) -> list[float]:
 
 
 def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:
-    """Temperature of each cell [degC]."""
+    """Return the temperature of each cell [degC]."""
     refuse_hidden(temperature, key)
     try:
         given = np.asarray(temperature, dtype=np.float64)

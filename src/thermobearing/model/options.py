@@ -61,8 +61,9 @@ class ModelOptions(Strict):
     model : "multi-layer" (default), or an earlier model for comparison.
     scheme : scheme of heat conduction: "conservative" (default) or "published".
     integrator : integration of Z: "exact" (default) or "euler".
-    hardening : form of the hardening term: "printed" (default, Eq. 4.34) or "monotone", which is
-        equal to it during loading and never lets the force increase during unloading.
+    hardening : form of the hardening term: "printed" (Eq. 4.34) or "monotone", which is equal to it
+        during loading and never lets the force increase during unloading; by default that of the
+        bearing's file, or "printed".
     small_loops : law of small reversals: "published" (Eq. 4.35: the force does not return to the
         value at the reversal) or "closed" (it does); by default that of the bearing's file, or
         "published".

@@ -98,8 +98,9 @@ def possible_temperatures() -> tuple[float, float]:
 def is_physical(constants: Constants, state: State, recoverable_before: float = 0.0) -> bool:
     """Return whether every cell has a possible temperature and the energy balance closes.
 
-    `recoverable_before` is the recoverable energy at the start [kN mm]. The published scheme has
-    no closed energy balance: there only temperatures are checked.
+    `recoverable_before` is the recoverable energy at the start [kN mm]. Only temperatures are
+    checked where the balance cannot close: of the published scheme, and where the rounding of the
+    temperature of a lead of endless heat capacity (the bilinear model) is a noticeable heat.
     """
     return bool(
         plain(is_possible, state)(

@@ -124,14 +124,10 @@ def distinct_angles(angles: Sequence[float]) -> list[int]:
 
 
 def rotation_measures(values: ArrayLike, angles: Sequence[float] | None = None) -> RotationMeasures:
-    """Return RotD50 and RotD100 of largest absolute responses to a pair at several angles.
+    """Return RotD50 and RotD100 of largest absolute responses [angle, ...] to a pair.
 
-    Parameters
-    ----------
-    values : [angle, ...] the largest response at each angle, in any unit; NaN, of a run that
-        failed, makes the measures NaN.
-    angles : of the pair [deg]; those half a turn from an earlier one count once. By default all
-        values count.
+    NaN, of a run that failed, makes the measures NaN. Of `angles` [deg], those half a turn from an
+    earlier one count once; by default all values count.
     """
     found = np.asarray(values, dtype=np.float64)
     found = found if angles is None else found[distinct_angles(angles)]

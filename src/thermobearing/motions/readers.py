@@ -119,7 +119,7 @@ def read_motion(
 
 
 def _text(path: Path) -> str:
-    """The text of a file; of a workbook the first sheet that holds anything."""
+    """Return the text of a file; of a workbook the first sheet that holds anything."""
     if path.suffix.lower() not in WORKBOOKS:
         return read_text(path)
     rows = next((sheet.rows for sheet in read_sheets(path) if sheet.rows), [])
@@ -144,7 +144,7 @@ def _read(text: str, component: str | None) -> _Raw:
 
 
 def _number(cell: str) -> float:
-    """A finite float; NaN, blanks and words are refused."""
+    """Return a finite float; NaN, blanks and words are refused."""
     text = cell.strip()
     if not text:
         raise InputError("a number is missing (a gap in the record)")
@@ -181,7 +181,7 @@ def _running_numbers(lines: Iterable[tuple[int, str]]) -> Floats:
 
 
 def _entry(text: str) -> float | None:
-    """The number that an entry of a header begins with, if it does."""
+    """Return the number that an entry of a header begins with, if it does."""
     found = NUMBER.match(text)
     return _number(found[0]) if found else None
 
@@ -283,7 +283,7 @@ def _read_jma(lines: list[str], component: str | None) -> _Raw:
 
 
 def _read_columns(lines: list[str], component: str | None) -> _Raw:
-    """Columns of numbers below a free header."""
+    """Return columns of numbers below a free header."""
     sheet = sheet_of_text("\n".join(lines), quotes=False)
     # Empty columns are omitted: two tabs between numbers are one separator.
     held = sorted({c for _, cells in sheet.rows for c, cell in enumerate(cells) if cell.strip()})
@@ -320,7 +320,7 @@ def _is_row(cells: list[str]) -> bool:
 
 
 def _unit_in_header(header: list[str]) -> str | None:
-    """A unit of acceleration in the free header, such as "Acc. in cm/sec^2"."""
+    """Return a unit of acceleration in the free header, such as "Acc. in cm/sec^2"."""
     found = {next(part for part in match if part) for match in _UNIT.findall(" ".join(header))}
     sizes = {acceleration_unit(text) for text in found}
     if len(sizes) > 1:
@@ -345,7 +345,7 @@ def _is_unit(text: str) -> bool:
 
 
 def _cells(line: str, width: int) -> list[str] | None:
-    """The words of a line of the header, if there are as many as columns."""
+    """Return the words of a line of the header, if there are as many as columns."""
     line = line.strip().lstrip(_MARKS).strip()
     for cells in (re.split(r"[;,\t]", line), re.split(r"\s{2,}", line), line.split()):
         titles = [cell.strip() for cell in cells if cell.strip()]
@@ -357,7 +357,7 @@ def _cells(line: str, width: int) -> list[str] | None:
 def _sorted_columns(
     header: list[str], table: Floats, width: int
 ) -> tuple[_Column | None, list[_Column]]:
-    """The column of time, if there is one, and those of acceleration."""
+    """Return the column of time, if there is one, and those of acceleration."""
     titles = _titles(header, width)
     columns = [_Column(at, title, None) for at, title in enumerate(titles or [""] * width)]
     for at, title in enumerate(titles or []):
@@ -379,7 +379,7 @@ def _sorted_columns(
 
 
 def _chosen(columns: list[_Column], component: str | None) -> _Column:
-    """The wanted component; InputError if there are several and none was chosen."""
+    """Return the wanted component; InputError if there are several and none was chosen."""
     if not columns:
         raise InputError("has a column of time, but none of acceleration")
     names = [column.name or str(place) for place, column in enumerate(columns, 1)]

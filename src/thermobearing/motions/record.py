@@ -41,7 +41,7 @@ OFF_GRID = 0.1  # of a time step: how far a printed time may be from an even gri
 
 @dataclass(frozen=True)
 class GroundMotion:
-    """A ground acceleration.
+    """Acceleration of the ground.
 
     Attributes
     ----------
@@ -256,10 +256,6 @@ def motion_from_arrays(
     name : of the motion, for tables and figures.
     component : direction, such as "NS"; distinguishes motions of one name.
     trust_unit : take the motion even if its largest acceleration is outside 100 to 2000 gal.
-
-    Returns
-    -------
-    GroundMotion
 
     Raises
     ------

@@ -115,7 +115,7 @@ def _spectrum(saved: SavedResult) -> dict[str, Table]:
 
 
 def _figures(saved: SavedResult) -> dict[str, ReportFigure]:
-    """Drawn figures, with the acceleration and the spectrum as plots."""
+    """Return drawn figures, with the acceleration and the spectrum as plots."""
     found = saved_figures(saved, CAPTIONS)
     if "motion" in saved.tables:
         table = saved["motion"].astype(float)
@@ -148,7 +148,7 @@ def _figures(saved: SavedResult) -> dict[str, ReportFigure]:
 
 
 def _checks(standard: Mapping[str, Any] | None) -> list[Check]:
-    """The misfit to the standard spectrum, of a motion that was made for it."""
+    """Return the misfit to the standard spectrum, of a motion that was made for it."""
     if not standard or standard["misfit_rms"] is None:
         return []
     misfit, limit = 100.0 * float(standard["misfit_rms"]), 100.0 * LARGEST_MISFIT

@@ -141,14 +141,14 @@ class MotionResult(Result):
         return pd.DataFrame(columns)
 
     def tables(self) -> dict[str, Table]:
-        """Tables of the measures, or (`motions spectrum`) of the spectrum at ten periods."""
+        """Return tables of the measures, or (`motions spectrum`) of the spectrum at ten periods."""
         if self.command != "motions spectrum":
             return {"measures": measures_table(self.summary())}
         frame = self._spectrum_frame(response_spectrum(self.motion, SHOWN, self.damping))
         return {"spectrum": spectrum_table(frame, self.damping)}
 
     def notes(self) -> list[str]:
-        """The fit to its standard spectrum, and a description."""
+        """Return the fit to its standard spectrum, and a description."""
         found = [self.motion.description] if self.motion.description else []
         if self.reference is not None and self.misfit is not None:
             found.append(

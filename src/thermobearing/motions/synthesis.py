@@ -124,7 +124,7 @@ def _chosen() -> dict[str, Any]:
 
 @cache
 def _near_fault() -> dict[str, NearFault]:
-    """Return the motions that have phases of their own, by name."""
+    """Return the motions with their own phases, by name."""
     found = {}
     for name, row in _chosen().items():
         if name in ("citation", "first_draws"):
@@ -282,8 +282,8 @@ def match_spectrum(
 ) -> GroundMotion:
     """Return a recorded motion with its Fourier amplitudes adjusted to a standard spectrum.
 
-    The phases are kept, as in the accelerograms of the specifications. Rest is added before
-    and after the record, for the ringing that changed amplitudes bring.
+    The phases are kept, as in the accelerograms of the specifications. Zeros are added before and
+    after the record, since changed amplitudes cause ringing.
 
     Parameters
     ----------

@@ -190,7 +190,7 @@ def load_spectrum(name_or_path: str | Path, factor: float = 1.0) -> DesignSpectr
 
 
 def _read_points(path: Path) -> TableSpectrum:
-    """The points of a file."""
+    """Return the points of a file."""
     tables = (make_table(sheet) for sheet in read_sheets(path))
     table = next((one for one in tables if one is not None), None)
     if table is None:
@@ -219,7 +219,7 @@ def _read_points(path: Path) -> TableSpectrum:
 
 
 def _find_column(table: Table, what: str, names: tuple[str, ...]) -> int:
-    """Number of a column by the first word of its title."""
+    """Return the number of a column by the first word of its title."""
     firsts = [re.split(r"[\s_,(\[]", t.strip().lower(), maxsplit=1)[0] for t in table.titles]
     for number, first in enumerate(firsts):
         if first in names:

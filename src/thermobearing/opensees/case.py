@@ -83,7 +83,7 @@ class ServedCase(Strict):
     sources: dict[str, dict[str, str]] | None = None
 
     def to_toml(self) -> str:
-        """The case with every default filled in, as TOML; reads back to the same bits."""
+        """Return the case with every default filled in, as TOML; reads back to the same bits."""
         return to_toml(self)
 
     def new_bearing(self, components: int = 1) -> BearingElement:
@@ -168,7 +168,7 @@ class Layout(NamedTuple):
 
     @property
     def size(self) -> int:
-        """Degrees of freedom of the whole element."""
+        """Number of degrees of freedom of the element."""
         return 2 * self.pairs * len(self.dofs)
 
 
@@ -216,11 +216,7 @@ def linear_stiffness(case: ServedCase) -> LinearStiffness:
 
 
 def spring_constants(layout: Layout, case: ServedCase) -> Floats:
-    """Return the stiffness of the linear springs of an element by degree of freedom [kN, mm, rad].
-
-    It is zero where the bearing shears by its own law. The second horizontal direction of an
-    element in space that shears in one direction has the shear stiffness G A / T_r.
-    """
+    """Return the linear springs of an element by degree of freedom [kN, mm, rad], zero in shear."""
     found = np.zeros(len(layout.dofs))
     if layout.vertical is None:
         return found

@@ -102,14 +102,7 @@ class _Recorded:
 
 
 class ServedElement:
-    """Bearings between pairs of nodes, as OpenSees sees them.
-
-    Parameters
-    ----------
-    case : what is served.
-    layout : degrees of freedom, and which of them shear.
-    tag, run : names of the history.
-    """
+    """Bearings between pairs of nodes, as OpenSees sees them."""
 
     def __init__(self, case: ServedCase, layout: Layout, tag: int, run: int = 1) -> None:
         self.case, self.layout, self.tag, self.run = case, layout, tag, run
@@ -167,12 +160,7 @@ class ServedElement:
         return [*self.finished, *self._present()]
 
     def answer(self, request: Request) -> Floats | list[float] | None:
-        """Carry out a request; return the force vector or the matrix, where there is a reply.
-
-        Raises
-        ------
-        StepError : the trial failed, or a failed trial was committed.
-        """
+        """Carry out a request; return its force vector or matrix, or raise StepError."""
         match request.action:
             case Action.SET_TRIAL:
                 self._try(request)

@@ -54,10 +54,7 @@ class Keeper:
 
     @classmethod
     def start(cls, patience: float = PATIENCE) -> Self | None:
-        """Start a keeper; None where the system has none. To be called before any thread runs.
-
-        `patience` is the longest time without `alive` [s], after its first call.
-        """
+        """Start a keeper before any thread runs; None where the system has none."""
         if not hasattr(os, "fork") or not hasattr(socket, "send_fds"):
             return None
         ours, theirs = socket.socketpair()
@@ -93,7 +90,7 @@ def _keep(channel: socket.socket, server: int, patience: float) -> None:
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         signal.signal(getattr(signal, name), signal.SIG_IGN)
     nowhere = os.open(os.devnull, os.O_RDWR)
-    for stream in (0, 1):  # whoever reads the output of the server must not wait for the keeper
+    for stream in (0, 1):  # readers of the output of the server must not wait for the keeper
         os.dup2(nowhere, stream)
     held: dict[int, socket.socket] = {}
     events = select.poll()

@@ -154,10 +154,6 @@ class Line:
     def results(self) -> ServedResult:
         """Return the histories of all elements so far, also after the end of the line.
 
-        Returns
-        -------
-        ServedResult
-
         Raises
         ------
         InputError : no element has been connected.

@@ -69,12 +69,7 @@ class ServedResult(DatasetResult):
         problems: Sequence[str] = (),
         notes: Sequence[str] = (),
     ) -> Self:
-        """Return the result of a case with the problems and notes of the server, which warn.
-
-        Raises
-        ------
-        InputError : no element has been connected.
-        """
+        """Return the result of a case, with problems and notes of the server as warnings."""
         if not histories:
             raise InputError(
                 "no element has been connected: pass line.element(...) to ops.element, or connect "

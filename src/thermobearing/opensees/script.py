@@ -177,11 +177,7 @@ class _Script:
         self.link(*ends, dict.fromkeys(ways, tag), damping)
 
     def end(self, name: str, line: BearingLine) -> int:
-        """Return the node of a body where a bearing line acts on it.
-
-        If the line acts at another height across the bridge, it is a node of its own on stiff
-        springs, one to each point.
-        """
+        """Return the node of a body where a line acts, on stiff springs if at two heights."""
         x, y = self.structure.point(line)
         along = self.point(name, (x, y, line.height))
         height = line.height if line.height_across is None else line.height_across
@@ -194,10 +190,7 @@ class _Script:
         return tag
 
     def add_line(self, line: BearingLine, law: BilinearParameters | None) -> int:
-        """Add the bearings of a line as one element; return its tag.
-
-        Without a law they are springs of the equivalent stiffness.
-        """
+        """Add the bearings of a line as one element, by default springs; return its tag."""
         self.add("#", f"bearing line {printable(line.name)}, {line.count} bearings")
         ends = self.end(line.base, line), self.end(line.body, line)
         if law is None:
@@ -244,10 +237,10 @@ def _own_stiffness(structure: Structure) -> list[Floats]:
 
 
 def _damping(prepared: Prepared) -> tuple[float, list[float], float]:
-    """Return damping in terms of OpenSees: a [1/s], b of springs and hinges [s], and what is lost.
+    """Return damping in terms of OpenSees: a [1/s], b of springs and hinges [s], and the error.
 
     C = a M + sum of b K of springs and hinges, all >= 0, closest to that of the structure in its
-    modes; a only for the damping of Shen (2023). What is lost is of the largest damping.
+    modes; a only for the damping of Shen (2023). The error is relative to the largest damping.
     """
     shapes = prepared.modes.shapes / np.sqrt(prepared.modes.frequencies)
     source = prepared.structure.damping.kind == "source"

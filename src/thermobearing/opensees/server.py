@@ -62,14 +62,7 @@ class Connection:
 
 
 class Server:
-    """Listeners and connections of one process.
-
-    Parameters
-    ----------
-    case : what is served.
-    say : takes messages for the user at once; all are kept in `problems`.
-    keeper : process that answers if this one is killed.
-    """
+    """Listeners and connections of one process; `say` takes messages for the user at once."""
 
     def __init__(self, case: ServedCase, say: Say, keeper: Keeper | None = None) -> None:
         self.case, self._say, self._keeper = case, say, keeper
@@ -84,16 +77,7 @@ class Server:
         self._looked = 0.0
 
     def listen(self, layout: Layout, tag: int | None, address: str, port: int) -> int:
-        """Listen for an element, or without a tag for several, numbered as they come.
-
-        Returns
-        -------
-        int : the port; a free one where `port` is 0.
-
-        Raises
-        ------
-        InputError : the port is in use, or there is no such address.
-        """
+        """Listen for an element, or several without a tag; return the port (0 takes a free one)."""
         try:
             listener = socket.create_server((address, port), backlog=128)
         except (OSError, OverflowError) as error:
@@ -351,16 +335,7 @@ def load_kernels(case: ServedCase) -> None:
 def serve_until(
     case: ServedCase, layout: Layout, address: str, port: int, *, once: bool, say: Say
 ) -> Server:
-    """Serve elements at a port until Ctrl-C; with `once` until the last element has left.
-
-    Returns
-    -------
-    Server : closed; it holds the histories.
-
-    Raises
-    ------
-    InputError : the port is in use.
-    """
+    """Serve elements at a port until Ctrl-C, or `once`, until the last element has left."""
     server = Server(case, say, Keeper.start())
     port = server.listen(layout, None, address, port)
     load_kernels(case)

@@ -50,7 +50,7 @@ class Action(IntEnum):
 
 SILENT = frozenset((Action.SET_TRIAL, Action.COMMIT, Action.END))  # have no reply
 MATRICES = frozenset((Action.INITIAL_STIFFNESS, Action.TANGENT, Action.DAMPING, Action.MASS))
-ZERO = frozenset((Action.DAMPING, Action.MASS))  # a bearing has none beside its force
+ZERO = frozenset((Action.DAMPING, Action.MASS))  # zero: the force of a bearing contains both
 CODES = {float(action): action for action in Action}
 
 
@@ -87,12 +87,7 @@ class Setup(NamedTuple):
 
     @classmethod
     def decode(cls, data: bytes) -> "Setup":
-        """Return the setup from the first bytes of a client.
-
-        Raises
-        ------
-        WireError : another program, another byte order, or sizes that do not fit.
-        """
+        """Return the setup from the first bytes of a client, or raise WireError."""
         numbers = SETUP.unpack(data)
         n, size = numbers[0], numbers[-1]
         if not 1 <= n <= MOST_DOFS or numbers[:-1] != (n, n, n, 0, 1, 0, 0, 0, n, 0):
@@ -130,20 +125,13 @@ class Setup(NamedTuple):
 
 
 class Request(NamedTuple):
-    """One request of a client, in the units of the client.
-
-    Attributes
-    ----------
-    action : what is wanted.
-    displacement, velocity, acceleration : trial response of all degrees of freedom.
-    time : time of the domain at the last `SET_TRIAL`; the load factor of a static analysis.
-    """
+    """One request of a client, in the units of the client."""
 
     action: Action
-    displacement: Sequence[float]
+    displacement: Sequence[float]  # trial response of all degrees of freedom
     velocity: Sequence[float]
     acceleration: Sequence[float]
-    time: float
+    time: float  # of the domain at the last `SET_TRIAL`; the load factor of a static analysis
 
     def encode(self, setup: Setup) -> bytes:
         """Return the message of this request."""
@@ -156,12 +144,7 @@ class Request(NamedTuple):
 
     @classmethod
     def decode(cls, data: bytes | bytearray | memoryview, setup: Setup) -> "Request":
-        """Return the request in a message.
-
-        Raises
-        ------
-        WireError : the action code is unknown: the ends of messages were lost.
-        """
+        """Return the request in a message, or raise WireError for an unknown action code."""
         n = setup.dofs
         numbers = struct.unpack_from(f"={3 * n + 2}d", data)
         action = CODES.get(numbers[0])
@@ -196,15 +179,6 @@ class UtSim:
     commits the last trial, and all steps have the same duration.
 
     The format is that of version 2.0.1 (DataExchange, Xu Huang, University of Toronto, 2021).
-
-    Parameters
-    ----------
-    first : the header that a client sends once connected.
-    dt : duration of a step [s].
-
-    Raises
-    ------
-    WireError : no duration, or a precision that is not known.
     """
 
     def __init__(self, first: bytes | bytearray, dt: float | None) -> None:
@@ -235,7 +209,7 @@ class UtSim:
         return Request(action, self._x, zeros, zeros, self._time)
 
     def take(self, buffer: bytearray) -> list[Request]:
-        """Remove messages from the buffer until one is a request, and return what it asks for."""
+        """Remove messages from the buffer until one is a request, and return its content."""
         item = np.dtype(self._code).itemsize
         while len(buffer) >= (length := HEADER.size + self._data_follow * self.dofs * item):
             self._header = HEADER.unpack_from(buffer)
@@ -263,12 +237,7 @@ class UtSim:
         return [*done, self._request(Action.SET_TRIAL)]
 
     def reply(self, values: Sequence[float] | NDArray[np.float64], action: Action) -> bytes:
-        """Return the answer to an action, with the content that the client wants.
-
-        Raises
-        ------
-        WireError : the client wants neither forces nor a stiffness.
-        """
+        """Return the answer to an action, with the content that the client wants."""
         content = self._header[5]
         numbers = np.ravel(values)
         if action == Action.FORCE:
@@ -341,19 +310,7 @@ def acknowledge(connection: socket.socket) -> None:
 
 
 def receive_exactly(connection: socket.socket, count: int, limit: float) -> bytes:
-    """Return exactly `count` bytes.
-
-    Parameters
-    ----------
-    connection : a connected TCP socket.
-    count : number of bytes.
-    limit : largest time to wait for all of them [s].
-
-    Raises
-    ------
-    TimeoutError : fewer bytes have arrived in time.
-    ConnectionError : the other end closed the connection before.
-    """
+    """Return `count` bytes; TimeoutError or ConnectionError unless they arrive in `limit` [s]."""
     data = bytearray(count)
     view, done, end = memoryview(data), 0, time.monotonic() + limit
     while done < count:

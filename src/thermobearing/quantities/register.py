@@ -34,29 +34,6 @@ TYPESET = {
 class Quantity:
     """A quantity as readers see it; also a column of a table.
 
-    Attributes
-    ----------
-    head : str
-        Words above a column, without the unit.
-    unit : str
-        Unit that readers see, such as "kN"; "" for words and pure numbers.
-    form : str
-        Python format of a number in `unit`, such as ".1f".
-    name : str
-        Name in tables and CSV files, such as "bearing_force_max_kN".
-    stored : str
-        Unit of the stored number; "1" for pure numbers.
-    factor : float
-        From a stored number to one in `unit`.
-    meaning : str
-        What it is: the long name in datasets, and the label of an axis.
-    symbol : str
-        In equations, such as "K_eq".
-    variable : str
-        Name in datasets; `name` where the row does not give another one.
-
-    Examples
-    --------
     >>> strain = quantity("bearing_strain_max")
     >>> strain.title, strain.text(strain.shown(2.613)), strain.stored
     ('Strain [%]', '261', '1')
@@ -134,22 +111,10 @@ def registered_quantities() -> Mapping[str, Quantity]:
 
 
 def quantity(name: str, /, **changes: Any) -> Quantity:
-    """Return a row of the register.
+    """Return a row of the register by its name in tables; `changes` are fields that differ here.
 
-    Parameters
-    ----------
-    name : str
-        Name in tables, such as "bearing_force_max_kN".
-    **changes : str
-        Fields of `Quantity` that differ in one place, such as ``head="Force of all"``.
+    Raises KeyError if the register has no such quantity.
 
-    Raises
-    ------
-    KeyError
-        The register has no such quantity.
-
-    Examples
-    --------
     >>> quantity("bearing_force_max_kN").title
     'Force of one [kN]'
     >>> quantity("bearing_force_max_kN", head="Peak force", form=".1f").title

@@ -112,38 +112,13 @@ def make_table(
 ) -> Table:
     """Return a table of some columns of a DataFrame, in the words and units of the register.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        Stored numbers, a row each.
-    names : iterable of str or Quantity, optional
-        Columns, in order; those that the frame does not have are left out. All by default. A
-        `Quantity` whose `name` is a column overrides the register for that column.
-    caption : str
-        What the table holds.
-    keys : int
-        Leading columns that identify a row, counted without the columns that are left out. A key
-        that is the same in all rows is stated in the caption instead of in a column.
-    heads : mapping of str to str, optional
-        Heads that differ here, by column.
-    marked : mapping of str to sequence of bool, optional
-        Whether each row is outside the calibration range, by column.
-    note : str
-        Below the table.
-    drop_empty : bool
-        Leave out columns without any value.
-    keep_keys : bool
-        Keep keys that are the same in all rows as columns.
-    governing : str
-        Column whose largest values govern; see `Table`.
+    `names` are the columns in order (all by default); those that the frame does not have are left
+    out, and those without any value where `drop_empty`. A `Quantity` whose `name` is a column
+    overrides the register, `heads` its head, by column. Of the leading columns, `keys` identify a
+    row; a key that is the same in all rows is stated in the caption, unless `keep_keys`. `marked`
+    has for columns whether each row is outside the calibration range. Raises KeyError for a column
+    of numbers that the register does not have.
 
-    Raises
-    ------
-    KeyError
-        A column of numbers that the register does not have.
-
-    Examples
-    --------
     >>> import pandas as pd
     >>> frame = pd.DataFrame({"motion": ["a"], "bearing_energy_kN_mm": [5230.0], "note": [""]})
     >>> table = make_table(frame, caption="Runs")

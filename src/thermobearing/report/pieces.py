@@ -107,7 +107,7 @@ class ReportFigure:
 
     `draw` makes the matplotlib figure once; `image` is a picture that exists (SVG or PNG); without
     both the figure of paper is drawn from `plot`, the interactive one of the page. `alt` is what
-    somebody who does not see it must know; the caption where it is empty.
+    readers who cannot see it must know; the caption where it is empty.
     """
 
     caption: str
@@ -119,7 +119,7 @@ class ReportFigure:
 
 @dataclass(frozen=True)
 class Check:
-    """A number compared with its limit, both in `unit`; a NaN limit is not judged.
+    """A number compared with its limit, both in `unit`; a NaN limit is not assessed.
 
     `what` has the run or place that decides; `lower` says that the limit is a lower one.
     """

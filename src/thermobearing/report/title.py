@@ -19,7 +19,7 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def _line(value: Any) -> Any:
-    """Text of one line; a date of TOML as text."""
+    """Return the text of one line; a date of TOML as text."""
     if isinstance(value, date):
         return value.isoformat()
     return " ".join(printable(value).split()) if isinstance(value, str) else value

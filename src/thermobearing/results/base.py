@@ -165,11 +165,8 @@ class Result:
 class DatasetResult(Result):
     """A result stored as one labelled dataset with a dimension of runs.
 
-    Attributes
-    ----------
-    dataset : xarray.Dataset
-        Every variable has its unit. Lists of sentences, warnings, limits and exposure are
-        attributes in JSON.
+    Every variable has its unit. Lists of sentences, warnings, limits and exposure are attributes in
+    JSON.
     """
 
     dataset: Any

@@ -1,6 +1,6 @@
 """A result directory: checked before anything is computed, written completely or not at all.
 
-Everything is written into a hidden sibling directory, locked while its process lives, that takes
+Everything is written into a hidden sibling directory, locked while its process runs, that takes
 the place of the final one at the end: a full disk, an interruption or a crash leaves either the
 complete result or the earlier one, and the next run removes what a killed process left.
 

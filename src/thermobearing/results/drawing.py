@@ -217,7 +217,7 @@ def ambient_colours(ambient: Floats) -> list[str]:
 
 
 def ordered_colours(count: int, name: str) -> list[str]:
-    """Colours in a readable order, without the end of the map that is too pale for lines."""
+    """Return colours in a readable order, without the end of the map that is too pale for lines."""
     return [to_hex(colormaps[name](p)) for p in np.linspace(0.0, 0.82, max(count, 2))[:count]]
 
 
@@ -233,8 +233,8 @@ def panels(
     """Return a figure of so many inches with its panels row by row, styled but empty.
 
     A wider figure is reduced to the width of a page, so that letters have the same size in print.
-    The width of `figure_style` counts instead where it has one, or two
-    columns of a paper where panels would become too narrow.
+    The width of `figure_style` counts instead where it has one, or two columns of a paper where
+    panels would become too narrow. Panels that need at `least` so many inches go below each other.
     """
     style = STYLE.get()
     wide = style.width or min(size[0], WIDEST)
@@ -365,8 +365,8 @@ def save_figures(
 class Figures:
     """Base of the figures of a result.
 
-    A subclass defines `draw_all`: what draws each figure that the result holds
-    data for, by name of its file.
+    A subclass names its figures, or defines `draw_all`: what draws each figure that the result
+    holds data for, by name of its file.
     """
 
     vector: ClassVar[bool] = False  # as SVG too
@@ -438,7 +438,7 @@ def draw_orbit(ax: Axes, x: Floats, y: Floats, name: str, unit: str, **look: Any
 
 
 def ambient_handle() -> Line2D:
-    """Legend entry of the dotted line at the ambient temperature."""
+    """Return the legend entry of the dotted line at the ambient temperature."""
     return Line2D([], [], color=GREY, linewidth=1.0, linestyle=":", label="ambient")
 
 
@@ -453,7 +453,7 @@ def legend_below(figure: Figure, handles: list[Line2D]) -> None:
 
 
 def common_limits(axes: list[Axes]) -> tuple[float, float]:
-    """Limits that hold the lines of all panels of a row."""
+    """Return the limits that hold the lines of all panels of a row."""
     limits = [ax.dataLim.intervaly for ax in axes if np.isfinite(ax.dataLim.intervaly).all()]
     low, high = min(a for a, _ in limits), max(b for _, b in limits)
     room = 0.06 * max(high - low, 1e-9)

@@ -251,7 +251,7 @@ def _histories(displacement: Floats, force: Floats) -> tuple[Floats, Floats]:
 
 
 def _from_zero_to_zero(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats, Floats]:
-    """A cycle cut off at its upward crossings of zero.
+    """Return a cycle cut off at its upward crossings of zero.
 
     Its first and last intervals are shared with its neighbours; counted fully in both, a cycle
     of 200 points gains some 2 % of energy. One that ends in a rest is extrapolated to zero: the

@@ -154,16 +154,12 @@ COLOURS = ("#0077BB", "#CC3311", "#009988", "#EE7733", "#33BBEE", "#EE3377", "#B
 
 
 def overlay(results: Mapping[str, Any], title: str = "hysteresis loops") -> Figure:
-    """Loops of several results in one panel, a colour each.
+    """Draw the loops of several results in one panel, one colour each.
 
     Parameters
     ----------
     results : by name, of one kind: of tests, of studies, or of fits.
     title : above the panel.
-
-    Returns
-    -------
-    Figure
 
     Raises
     ------

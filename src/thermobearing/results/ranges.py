@@ -138,7 +138,7 @@ def outside_tests(
 ) -> list[str]:
     """Return a sentence for each quantity in which runs leave the calibration range of a bearing.
 
-    Without `ranges` one sentence says so, if `given`; quantities in `skip` are left out.
+    Without `ranges` one sentence says so; quantities in `skip` are left out.
     """
     if ranges is None:
         said = f"{name}: {NOT_GIVEN} (tested_range in its file), so validity cannot be checked"

@@ -28,7 +28,7 @@ class SavedResult:
     bearings: dict[str, Any] = field(default_factory=dict)  # identified or designed, by name
 
     def __getitem__(self, name: str) -> pd.DataFrame:
-        """A table by name."""
+        """Return a table by name."""
         if name not in self.tables:
             raise InputError(f'no table "{name}"; there are {sorted(self.tables)}', str(self.path))
         return self.tables[name]

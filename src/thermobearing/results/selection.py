@@ -93,7 +93,7 @@ def more(found: float, expected: float) -> float:
 
 
 def layer_names(count: int, half: bool) -> list[str]:
-    """Layers from the upper face, with where the first and the last one are."""
+    """Return layers from the upper face, with where the first and the last one are."""
     names = [f"layer {j}" for j in range(1, count + 1)]
     names[-1] += " (innermost)" if half else " (lower face)"
     names[0] = "layer 1 (outermost)" if half else "layer 1 (upper face)"

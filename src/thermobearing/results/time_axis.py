@@ -67,7 +67,7 @@ class Stretch:
         return self.left + 0.5 * self.width
 
     def place(self, elapsed: Floats) -> Floats:
-        """Where on the axis a time since the start of the stretch is drawn."""
+        """Return where on the axis a time since the start of the stretch is drawn."""
         if not self.shortened:
             return self.left + elapsed
         return self.left + self.bend * np.log1p(elapsed / self.bend)

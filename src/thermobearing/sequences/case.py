@@ -132,11 +132,11 @@ class SequenceCase(Strict):
     analysis: SequenceAnalysis = SequenceAnalysis()
 
     def to_toml(self) -> str:
-        """The case with every default filled in, as TOML; reads back to the same bits."""
+        """Return the case with every default filled in, as TOML; reads back to the same bits."""
         return to_toml(self)
 
     def label(self, number: int) -> str:
-        """Number and name of a part, for folders and tables."""
+        """Return the number and name of a part, for folders and tables."""
         part = self.parts[number]
         name = re.sub(r"[^A-Za-z0-9+.]+", "-", part.name).strip("-.") or part.part
         return f"{number + 1:02d}-{name}"

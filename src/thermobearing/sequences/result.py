@@ -85,7 +85,7 @@ class SequenceResult(Result):
         return one_per_cause((self.case.label(k), w) for k, part in parts for w in part.warnings)
 
     def history(self, number: int) -> pd.DataFrame:
-        """Time [s], displacement [mm], force [kN] and temperatures [degC] of a part.
+        """Return the time [s], displacement [mm], force [kN] and temperatures [degC] of a part.
 
         The time of a hybrid part is that of the earthquake, not of the actuator.
         """

@@ -45,10 +45,6 @@ def sequence(
     overrides : values that replace those of a file or table, by key: `bearing`, `ambient` [degC],
         `rig`, and every key of `analysis`.
 
-    Returns
-    -------
-    SequenceResult
-
     Raises
     ------
     InputError : invalid input; the message names the key and the allowed range.

@@ -2,7 +2,7 @@
 
 Heights are those of the model. Supports stand where their bearing lines are, to scale; without
 coordinates side by side in the order of the lines, at equal distances. Lines on the ground stand
-on an abutment of their own.
+on their own abutment.
 """
 
 import textwrap

@@ -101,10 +101,7 @@ def _no_rows(system: System, bearings: Bearings) -> MotionRows:
 
 
 def _watched(run: Run) -> tuple[Floats, Floats]:
-    """Return the watched displacements, and which of them the ground carries.
-
-    A coordinate in plan is watched as the first component of a vector.
-    """
+    """Return the watched displacements, and which of them the ground carries."""
     load = run.prepared.matrices.load
     places = run.places
     if places is None:
@@ -156,6 +153,7 @@ def _build_scheme(run: Run, halvings: int) -> Scheme:
 def _collect_peaks(
     left: Left, recoverable: Floats, steps: int, outcome: int, *, alone: bool
 ) -> RunPeaks:
+    """Return the peaks of a run alone from its records; `stored` [b] is the energy at its start."""
     named = OUTCOMES[outcome]
     if named == "completed" and not all_physical(left.bearings, recoverable):
         named = NOT_PHYSICAL
@@ -176,9 +174,8 @@ def _collect_peaks(
 def run_peaks(run: Run) -> RunPeaks:
     """Integrate one structure alone: the steps of `run_structure`, bit for bit, without its rows.
 
-    A run that ends early has the energies and bearings of its last full step, as rows have: the
-    halves of a step that were done before it ended are in no row, so that the steps up to there are
-    done again.
+    Energies and bearings of a run that ends early are those of its last full step, for which
+    the steps up to there are done again.
     """
     _check_method(run)
     left, stored, done, outcome, _ = _marched(run, 0)
@@ -270,9 +267,8 @@ def _likeness(run: Run) -> Any:
 def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
     """Return the peaks of runs in their order, WIDTH in lockstep where they are alike.
 
-    Runs of one shape, with bearings that are alike in capacities and conductances of their cells,
-    are put together. A number may differ from that of `run_peaks` by rounding (1e-12 of the
-    largest), and never by the other runs.
+    Numbers differ from those of `run_peaks` by rounding (1e-12 of the largest), and never by
+    the other runs.
     """
     companies: dict[Any, Company] = {}
     waiting: dict[Any, list[int]] = {}
@@ -300,10 +296,7 @@ def with_shared_cells(constants: Constants) -> Constants:
 
 
 class Company:
-    """Runs of one shape in lockstep, WIDTH at a time.
-
-    Inputs that several lots share are put side by side once, and scratch is copied.
-    """
+    """Runs of one shape in lockstep, WIDTH at a time; inputs that they share are stored."""
 
     def __init__(self, run: Run) -> None:
         system = build_system(run.prepared, run.lines)

@@ -42,23 +42,14 @@ class Matrices:
 
     In plan, they are "deck x", "deck y", "pier rotation x", "pier rotation y", "deck twist", ...,
     and what is given per direction has one more axis, the last: x and y.
-
-    Attributes
-    ----------
-    coordinates : names, n of them.
-    mass : [n, n] [kN s2/mm] and what follows from it for rotations.
-    load : [n] or [n, 2] force per ground acceleration: minus mass times rigid motion.
-    springs : [n, n] stiffness of linear springs.
-    hinge_rows : [h, n] rotation per coordinate of each of `list_hinges`.
-    line_rows : [b, n] or [b, n, 2] stretch of each bearing line per coordinate.
     """
 
-    coordinates: list[str]
-    mass: Floats
-    load: Floats
-    springs: Floats
-    hinge_rows: Floats
-    line_rows: Floats
+    coordinates: list[str]  # names, n of them
+    mass: Floats  # [n, n] [kN s2/mm] and what follows from it for rotations
+    load: Floats  # [n] or [n, 2] force per ground acceleration: minus mass times rigid motion
+    springs: Floats  # [n, n] stiffness of linear springs
+    hinge_rows: Floats  # [h, n] rotation per coordinate of each of `list_hinges`
+    line_rows: Floats  # [b, n] or [b, n, 2] stretch of each bearing line per coordinate
 
 
 @dataclass(frozen=True)
@@ -140,11 +131,7 @@ def _twist_row(structure: Structure, name: str) -> Floats:
 def displacement_row(
     structure: Structure, name: str, height: float, x: float | None = None, y: float | None = None
 ) -> Floats:
-    """Return the sideways motion of a body at a height [mm], relative to the ground.
-
-    In plan it is that of the point (x, y) [mm], by default the reference point of the body, and
-    has a last axis for the two directions.
-    """
+    """Return the motion of a body at a height [mm] ([n]), in plan at a point ([n, 2])."""
     if name == GROUND:
         return _at_rest(structure)
     body, place = structure.body(name), structure.place(name)
@@ -209,11 +196,7 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
 
 
 def twist_load(structure: Structure) -> tuple[Floats, float]:
-    """Return the force [n] per angular acceleration of a ground that turns, and the inertia.
-
-    The ground of a structure in plan turns about the vertical through the centre of all mass; the
-    inertia [kN mm s2] is that of all masses about it.
-    """
+    """Return force [n] per angular acceleration of a ground that turns, and inertia [kN mm s2]."""
     mass = np.array([item.mass for item in structure.masses])
     points = np.array([structure.point(item) for item in structure.masses])
     arms = points - mass @ points / mass.sum()
@@ -301,10 +284,7 @@ def hinge_stiffness(structure: Structure, matrices: Matrices) -> Floats:
 
 
 def line_stiffness(structure: Structure, matrices: Matrices, each: Floats | None = None) -> Floats:
-    """Return the stiffness [n, n] of the bearing lines.
-
-    `each` is that of ONE bearing of each line [kN/mm]; the equivalent stiffness by default.
-    """
+    """Return the stiffness [n, n] of the lines, with `each` of ONE bearing of each line [kN/mm]."""
     lines = structure.bearings
     one = np.array([line.equivalent_stiffness for line in lines]) if each is None else each
     values = one * np.array([line.count for line in lines])
@@ -321,10 +301,7 @@ def _line_rows(matrices: Matrices) -> Floats:
 def find_modes(
     mass: Floats, stiffness: Floats, where: str = "structure", names: Sequence[str] = ()
 ) -> Modes:
-    """Return all natural modes, longest period first; InputError for a mechanism.
-
-    `names` of the coordinates are for its message.
-    """
+    """Return all natural modes, longest period first; InputError for a mechanism."""
     scale = np.sqrt(np.diag(mass))
     values, shapes = eigh(mass / np.outer(scale, scale))
     if values[0] <= NO_MASS:
@@ -451,10 +428,7 @@ def _modal_ratios(damping: Damping, wanted: Floats, where: str) -> Floats:
 
 
 def _source_matrix(structure: Structure, matrices: Matrices, modes: Modes) -> Floats:
-    """Return C = a M + b K', K' the stiffness without the bearings, through modes 1 and 2.
-
-    a and b give these modes of the structure the ratios of all parts, or the given ones.
-    """
+    """Return C = a M + b K', K' the stiffness without the bearings, through modes 1 and 2."""
     parts = [*_own_parts(structure, matrices), *_line_parts(structure, matrices)]
     wanted = structure.damping.ratios or tuple(_weighed_ratios(parts, modes))[:DAMPED_MODES]
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
@@ -467,11 +441,7 @@ def _source_matrix(structure: Structure, matrices: Matrices, modes: Modes) -> Fl
 
 
 def build_damping(structure: Structure, matrices: Matrices, modes: Modes) -> Floats:
-    """Return the damping matrix [n, n]; `modes` are with the equivalent stiffness of bearings.
-
-    InputError: ratios or modes that the structure does not have, or damping that would feed
-    energy into a mode.
-    """
+    """Return the damping matrix [n, n]; `modes` are with the equivalent stiffness of bearings."""
     damping, parts, where = structure.damping, _own_parts(structure, matrices), structure.name
     if damping.kind == "source":
         matrix = _source_matrix(structure, matrices, modes)

@@ -166,7 +166,7 @@ class Damping(Strict):
 
     @classmethod
     def _conflicts(cls, given: dict[str, object]) -> list[str]:
-        """Keys that say nothing for the kind, and ratios of which nobody knows what they mean."""
+        """Return faults of keys that do not apply to the kind, and of ratios without a kind."""
         kind = given.get("kind", "modal")
         faults = []
         if "ratios" in given and "kind" not in given:
@@ -428,10 +428,7 @@ def list_hinges(structure: Structure) -> list[Hinge]:
 
 
 def first_hinges(structure: Structure, pier: str) -> tuple[int | None, ...]:
-    """Return the number of the first hinge at a body in each direction: below it, or else on it.
-
-    Numbers are those of `list_hinges`.
-    """
+    """Return the number of the first hinge of a body in each direction: below it, or else on it."""
     hinges = list(enumerate(list_hinges(structure)))
     found = []
     for way in DIRECTIONS if structure.plan else (None,):
@@ -477,11 +474,7 @@ def _rotates(structure: Structure, name: str) -> bool:
 
 
 def fixed_base(structure: Structure) -> Structure:
-    """Return the structure without its foundation springs: bodies that stand on them are held.
-
-    These are bodies that stand on springs to the ground and carry others. The name says so.
-    InputError: there is no such body, or what is left cannot be.
-    """
+    """Return the structure whose bodies on springs to the ground, which carry others, are held."""
     carriers = {body.on for body in structure.bodies}
     springs = {spring.body for spring in structure.springs if spring.base == GROUND}
     held = carriers & springs
@@ -505,12 +498,7 @@ def fixed_base(structure: Structure) -> Structure:
 
 
 def along(structure: Structure, direction: Direction) -> Structure:
-    """Return a structure in plan in one direction only, as a one-directional analysis takes it.
-
-    Bodies do not twist, and connections of the other direction are left out. Across the bridge
-    ("y"), the force of bearings acts at `height_across`. A structure without a plan is returned
-    as it is.
-    """
+    """Return a structure in plan in one direction only, for a unidirectional analysis."""
     if not structure.plan:
         return structure
     name = f"{structure.name} (along {direction})"[:60]

@@ -5,7 +5,7 @@ tolerance of the iterations: every work is the trapezoidal sum of the forces at 
 steps, and for those the scheme is exact. With beta = 1/6 (linear acceleration, as in Shen (2023))
 it does not.
 
-Runs in lockstep (core/lanes) do not halve their steps: a run without equilibrium in a whole step
+Runs in lockstep (core/lanes) do not halve their steps: a run without equilibrium in a full step
 leaves the lockstep. It is filled with NaN, which ends every iteration at once, and its outcome
 says that it must be run alone.
 """
@@ -325,7 +325,7 @@ def lanes_march(
 ) -> int:
     """`peaks_march` of WIDTH runs; all but `scheme` come from `side_by_side`.
 
-    Whole steps only (`scheme.halvings` is 0): a run that needs smaller ones ends early, which its
+    Full steps only (`scheme.halvings` is 0): a run that needs smaller ones ends early, which its
     entry of `outcomes` [1, WIDTH] says, and is to be run alone. Returns the steps done.
     """
     done, _, outcome = peaks_march(

@@ -103,10 +103,7 @@ def _mass_share(mode: Mapping[str, Any]) -> str:
 
 
 def structure_table(structure: Mapping[str, Any], own: Mapping[str, str] | None = None) -> Table:
-    """Return masses, springs, hinges and bearing lines, each value with unit and source.
-
-    `structure` is that of a resolved case; `own` are the sources of its file, by dotted key.
-    """
+    """Return the parts of a structure of a resolved case; `own` are the sources of its file."""
     sources = STRUCTURES.sources(Structure, structure) | dict(own or {})
     rows: list[tuple[Any, ...]] = []
     for key, kind in LISTS.items():

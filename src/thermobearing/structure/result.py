@@ -43,10 +43,7 @@ GRAVITY = parse_quantity("1 standard_gravity", "mm/s^2")
 
 
 def implausible_structure(structure: Structure, prepared: Prepared | None = None) -> list[str]:
-    """Return a sentence for each unusual number, with the usual range and its source.
-
-    A structure whose bearings are specimens at a scale is not judged.
-    """
+    """Return a sentence for each unusual number, but not of specimens at a scale."""
     if any(line.scale != 1.0 for line in structure.bearings):
         return []
     usual = {item.key: item for item in usual_values("structure.toml")}
@@ -254,10 +251,6 @@ def examine_structure(
         "consistent" (default) or "published".
     damping : str, optional
         Another kind than the structure's.
-
-    Returns
-    -------
-    StructureResult
 
     Raises
     ------

@@ -146,12 +146,7 @@ class Specimen(Protocol):
     line: int
 
     def move(self, displacement: float, speed: float, time: float) -> float:
-        """Move to a displacement [mm] at a speed [mm/s] and a time [s]; return the force [kN].
-
-        Raises
-        ------
-        SpecimenError : the specimen does not answer, or a limit is exceeded.
-        """
+        """Return the force [kN] after a move [mm] at a speed [mm/s]; SpecimenError ends the run."""
 
     def stop(self) -> None:
         """Hold the specimen where it is, and end the test."""
@@ -224,7 +219,10 @@ class Prepared:
 
     @cached_property
     def piers(self) -> list[tuple[Pier, Floats, Floats]]:
-        """Every pier, with the displacement of its top and what its base alone gives the top."""
+        """Every pier, with displacements per coordinate of its top, and of it if its base moves.
+
+        That of the report is the first.
+        """
         structure = self.structure
         return [
             (
@@ -239,10 +237,7 @@ class Prepared:
 def prepare_structure(
     structure: Structure, mass_model: MassModel = "consistent", damping: DampingKind | None = None
 ) -> Prepared:
-    """Return matrices, modes and damping of a structure.
-
-    `damping` is another kind than the structure's, with the defaults of that kind.
-    """
+    """Return matrices, modes and damping, of another kind than the structure's if given."""
     if damping is not None and damping != structure.damping.kind:
         structure = structure.model_copy(update={"damping": Damping(kind=damping)})
     matrices = build_matrices(structure, mass_model)
@@ -348,10 +343,7 @@ def room_for(
 
 
 def all_physical(bearings: Bearings, recoverable: Floats) -> bool:
-    """Return whether every bearing ended in a possible state.
-
-    `recoverable` [b] is the energy that each line had stored at the start [kN mm].
-    """
+    """Return whether every bearing ended in a possible state, given its energy at the start."""
     return all(
         is_physical(
             kind.constants, State(*[array[m] for array in kind.states]), float(recoverable[line])
@@ -366,10 +358,8 @@ def _actuators(
 ) -> Actuators:
     """Return the actuators of `lines` lines, with a delay of `lag` steps.
 
-    The command is extrapolated by the delay with a polynomial through the last `order` + 1
-    displacements at intervals of the delay (Horiuchi et al., 1999), rounded up to whole steps. A
-    simulated actuator then follows it after the delay. That of a specimen on the line `outside`
-    does so itself, and calculated bearings follow the structure at once.
+    Commands are extrapolated by the delay with a polynomial of `order` (Horiuchi et al., 1999);
+    if the line `outside` has a specimen, that of the specimen alone, which has its own delay.
     """
     ahead = max(ceil(lag - 1e-9), 1.0)
     places = -ahead * np.arange(order + 1)
@@ -499,24 +489,11 @@ def run_structure(
 ) -> StructureHistory:
     """Integrate the motion of a structure; a failed run has an outcome and its rows until then.
 
-    Parameters
-    ----------
-    prepared : from `prepare_structure`.
-    lines : one per bearing line of the structure.
-    ground : [steps + 1] ground acceleration at the ends of steps [mm/s2], linear between. Of a
-        structure in plan [steps + 1, 2], in the directions x and y.
-    dt : of the steps [s].
-    ambient : [steps] mean ambient temperature of each step [degC].
-    method : Newmark with constant mean or linear acceleration, or the predictor-corrector of
-        Shen (2023), Eq. 3.8-3.16, which alone takes the four of a laboratory, and no structure
-        in plan.
-    noise : [steps] error of the measured force of the modelled bearing [kN].
-    delay : of the actuator [s].
-    compensation : order of the polynomial that extrapolates the command by the delay.
-    specimen : what takes the place of the modelled bearing of its line; in the rows, force and work
-        of that bearing are then the measured ones, and all else is calculated along its path.
-    keep_every : keep every n-th step; the start and the last step besides.
-    keep_cells : keep the temperatures of the cells too, in single precision.
+    `ground` [steps + 1], in plan [steps + 1, 2], is the ground acceleration at the ends of steps of
+    `dt` [s], linear between [mm/s2]; `ambient` [steps] the mean temperature of each step [degC].
+    Of the laboratory and for the predictor-corrector only are `noise` [steps] of the measured force
+    [kN], `delay` [s], `compensation` (order of the polynomial) and a `specimen` in place of the
+    bearing of its line, whose force and work then are in the rows.
     """
     system = build_system(prepared, lines)
     if method == "predictor-corrector" and system.load.ndim > 1:

@@ -331,28 +331,12 @@ def write_pelicun(
     capacities: Mapping[str, float] | None = None,
     overwrite: bool = False,
 ) -> list[str]:
-    """Write a study for pelicun: demand samples and fragility curves; return what was left out.
+    """Write a study for pelicun; return the components without a fragility curve.
 
-    Parameters
-    ----------
-    result : StudyResult
-        Runs of a study.
-    folder : str or Path
-        Directory, which is made. Each combination of structure, bearing and temperature has a file
-        `demand-NAME.csv`, whose rows are its completed runs; `damage.csv` has a component for each
-        combination and capacity, in terms of the intensity measure of the study.
-    capacities : mapping
-        Capacity by column of the demand, in the unit of the column; by default that of the
-        question. Without any, no damage database is written.
-    overwrite : bool
-        Replace existing files.
-
-    Raises
-    ------
-    InputError
-        There is no such demand.
-    OutputError
-        A file exists, or cannot be written.
+    Each combination of structure, bearing and temperature has a file `demand-NAME.csv` of its
+    completed runs; `damage.csv` has a component for each combination and capacity. `capacities`
+    are by column of the demand, by default that of the question; without any there is no
+    `damage.csv`.
     """
     question = result.question
     if capacities is None:

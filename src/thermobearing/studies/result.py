@@ -649,10 +649,7 @@ def is_study(path: str | Path) -> bool:
 
 
 def study_result(directory: str | Path, question: Question | None = None) -> StudyResult:
-    """Return the result of a study, also of an incomplete one.
-
-    `question` is that of the directory by default.
-    """
+    """Return the result of a study, also of an incomplete one, with its own question by default."""
     store = Store(Path(directory))
     table = store.table()
     if len(table) == 0:

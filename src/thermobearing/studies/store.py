@@ -306,10 +306,7 @@ class Store:
 
 
 def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | None) -> Store:
-    """Return the directory of a study, which is created or resumed.
-
-    `size`: number of runs of a shard in a new directory; None for `_shard_size`.
-    """
+    """Return the directory of a study, created (with shards of `size` runs) or resumed."""
     _load_pyarrow()
     digest = _input_digest(study, runs)
     planned = _parquet_bytes(runs, label_plan(study, list(map(str, runs))), {"input": digest})

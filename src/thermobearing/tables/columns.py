@@ -201,13 +201,13 @@ def _filled(row: list[str]) -> list[str]:
 
 
 def _share(row: list[str]) -> float:
-    """Share of numbers in the cells with content."""
+    """Return the share of numbers in the cells with content."""
     numeric = [is_numeric(cell) for cell in _filled(row)]
     return sum(numeric) / max(len(numeric), 1)
 
 
 def _bare_units(row: list[str]) -> list[str] | None:
-    """The units in a row of "[s]", "kN", "-", ...; None for another row."""
+    """Return the units in a row of "[s]", "kN", "-", ...; None for another row."""
     bare = [cell.strip().strip("[]()").strip() for cell in row]
     if any(len(text) > LONGEST_NUMBER for text in bare):
         return None
@@ -292,7 +292,7 @@ def _commented(sheet: Sheet, width: int) -> list[str]:
 
 
 def _once(titles: list[str]) -> list[str]:
-    """Titles without blanks around them; the second of a kind gets a number."""
+    """Return the titles without blanks around them; the second of a kind gets a number."""
     found: list[str] = []
     for number, text in enumerate(titles, 1):
         title = text.strip() or f"column {number}"
@@ -515,7 +515,7 @@ def _seconds_and_start(stamps: list[str]) -> tuple[Floats, np.datetime64 | None]
 
 
 def _clock(cells: list[str]) -> Floats:
-    """Seconds of times of day since the first."""
+    """Return seconds of times of day since the first."""
     import pandas as pd
 
     padded = [cell if cell.count(":") > 1 else f"{cell}:00" for cell in cells]

@@ -178,7 +178,7 @@ def _guessed_air(table: Table) -> dict[str, str]:
 
 
 def _examined(table: Table, number: int, layout: Layout) -> _Column:
-    """A column with its numbers and its score for each quantity."""
+    """Return a column with its numbers and its score for each quantity."""
     name, unit = table.names[number], table.units[number]
     cells = [row[number].strip() if number < len(row) else "" for _, row in table.rows[:SAMPLE]]
     held = [cell for cell in cells if cell]
@@ -205,7 +205,7 @@ def _examined(table: Table, number: int, layout: Layout) -> _Column:
 
 
 def _numbers(table: Table, cells: list[str]) -> Floats | None:
-    """Numbers of a column, interpolated where there is none; None if it holds words."""
+    """Return numbers of a column, interpolated where there is none; None if it holds words."""
     values = np.full(len(cells), np.nan)
     wrong = 0
     for k, cell in enumerate(cells):
@@ -268,7 +268,7 @@ def _by_numbers(columns: list[_Column], taken: Taken) -> None:
 
 
 def _correlation(way: Floats, force: Floats) -> float:
-    """Correlation of two columns; 0 where one of them does not move."""
+    """Return the correlation of two columns; 0 where one of them does not move."""
     a, b = way - way.mean(), force - force.mean()
     size = float(np.sqrt(np.sum(a**2)) * np.sqrt(np.sum(b**2)))
     return float(np.sum(a * b)) / size if size > 1e-100 else 0.0

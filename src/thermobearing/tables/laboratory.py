@@ -269,7 +269,7 @@ class _Reader:
         self.unused: list[str] = []
 
     def read(self, name: str) -> Readings:
-        """All blocks of the test in one line of time."""
+        """Return all blocks of the test in one line of time."""
         blocks = self.sidecar.blocks or [BlockFile(file=self.sidecar.file or name)]
         parts: list[Part] = []
         joins: list[tuple[Path, float]] = []
@@ -401,7 +401,7 @@ class _Reader:
         return layout._replace(titles=titles, units=units), wanted
 
     def _parts(self, found: Columns) -> list[Part]:
-        """The parts of one table, each with a clock."""
+        """Return the parts of one table, each with a clock."""
         data = dict(found.values)
         if "time" not in data:
             data["time"] = self._clock(data.get("displacement", data.get("force", np.zeros(0))))
@@ -435,7 +435,7 @@ class _Reader:
         return np.asarray(spread - spread[0])
 
     def _clock(self, displacement: Floats) -> Floats:
-        """Time of samples that have none, from a sampling rate or a speed [s]."""
+        """Return the time of samples that have none, from a sampling rate or a speed [s]."""
         count, sidecar = len(displacement), self.sidecar
         if sidecar.sampling is not None:
             self.assumptions.append(

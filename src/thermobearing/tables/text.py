@@ -136,7 +136,7 @@ def _decoded(raw: bytes, where: str, encoding: str | None) -> str:
 
 
 def _legacy(raw: bytes, where: str) -> str:
-    """The older encoding of the lines that hold more than ASCII."""
+    """Return the older encoding of the lines that hold more than ASCII."""
     from charset_normalizer import from_bytes
 
     lines = b"\n".join(line for line in raw.splitlines() if not line.isascii())[:LEGACY_BYTES]
@@ -185,7 +185,7 @@ def _is_comment(line: str) -> bool:
 
 
 def _split(lines: list[str], separator: str, *, strict: bool, quotes: bool = True) -> Iterator[Row]:
-    """Rows with a cell that is not blank; comments are left out."""
+    """Yield rows with a cell that is not blank; comments are left out."""
     blank = separator == " "
     kept = ("\n" if _is_comment(line) else line.strip() if blank else line for line in lines)
     quoting: Literal[0, 3] = csv.QUOTE_MINIMAL if quotes else csv.QUOTE_NONE
@@ -207,7 +207,7 @@ def _split(lines: list[str], separator: str, *, strict: bool, quotes: bool = Tru
 
 
 def _separator(lines: list[str]) -> str:
-    """The separator by which most of what is in the cells are numbers."""
+    """Return the separator by which most of what is in the cells are numbers."""
     some = [line for line in lines if line.strip() and not _is_comment(line)][:SEPARATOR_ROWS]
     best, found = (0, 0.0, 0), ","
     for separator in SEPARATORS:
@@ -237,7 +237,7 @@ def _score(rows: list[list[str]], words: bool) -> tuple[int, float, int]:
 
 
 def _decimal(cells: list[str]) -> str:
-    """The decimal mark; InputError for "1,234" alone, which may be a thousand or one."""
+    """Return the decimal mark; InputError for "1,234" alone, which may be a thousand or one."""
     commas, unclear = 0, ""
     for cell in (cell.strip() for cell in cells if "," in cell):
         both = _BOTH.fullmatch(cell)
@@ -264,7 +264,7 @@ def _decimal(cells: list[str]) -> str:
 
 
 def _workbook(raw: bytes, form: Form) -> list[Sheet]:
-    """Sheets of an Excel workbook, as shown: results of formulas, times as stamps."""
+    """Return sheets of an Excel workbook, as shown: results of formulas, times as stamps."""
     try:
         import openpyxl
     except ImportError:

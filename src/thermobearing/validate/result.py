@@ -174,7 +174,7 @@ class Validation(Result):
         return BEYOND if beyond or self.outcome != COMPLETED else WITHIN
 
     def tables(self) -> dict[str, Table]:
-        """Tables of the largest errors of each test, and of thermocouples."""
+        """Return tables of the largest errors of each test, and of thermocouples."""
         from thermobearing.identify.report import errors_table, thermocouples_table
 
         found = {"errors": errors_table(ERRORS, self.table.to_dict("records"))}
@@ -220,22 +220,16 @@ class Validation(Result):
 
 @dataclass(frozen=True, repr=False)
 class CrossValidation(Result):
-    """The result of a cross-validation: calibrations, with the tests used and held out.
-
-    `final` is the calibration to every test that is not held out, with folds to all of them;
-    `folds` contains one without each group of tests, and is empty if the user named the tests held
-    out. `groups` are the tests held out, by fold. `fitted` compares the final calibration with its
-    own tests, `held_out` every test held out with the calibration that did not use it.
-    """
+    """The result of a cross-validation: calibrations, with the tests used and held out."""
 
     _figures = "CrossValidationFigures"
     _report_of_files = True
 
-    final: Identification
-    folds: list[Identification]
-    groups: list[list[TestRecord]]
-    fitted: Validation
-    held_out: Validation
+    final: Identification  # calibration to all tests, or to those that the user did not hold out
+    folds: list[Identification]  # without each group of tests; none if the user named them
+    groups: list[list[TestRecord]]  # the tests held out, by fold
+    fitted: Validation  # of the final calibration with its own tests
+    held_out: Validation  # of each test held out with the calibration that did not use it
 
     @property
     def headline(self) -> str:
@@ -333,7 +327,7 @@ class CrossValidation(Result):
         }
 
     def tables(self) -> dict[str, Table]:
-        """Tables of the final fit, of parameters by fold, and of both kinds of tests."""
+        """Return tables of the final fit, of parameters by fold, and of both kinds of tests."""
         from thermobearing.identify.report import errors_table
 
         found = self.final.tables()
@@ -358,7 +352,7 @@ class CrossValidation(Result):
         return Table("Parameters without each fold", columns, rows, keys=2)
 
     def notes(self) -> list[str]:
-        """Notes of the final fit, and the limits with the verdict on the tests held out."""
+        """Return notes of the final fit, and the limits with the verdict on the tests held out."""
         return [*self.final.notes(), *self.held_out.notes()]
 
     def summary(self) -> dict[str, Any]:

@@ -58,10 +58,6 @@ def validate_bearing(
     limits : largest relative error by quantity: K_eq, h_eq (0.15 each unless given), energy,
         force, temperature, NRMSE.
 
-    Returns
-    -------
-    Validation
-
     Raises
     ------
     InputError : a test that cannot be used, with the reason; unknown names; limits out of range.
@@ -199,10 +195,6 @@ def cross_validate(
     limits : largest relative error by quantity, as in `validate_bearing`.
     progress : called with (fits done, all).
     fit : the other arguments of `identify_bearing`.
-
-    Returns
-    -------
-    CrossValidation
 
     Raises
     ------

@@ -4,7 +4,7 @@
 `kernels.json`, which says how arguments are laid out. A function of a library (a face) takes one
 pointer to a table of slots of eight bytes:
 
-    a number, whole number or choice   its value
+    a number, integer or choice        its value
     an array                           its address, then its shape
     a record (named tuple)             the address of a table of its fields, one after the other
     a tuple of records or arrays       the address of a table with all of them, and their number

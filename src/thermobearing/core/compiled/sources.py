@@ -80,7 +80,7 @@ def cache_directory() -> Path | None:
 
 
 def _base() -> Path | None:
-    """The user's folder for what can be made again; None where there is no home."""
+    """Return the user's folder for what can be made again; None where there is no home."""
     given = os.environ.get("NUMBA_CACHE_DIR")
     if given:
         return Path(given)

@@ -1,7 +1,7 @@
 """From arrays of several runs to lanes, and the arrays themselves.
 
 `side_by_side` puts the records of several runs into one: every float becomes an array with the
-runs along its last axis, whole numbers and choices must be alike. In a kernel `as_lanes` gives the
+runs along its last axis, integers and choices must be alike. In a kernel `as_lanes` gives the
 same memory the types that the kernels want: the last axis becomes a lane.
 """
 
@@ -40,7 +40,7 @@ def _lane_row(row: np.dtype[Any]) -> np.dtype[Any]:
 
 @cache
 def _has_numbers(row: np.dtype[Any]) -> bool:
-    """Whether a record has whole numbers too."""
+    """Whether a record has integers too."""
     return any(row[name].base != np.float64 for name in row.names or ())
 
 
@@ -68,7 +68,7 @@ def side_by_side(parts: Sequence[T]) -> T:
 
     Raises
     ------
-    ValueError : they differ in shape, in a whole number or in a choice.
+    ValueError : they differ in shape, in an integer or in a choice.
     """
     first: Any = parts[0]
     every: Sequence[Any] = parts
@@ -147,7 +147,7 @@ def twin(made: T) -> T:
 
 
 def each_lane(made: Any, like: T) -> list[T]:
-    """What every run has in `made`, in arrays of its own, of the kinds of those that are given."""
+    """Return separate arrays with what every run has in `made`, of the given kinds."""
     given: Any = like
     if isinstance(like, tuple):
         parts = [each_lane(one, own) for one, own in zip(made, given, strict=True)]

@@ -54,7 +54,7 @@ def lane_kind(kind: Any, width: int) -> Any:
         columns: Any = kind
         inner = [lane_kind(one, width) for one in columns.types]
         return types.BaseTuple.from_types(inner, getattr(kind, "instance_class", None))
-    if hasattr(kind, "viewed"):  # what stands in a table
+    if hasattr(kind, "viewed"):  # a record in a table
         return kind.viewed(lambda one: lane_kind(one, width))
     if not isinstance(kind, types.Array):
         return kind

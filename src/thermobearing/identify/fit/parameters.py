@@ -43,7 +43,7 @@ class Kind(Strict):
     scale: Literal["linear", "log", "log1p"]  # on which the search moves
     lower: float
     upper: float
-    relative: bool = False  # bounds multiply the starting value; it goes with the bearing's size
+    relative: bool = False  # bounds multiply the starting value, which depends on the size
     end: float | None = None  # bound at which the law itself ends
     of_yielding: bool = False  # linear rubber has none
     usual: bool = True  # free by default

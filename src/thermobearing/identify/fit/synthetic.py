@@ -44,10 +44,6 @@ def synthetic_record(
     through_rests : record samples during rests too.
     seed : of the noise.
 
-    Returns
-    -------
-    TestRecord
-
     Raises
     ------
     InputError : a number out of range, or the simulation ended early.

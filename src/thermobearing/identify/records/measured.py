@@ -35,7 +35,7 @@ class MeasuredCycles:
     measures: list[CycleMeasures]  # in the order of time
     ends: list[str]  # of each cycle: "closed", or "rest" where the motion stops at zero
     notes: list[str]  # on rests, spikes, drift, cycles left out, columns not used
-    record: TestRecord  # what was measured, spikes and drift removed if its sidecar asks for it
+    record: TestRecord  # as measured, without spikes and drift if its sidecar requests it
     rows: list[slice]  # samples of each cycle
     total_rubber_thickness: float  # [mm]
 

@@ -86,7 +86,8 @@ class TestRecord:
     detrend : signals whose drift is removed before a calibration: "force", "displacement",
         "both", or "".
     ambient_uncertainty : standard uncertainty of `ambient` [K], >= 0; None for the usual 0.5 K.
-    about : specimen, laboratory, date and scragged (whether the rubber had worked), as stated.
+    about : specimen, laboratory, date and scragged (whether the rubber was loaded before), as
+        stated.
     """
 
     __test__ = False  # not a test for pytest
@@ -150,10 +151,6 @@ def record_from_arrays(
     ambient : [degC].
     name : of the test in reports.
 
-    Returns
-    -------
-    TestRecord
-
     Raises
     ------
     InputError : lists that differ in length or are not finite numbers.
@@ -181,10 +178,6 @@ def load_test(path: str | Path) -> TestRecord:
     ----------
     path : `test.csv` or `test.xlsx` (its sidecar is `test.toml` in the same folder, if any) or the
         sidecar.
-
-    Returns
-    -------
-    TestRecord
 
     Raises
     ------

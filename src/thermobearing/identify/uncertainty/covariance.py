@@ -63,7 +63,7 @@ class Group(Strict):
     unit: str = ""  # of `absolute`; empty where the key says it
     # Degrees of freedom (JCGM 100:2008, G.4.2): how well the uncertainty itself is known.
     freedom: float = Field(default=NORMAL_FREEDOM, gt=0.0)
-    cause: str = ""  # what else makes tests ask for another value
+    cause: str = ""  # another reason for which tests require another value
 
     @model_validator(mode="after")
     def _one_uncertainty(self) -> "Group":

@@ -111,10 +111,6 @@ def forecast(
     posterior : sample the posterior with emcee; otherwise the normal distribution of the estimates.
     seed : of the draws, >= 0.
 
-    Returns
-    -------
-    Forecast
-
     Raises
     ------
     InputError : a temperature out of range, emcee is not installed, or every draw ends early.
@@ -278,7 +274,7 @@ def posterior_bearings(
     Raises
     ------
     InputError : no such file, columns that are no parameters of the bearing, cells that are no
-        numbers or that a bearing may not have; a bearing that the samples are not of.
+        numbers or that a bearing may not have; samples of another bearing.
 
     Examples
     --------

@@ -456,11 +456,7 @@ def _samples(motion: GroundMotion | MotionPair) -> Floats:
 def _run_ids(
     study: Study, levels: Levels, places: Mapping[str, Ints], numbers: Mapping[str, Floats]
 ) -> list[str]:
-    """Return the ids of runs, 16 hexadecimal digits each.
-
-    `places`: of structure, bearing (in `Levels.bearings`) and motion of each row; `numbers`: NaN if
-    a run has no such number.
-    """
+    """Return the ids of runs; `places` and `numbers` (NaN: a run has none) by column."""
     shared = _shared_digest(study)
     pairs = zip(levels.motions, levels.listed, strict=True)
     parts = {
@@ -523,10 +519,7 @@ def plan(study: Study) -> pd.DataFrame:
 
 
 def in_lockstep(study: Study) -> bool:
-    """Return whether runs of a study are computed in lockstep, from the study alone.
-
-    Runs in lockstep share thermal properties, so that a study that varies them does not use it.
-    """
+    """Return whether runs are computed in lockstep, where all must share thermal properties."""
     case, wanted = study.case, study.design.lockstep
     alone = case.analysis.method == "predictor-corrector" or study.keep.histories == "all"
     if alone or wanted is False or any(moves_warmth(target) for target in list_targets(study)):

@@ -167,10 +167,7 @@ def motions_to_be(factor: MotionFactor) -> list[GroundMotion]:
 
 
 def factor_motions(factor: MotionFactor) -> list[GroundMotion]:
-    """Return the motions of the levels, not scaled; matched here if that was not done before.
-
-    Of pairs these are the components along the bridge.
-    """
+    """Return the motions of the levels along the bridge, not scaled; matched here if need be."""
     if factor.matched is None:
         return [motion.load() for motion in factor.levels or ()]
     return list(factor.matched_motions() or factor.matched_motions(_made(factor, {}, 1, None)))
@@ -231,10 +228,7 @@ def missing_motions(study: Study, directory: Path | None = None) -> list[Recipe]
 
 
 def with_first_motion(study: Study) -> tuple[Study, int, float]:
-    """Return a study whose runs can be timed, and the number and seconds of missing motions.
-
-    The first missing motion is matched, and replaces all of them.
-    """
+    """Return a study whose runs can be timed, and number and seconds of missing motions."""
     missing = missing_motions(study)
     if not missing:
         return with_matched(study, jobs=1), 0, 0.0

@@ -91,10 +91,7 @@ class Distribution:
 
 
 def parse_number(value: float | str, unit: str | None) -> float:
-    """Return a number of a study file: text with a unit, or a plain number if `unit` is None.
-
-    An acceleration may have any unit of records: m/s2, g, gal, ...
-    """
+    """Return a number of a study file: text with a unit, or a plain one if `unit` is None."""
     if unit is None:
         if isinstance(value, str):
             raise InputError(f'"{value}": must be a plain number, without a unit')
@@ -224,7 +221,7 @@ class Posterior(Strict):
 
 
 class BearingFactor(Picked):
-    """Bearings on the lines without a bearing of their own."""
+    """Bearings of the lines without their own bearing."""
 
     levels: Annotated[
         list[Annotated[Bearing | BilinearBearing | Posterior, Field(discriminator="kind")]],
@@ -405,10 +402,7 @@ def _directional(pair: MotionPair, scale: ScaleFactor) -> Floats:
 
 
 def intensity(motion: GroundMotion | MotionPair, scale: ScaleFactor) -> float:
-    """Return the measure of an unscaled motion: PGA, Sa [m/s2] or PGV [m/s].
-
-    That of a pair is RotD50, the median over all horizontal directions.
-    """
+    """Return PGA, Sa [m/s2] or PGV [m/s] of an unscaled motion; of a pair their RotD50."""
     if isinstance(motion, MotionPair):
         found = float(rotation_measures(_directional(motion, scale)).rotd50)
     elif scale.measure == "PGA":

@@ -167,11 +167,7 @@ def _peak_memory() -> float | None:
 
 
 def count_failures(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the failure modes, the most frequent first.
-
-    The columns are `outcome`, `runs`, `share` of all runs, `first` (number of the first such run)
-    and its `sentence`.
-    """
+    """Return number, share, first run and sentence of each failure mode, by frequency."""
     failed = table[table["outcome"] != COMPLETED]
     groups = failed.groupby("outcome", sort=True, observed=True)
     found = groups.agg(runs=("run", "size"), first=("run", "min"), sentence=("sentence", "first"))
@@ -501,10 +497,6 @@ def study(
         write the same directory at the same time.
     progress : callable, optional
         Called with the numbers of completed runs and of all runs; with a directory.
-
-    Returns
-    -------
-    StudyResult
 
     Raises
     ------

@@ -90,11 +90,7 @@ def _make_room(kept: dict[Any, Any]) -> None:
 
 
 class Preparer:
-    """Prepares the runs of a study in one process.
-
-    Structures, bearing models and motions on the time step that rows have in common are built when
-    they are first needed, and stored.
-    """
+    """Prepares the runs of a study in one process, and stores what rows have in common."""
 
     def __init__(self, study: Study) -> None:
         self.study = study

@@ -368,10 +368,7 @@ def packed(study: Study) -> bytes:
 
 
 def compute_shard_in_process(shared: tuple[bytes, bool], work: Work) -> Done | None:
-    """Compute a shard in a process, which keeps its preparer between shards.
-
-    `shared`: the study from `packed`, and whether histories are kept.
-    """
+    """Compute a shard; `shared` is a study from `packed`, and whether histories are kept."""
     study, histories = shared
     mark = hashlib.sha256(study).digest()
     if getattr(_OWN, "mark", None) != mark:
@@ -392,10 +389,7 @@ LOST = ("cancelled", "lost")
 def on_dask(
     shared: tuple[bytes, bool], works: Iterable[Work], address: Any
 ) -> Generator[tuple[Work, Done | None]]:
-    """Yield shards that the workers of a cluster compute; those of a dead worker are repeated.
-
-    `address`: that of the scheduler, "tcp://host:8786", or a `distributed.Client`.
-    """
+    """Yield shards that a cluster computes; those of a dead worker are repeated."""
     with ExitStack() as stack:
         client = _client(address, stack)
         try:

@@ -124,10 +124,7 @@ def quantile(values: Floats, share: float) -> float:
 
 
 def percentiles(samples: Floats, level: float) -> tuple[Floats, Floats]:
-    """Return the ends of the central interval of samples along the first axis.
-
-    The ends are ordered samples, at level (count + 1), because samples may be infinite.
-    """
+    """Return the ends of the central interval of samples (some infinite) along the first axis."""
     ordered = np.sort(samples, axis=0)
     outside = max(int(0.5 * (1.0 - level) * (len(ordered) + 1) + ROUNDING), 1)
     return np.asarray(ordered[outside - 1]), np.asarray(ordered[-outside])
@@ -236,10 +233,7 @@ def equal_classes(values: Floats, count: int) -> Ints:
 
 
 def in_classes(table: pd.DataFrame, by: str) -> tuple[pd.DataFrame, str]:
-    """Return the table and the column of its curves.
-
-    More than 8 temperatures are put into classes such as "-10 to -1 degC".
-    """
+    """Return the table and the column of its curves: temperatures, or classes of more than 8."""
     if by != AMBIENT or table[AMBIENT].nunique() <= MOST_TEMPERATURES:
         return table, by
     ordered = table.sort_values(AMBIENT, kind="stable")
@@ -260,7 +254,7 @@ def demand_against(
     shares: Sequence[float] = FRACTILES,
     level: float = LEVEL,
 ) -> pd.DataFrame:
-    """Return mean, fractiles (`shares`) and band of the median of a demand at each temperature.
+    """Return mean, `FRACTILES` and band of the median of a demand at each temperature.
 
     More than 20 different values of `across` are put into 12 classes of equal size, at their
     mean; each combination of the columns `by` has its rows. A collapse is an infinite demand.

@@ -84,10 +84,7 @@ class IdaCurve(NamedTuple):
         return found
 
     def _crossing(self, capacity: float) -> float:
-        """Return the lowest intensity at which the demand reaches the capacity, or infinity.
-
-        Before a collapse it is the largest intensity of a completed run, if there is one.
-        """
+        """Return the lowest intensity that reaches the capacity or precedes a collapse, or inf."""
         beyond = np.flatnonzero(self.demand >= capacity)
         if len(beyond) == 0:
             return float("inf")
@@ -111,11 +108,7 @@ class Ida(NamedTuple):
     def fractiles(
         self, intensity: Floats | None = None, shares: Sequence[float] = FRACTILES
     ) -> pd.DataFrame:
-        """Return fractiles of the demand over the curves, by default at all intensities of runs.
-
-        The columns are the intensity, `curves` (the number of curves there), and one for each
-        share, such as `0.5`.
-        """
+        """Return fractiles of the demand over `curves` curves, at all intensities of runs."""
         if intensity is None:
             intensity = np.unique(np.concatenate([curve.intensity[1:] for curve in self.curves]))
         values = np.array([curve._at(intensity) for curve in self.curves])
@@ -127,11 +120,7 @@ class Ida(NamedTuple):
         return pd.DataFrame(rows)
 
     def crossings(self, capacity: float) -> pd.DataFrame:
-        """Return the intensity at which each curve first reaches a capacity.
-
-        The columns are those that identify the curves, `capacity` (infinite where it was not
-        reached) and `largest`, the largest intensity of the curve.
-        """
+        """Return where each curve first reaches a capacity (or inf), and its largest intensity."""
         rows = []
         for curve in self.curves:
             name = dict(zip(self.by, curve.name, strict=True))
@@ -228,21 +217,14 @@ class Fragility:
         return float(1.0 / self.estimate.best.slope[0]) if known else np.nan
 
     def probability(self, intensity: Any) -> Floats:
-        """Return the probability of exceedance at intensities.
-
-        It is 0 where no run exceeded the capacity, 1 where all did, and NaN where the share does
-        not rise with the intensity.
-        """
+        """Return the probability at intensities; NaN where the share does not rise with them."""
         at = np.atleast_1d(np.asarray(intensity, dtype=float))
         if any(one.outcome == NOT_RISING for _, one in self.parts):
             return np.full(len(at), np.nan)
         return np.asarray(sum(share * one.probability(at) for share, one in self.parts))
 
     def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
-        """Return the probabilities of all curves of the band: shape (curves, intensities).
-
-        With `drawn` the curves are those that the bootstrap drew, for ratios of curves.
-        """
+        """Return that of all curves of the band [curves, intensities], or those that were drawn."""
         at = np.atleast_1d(np.asarray(intensity, dtype=float))
         each = ((share, (drawn and one.drawn) or one) for share, one in self.parts)
         return np.asarray(sum(share * one.family(at) for share, one in each))
@@ -292,10 +274,7 @@ class Fragility:
 def combine_curves(
     curves: Mapping[float, Fragility], shares: Any, name: str = "climate"
 ) -> Fragility:
-    """Return the mean of the curves of some temperatures, each by its share of the time.
-
-    The curves must be those of `fragility_curves`, whose bootstrap draws the same motions.
-    """
+    """Return the mean of the curves of some temperatures, each by its share of the time."""
     each, shares = list(curves.values()), np.asarray(shares, dtype=float)
     if len(shares) != len(each) or (shares < 0.0).any() or abs(shares.sum() - 1.0) > 1e-9:
         raise InputError("each temperature needs a share of the time; their sum must be 1")
@@ -339,10 +318,7 @@ def fragility_curve(
     name: str = "",
     **options: Unpack[Options],
 ) -> Fragility:
-    """Return a fragility curve from a table of runs; the column `outcome` marks failed ones.
-
-    The `demand` is compared with the `capacity` in its unit, against the `intensity` > 0.
-    """
+    """Return a fragility curve from a table of runs; the column `outcome` marks failed ones."""
     draw, how = _resample(table, options)
     return _fragility(table, draw, (name, demand, capacity, intensity), **how)
 
@@ -355,11 +331,7 @@ def fragility_curves(
     by: str,
     **options: Unpack[Options],
 ) -> dict[Any, Fragility]:
-    """Return a fragility curve for each value of a column, such as each ambient temperature.
-
-    The bootstrap draws the same motions for all curves, so that differences and ratios of their
-    results have bands too.
-    """
+    """Return a curve for each value of a column; the bootstrap draws the same motions for all."""
     draw, how = _resample(table, options)
     labels = np.asarray(column(table, by), dtype=object)
     values = list(dict.fromkeys(labels.tolist()))

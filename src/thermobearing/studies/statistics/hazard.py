@@ -164,10 +164,7 @@ def annual_rate(curve: Fragility, hazard: Hazard) -> Rate:
 
 
 def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, float]:
-    """Return the ratio of two rates and its band; NaN where one of them has no rate.
-
-    The bootstrap of both must have drawn the same motions.
-    """
+    """Return the ratio of two rates, whose bootstraps drew the same motions, and its band."""
     if len(rate.family) != len(to.family):
         raise InputError("the bands of two rates need the same number of bootstrap samples")
     if np.isnan(rate.rate + to.rate) or rate.rate == to.rate == 0.0:

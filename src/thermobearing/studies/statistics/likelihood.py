@@ -392,10 +392,7 @@ def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str
 
 
 def incremental(table: pd.DataFrame, groups: Ints, draw: Draw) -> Estimate:
-    """Return the lognormal curve of the intensities at which motions reach a capacity.
-
-    `table`: from `Ida.crossings`; `groups`: groups of its curves in the draw.
-    """
+    """Return the lognormal curve of the intensities (`Ida.crossings`) that reach a capacity."""
     reached = np.isfinite(table["capacity"].to_numpy(dtype=float))
     y = table.loc[reached, "capacity"].to_numpy(dtype=float)
     c = table.loc[~reached, "largest"].to_numpy(dtype=float)
@@ -418,10 +415,7 @@ def incremental(table: pd.DataFrame, groups: Ints, draw: Draw) -> Estimate:
 
 
 def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
-    """Return the lognormal curve of a regression of the demand, and the share of collapse.
-
-    Demands are > 0, and infinite for a collapse.
-    """
+    """Return the lognormal curve of a regression of demands, of which infinite ones collapse."""
     stood = np.isfinite(demand)
     if stood.sum() < 3 or len(np.unique(at[stood])) < 2:
         raise InputError(

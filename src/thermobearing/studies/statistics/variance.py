@@ -45,11 +45,7 @@ REST = "interaction and rest"  # row of the interaction of factors
 def _sobol_indices(
     a: Floats, b: Floats, swapped: Floats, draw: Draw | None = None
 ) -> tuple[Floats, Floats]:
-    """Return first-order and total indices; with `draw` a row of them for each sample.
-
-    `a`, `b`: values of the matrices A and B; `swapped`: those of A with one column of B, shape
-    (factors, rows).
-    """
+    """Return first-order and total indices from A, B and [factors, rows] A with columns of B."""
     middle = np.concatenate([a, b]).mean()
     a, b, swapped = a - middle, b - middle, swapped - middle
     sums = np.column_stack(
