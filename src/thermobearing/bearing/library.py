@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from thermobearing.bearing.model import TEMPERATURE_COEFFICIENTS, Bearing, with_laws
-from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.keywords import checked_keywords
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.text_file import write_file
@@ -141,7 +141,7 @@ def changed_bearing(
     return made.with_sources(kept | {key: text for key, text in new_sources.items() if text})
 
 
-@renamed(force="overwrite")
+@checked_keywords
 def save_bearing(bearing: Bearing, path: str | Path, *, overwrite: bool = False) -> Path:
     """Write a bearing as a TOML file, with the source of each number where one is known.
 

@@ -17,8 +17,8 @@ import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.keywords import checked_keywords
 from thermobearing.climate.readers import read_air
 from thermobearing.cyclic import dataset
 from thermobearing.cyclic.case import (
@@ -49,13 +49,7 @@ History: TypeAlias = (
 )
 
 
-@renamed(
-    {"keep": Keep, "initial": InitialState},
-    history="test",
-    keep_every="keep.every",
-    histories="keep.histories",
-    initial_lead="initial.lead",
-)
+@checked_keywords
 def run(
     bearing: Bearing | str | Path,
     test: CyclicTest | History | None = None,

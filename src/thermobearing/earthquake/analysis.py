@@ -11,8 +11,8 @@ import xarray as xr
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError
+from thermobearing.border.keywords import checked_keywords
 from thermobearing.cyclic.case import Earlier, InitialState, Keep, Rig
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.run import run
@@ -47,16 +47,7 @@ class EarthquakeKeywords(ModelKeywords, total=False):
     damping: DampingKind | None
 
 
-_EARLIER_NAMES = {
-    "weather": "ambient",
-    "keep_every": "keep.every",
-    "initial_state": "initial.result",
-    "initial_result": "initial.result",
-}
-_RECORDS = {"keep": Keep, "initial": InitialState}
-
-
-@renamed(_RECORDS, **_EARLIER_NAMES)
+@checked_keywords
 def bridge(
     bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
     motion: OneOrMore[AnyMotion] | None = None,
@@ -145,7 +136,7 @@ def one_or_both(components: Any) -> tuple[Any, bool]:
     return (max(components) if components else None), len(components) > 1
 
 
-@renamed(_RECORDS, **_EARLIER_NAMES)
+@checked_keywords
 def hybrid(
     bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
     motion: OneOrMore[AnyMotion] | None = None,

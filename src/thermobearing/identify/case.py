@@ -42,16 +42,22 @@ class IdentifyCase:
     one_temperature: bool = False
 
 
-class SearchKeywords(TypedDict, total=False):
-    """Search options of `IdentifyCase` as keyword arguments."""
+class IdentifyKeywords(TypedDict, total=False):
+    """Options of `IdentifyCase` as keyword arguments."""
 
+    free: Sequence[str] | None
+    bounds: dict[str, tuple[float, float]] | None
     method: Method
-    loss: Loss
     seed: int
     starts: int
+    loss: Loss
+    temperatures: bool
     blind: bool
     polish: bool
     evaluations: int
+    assumed: Mapping[str, float] | None
+    accept_poor: bool
+    one_temperature: bool
 
 
 def make_identify_case(

@@ -7,7 +7,7 @@ problem.py, the model in forward.py, the search in search.py.
 """
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Unpack
@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing, Validity
-from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError
-from thermobearing.identify.case import IdentifyCase, SearchKeywords, Test, make_identify_case
+from thermobearing.border.keywords import checked_keywords
+from thermobearing.identify.case import IdentifyCase, IdentifyKeywords, Test, make_identify_case
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.fit.parameters import (
     M_T,
@@ -40,18 +40,11 @@ from thermobearing.identify.uncertainty.covariance import chosen_groups, estimat
 from thermobearing.results.ranges import cycles_in_a_row, largest_speed
 
 
-@renamed()
+@checked_keywords
 def identify_bearing(
     records: Sequence[Test] | Test,
     bearing: Bearing | str | Path,
-    *,
-    free: Sequence[str] | None = None,
-    bounds: dict[str, tuple[float, float]] | None = None,
-    assumed: Mapping[str, float] | None = None,
-    temperatures: bool = False,
-    one_temperature: bool = False,
-    accept_poor: bool = False,
-    **search: Unpack[SearchKeywords],
+    **options: Unpack[IdentifyKeywords],
 ) -> Identification:
     """Identify the parameters of a bearing from its tests.
 
@@ -94,18 +87,7 @@ def identify_bearing(
     >>> abs(found.values["hysteresis.layer_stiffness"] / 30.738 - 1.0) < 0.02
     True
     """
-    case = make_identify_case(
-        records,
-        bearing,
-        free=free,
-        bounds=bounds,
-        assumed=assumed,
-        temperatures=temperatures,
-        one_temperature=one_temperature,
-        accept_poor=accept_poor,
-        **search,
-    )
-    return run_identify(case)
+    return run_identify(make_identify_case(records, bearing, **options))
 
 
 def run_identify(case: IdentifyCase) -> Identification:

@@ -14,8 +14,8 @@ import tomli_w
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, OutputError, printable
+from thermobearing.border.keywords import checked_keywords
 from thermobearing.border.text_file import file_names, write_file
 from thermobearing.core.records import Floats
 from thermobearing.identify.records.checks import CheckReport, check_test
@@ -209,7 +209,7 @@ class Intakes(Result):
             "files": [item.summary() for item in self.files],
         }
 
-    @renamed(force="overwrite", beside="write_sidecars")
+    @checked_keywords
     def save(
         self,
         directory: str | Path,

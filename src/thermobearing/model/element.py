@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from thermobearing.bearing.ambient import check_temperature
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.deprecated import renamed
 from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.keywords import checked_keywords
 from thermobearing.border.schema import validated
 from thermobearing.border.units import HUGEST, is_number, number_list, refuse_hidden
 from thermobearing.core.compiled.kernel import prepare
@@ -103,7 +103,7 @@ class BearingElement:
     ((2,), (2, 2))
     """
 
-    @renamed()
+    @checked_keywords
     def __init__(
         self,
         bearing: Bearing | str | Path,
@@ -442,7 +442,7 @@ class BearingElements:
             one.revert_to_start()
 
 
-@renamed()
+@checked_keywords
 def element(
     bearing: Bearing | str | Path,
     ambient: float = DEFAULT_AMBIENT,

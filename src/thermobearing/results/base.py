@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import pandas as pd
 import xarray as xr
 
-from thermobearing.border.deprecated import renamed
+from thermobearing.border.keywords import checked_keywords
 from thermobearing.quantities.tables import Table
 from thermobearing.results.directory import CHECKS, FIGURES, RIG, TESTED_RANGE, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style
@@ -100,7 +100,7 @@ class Result:
         """Figures of the result, each a matplotlib Figure."""
         return getattr(self._view("figures"), self._figures)(self)
 
-    @renamed(force="overwrite")
+    @checked_keywords
     def save(
         self,
         directory: str | Path,
