@@ -31,7 +31,7 @@ ITEMS = {
     "step_halving": "Accuracy",
     "softening": "Accuracy",
     "finite_elements": "One dimension",
-    "energy": "Energy books",
+    "energy": "Energy balance",
     "memory": "Memory",
     "identification": "Identification",
 }
@@ -43,14 +43,14 @@ def measured(item: str) -> list[Row]:
     try:
         rows: list[Row] = import_module(f"benchmarks.{item}").rows()
     except Exception as error:
-        return [failed(item, f"{type(error).__name__}: {error}", target="to run at all")]
+        return [failed(item, f"{type(error).__name__}: {error}", target="runs")]
     return rows
 
 
 def table(found: dict[str, list[Row]], about: dict[str, str]) -> Table:
     """Return a table with one section for each benchmark."""
     caption = ", ".join(f"{key} {value}" for key, value in about.items())
-    out = Table(title="thermobearing: measured beside target", caption=caption)
+    out = Table(title="thermobearing: measured values and targets", caption=caption)
     for head in ("", "what", "measured", "target", "met", "note"):
         out.add_column(head, justify="right" if head in ("measured", "target") else "left")
     for item, rows in found.items():
@@ -71,14 +71,14 @@ def main() -> None:
     for item in options.only:
         console.print(f"measuring {item} ...", style="dim")
         found[item] = measured(item)
+        if options.json:  # now, for benchmarks that are interrupted
+            listed = {name: [asdict(row) for row in rows] for name, rows in found.items()}
+            report = {"machine": machine(), "rows": listed, "seconds": time.perf_counter() - begin}
+            options.json.write_text(json.dumps(report, indent=1) + "\n")
     console.print(table(found, machine()))
     judged = [row.met for rows in found.values() for row in rows if row.met is not None]
     elapsed = time.perf_counter() - begin
     console.print(f"{sum(judged)} of {len(judged)} targets met; {elapsed:.0f} s")
-    if options.json:
-        listed = {item: [asdict(row) for row in rows] for item, rows in found.items()}
-        report = {"machine": machine(), "rows": listed, "seconds": elapsed}
-        options.json.write_text(json.dumps(report, indent=1) + "\n")
 
 
 if __name__ == "__main__":

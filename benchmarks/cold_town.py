@@ -50,7 +50,7 @@ SITE = Hazard([1.0, 25.0], [0.18, 0.18 * 25.0**-2.5], "Sa")
 class Limit(NamedTuple):
     """A limit: the demand, the capacity, and what failed runs count as."""
 
-    told: str
+    label: str
     demand: str
     capacity: float
     failed: Any
@@ -101,16 +101,16 @@ def answers(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> dict[tuple
     found = {}
     for bearing in BEARINGS:
         for limit in LIMITS:
-            asked = (limit.demand, limit.capacity, INTENSITY)
+            wanted = (limit.demand, limit.capacity, INTENSITY)
             curves = fragility_curves(
                 limit.rows(runs["levels"], bearing),
-                *asked,
+                *wanted,
                 "ambient_degC",
                 method="ida",
                 failed=limit.failed,
             )
             shares = shares_of_time(list(curves), warmth[bearing])
-            found[bearing, limit.told] = Answer(curves, combine_curves(curves, shares), shares)
+            found[bearing, limit.label] = Answer(curves, combine_curves(curves, shares), shares)
     return found
 
 
@@ -122,14 +122,14 @@ def rates_table(found: dict[tuple[str, str], Answer]) -> list[str]:
         "|---|---|---|---|---|",
     ]
     for limit in LIMITS:
-        for bearing, told in BEARINGS.items():
-            answer = found[bearing, limit.told]
+        for bearing, label in BEARINGS.items():
+            answer = found[bearing, limit.label]
             rates = answer.rates()
             cells = [_years(rates[name]) for name in ("23 degC", "climate", "-20 degC")]
             times = ratio(rates["climate"], rates["23 degC"])
             high = f"to {times[2]:.2f}" if np.isfinite(times[2]) else "or more"
             said = f"{times[0]:.2f} ({times[1]:.2f} {high})"
-            rows.append(f"| {limit.told}, {told} | {' | '.join(cells)} | {said} |")
+            rows.append(f"| {limit.label}, {label} | {' | '.join(cells)} | {said} |")
     return rows
 
 
@@ -145,7 +145,7 @@ def parts_table(found: dict[tuple[str, str], Answer]) -> list[str]:
     """What each temperature adds to the rate at which the pier yields."""
     parts = {}
     for name in LAYERED:
-        curves, _, share = found[name, LIMITS[0].told]
+        curves, _, share = found[name, LIMITS[0].label]
         rates = np.array([annual_rate(curve, SITE).rate for curve in curves.values()])
         added = np.where(share > 0.0, share * rates, 0.0)
         parts[name] = {"share": share, "part": added / added.sum()}
@@ -153,7 +153,7 @@ def parts_table(found: dict[tuple[str, str], Answer]) -> list[str]:
     columns = [(key, name) for key in what for name in LAYERED]
     heads = " | ".join(f"{what[key]}, {BEARINGS[name]}" for key, name in columns)
     rows = [f"| temperature of the rubber | {heads} |", "|---" * (1 + len(columns)) + "|"]
-    for k, degrees in enumerate(found[LAYERED[0], LIMITS[0].told].curves):
+    for k, degrees in enumerate(found[LAYERED[0], LIMITS[0].label].curves):
         shares = " | ".join(f"{100 * parts[name][key][k]:.1f} %" for key, name in columns)
         rows.append(f"| {degrees:g} degC | {shares} |")
     return rows
@@ -174,7 +174,7 @@ def hours_table(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> list[s
         "|---|---|---|---|",
     ]
     for limit in LIMITS:
-        for bearing, told in BEARINGS.items():
+        for bearing, label in BEARINGS.items():
             drawn = shares_beyond(runs["hours"], bearing, limit)
             levels = runs["levels"].groupby("ambient_degC")
             each = [shares_beyond(part, bearing, limit).mean() for _, part in levels]
@@ -182,7 +182,7 @@ def hours_table(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> list[s
             count = (runs["hours"]["bearing"] == bearing).sum() / len(drawn)
             chance = np.sqrt((drawn * (1.0 - drawn)).sum() / count) / len(drawn)
             rows.append(
-                f"| {limit.told}, {told} | {100 * drawn.mean():.1f} % | "
+                f"| {limit.label}, {label} | {100 * drawn.mean():.1f} % | "
                 f"{100 * float(np.dot(shares, each)):.1f} % | {100 * chance:.1f} % |"
             )
     return rows
@@ -190,12 +190,12 @@ def hours_table(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> list[s
 
 def failed_line(runs: dict[str, pd.DataFrame]) -> str:
     """What became of the runs that failed."""
-    told = []
+    sentences = []
     for name, table in runs.items():
         counts = table["outcome"].value_counts().drop("completed", errors="ignore")
         said = ", ".join(f"{count} {outcome}" for outcome, count in counts.items()) or "none"
-        told.append(f"{STUDIES[name]}: {counts.sum()} of {len(table)} runs failed ({said})")
-    return "; ".join(told)
+        sentences.append(f"{STUDIES[name]}: {counts.sum()} of {len(table)} runs failed ({said})")
+    return "; ".join(sentences)
 
 
 def draw_weather(weather: Hourly, warmth: pd.DataFrame) -> Figure:
@@ -209,17 +209,17 @@ def draw_weather(weather: Hourly, warmth: pd.DataFrame) -> Figure:
         ("inner rubber layer", "inner_rubber_degC", "#CC3311", 2.0),
         ("outer rubber layer", "outer_rubber_degC", "#0077BB", 0.8),
     )
-    for told, column, colour, width in lines:
-        left.plot(days, part[column], color=colour, linewidth=width, label=told)
+    for label, column, colour, width in lines:
+        left.plot(days, part[column], color=colour, linewidth=width, label=label)
     drawing.name_axes(left, "days", "temperature [degC]")
     left.legend(frameon=False, fontsize=drawing.SMALL, loc="lower right")
     edges = np.arange(-40.0, 41.0, 2.0)
-    for column, told, colour in (
+    for column, label, colour in (
         ("ambient_degC", "air", drawing.GREY),
         ("rubber_degC", "rubber", "#CC3311"),
     ):
         share, _ = np.histogram(warmth[column], edges)
-        right.step(edges[:-1], 100.0 * share / len(warmth), where="post", color=colour, label=told)
+        right.step(edges[:-1], 100.0 * share / len(warmth), where="post", color=colour, label=label)
     drawing.name_axes(right, "temperature [degC]", "share of the time in 2 K [%]")
     right.legend(frameon=False, fontsize=drawing.SMALL)
     return figure
@@ -232,18 +232,18 @@ def draw_fragility(found: dict[tuple[str, str], Answer], runs: dict[str, pd.Data
     for ax, (limit, bearing) in zip(
         axes, [(limit, name) for limit in LIMITS for name in LAYERED], strict=True
     ):
-        answer = found[bearing, limit.told]
+        answer = found[bearing, limit.label]
         temperatures = list(answer.curves)
         for temperature in temperatures:
             colour = drawing.COLD_TO_WARM((temperature + 30.0) / 60.0)
             curve = answer.curves[temperature]
             if curve.estimate.known:
-                told = f"{temperature:g} degC"
-                ax.plot(at, curve.probability(at), color=colour, linewidth=1.2, label=told)
+                label = f"{temperature:g} degC"
+                ax.plot(at, curve.probability(at), color=colour, linewidth=1.2, label=label)
         ax.plot(at, answer.climate.probability(at), "k-", linewidth=2.0, label="over the climate")
         shares = shares_beyond(runs["hours"], bearing, limit)
         ax.plot(shares.index, shares, "ko", ms=3.5, label="runs at hours of the weather")
-        ax.set_title(f"{limit.told}, {BEARINGS[bearing]}", fontsize=drawing.NORMAL, loc="left")
+        ax.set_title(f"{limit.label}, {BEARINGS[bearing]}", fontsize=drawing.NORMAL, loc="left")
         drawing.name_axes(ax, "Sa(1.2 s) [m/s2]", "probability")
     drawing.legend_below(figure, axes[0].get_lines())
     return figure
@@ -258,18 +258,18 @@ def draw_rates(found: dict[tuple[str, str], Answer]) -> Figure:
         ("-20 degC", "#0077BB", "-20 degC throughout"),
     )
     for ax, limit in zip(axes, LIMITS, strict=True):
-        for k, (name, colour, told) in enumerate(looks):
-            rates = [found[bearing, limit.told].rates()[name] for bearing in BEARINGS]
+        for k, (name, colour, label) in enumerate(looks):
+            rates = [found[bearing, limit.label].rates()[name] for bearing in BEARINGS]
             x = np.arange(len(rates)) + 0.26 * (k - 1)
             values = 1e3 * np.array([rate.rate for rate in rates])
             low, high = (
                 1e3 * np.array([getattr(r, end) for r in rates]) for end in ("low", "high")
             )
-            ax.bar(x, values, 0.24, color=colour, label=told)
+            ax.bar(x, values, 0.24, color=colour, label=label)
             ends = np.maximum([values - low, high - values], 0.0)
             ax.errorbar(x, values, ends, fmt="none", ecolor=drawing.GREY, elinewidth=0.8)
         ax.set_xticks(range(len(BEARINGS)), list(BEARINGS.values()), fontsize=drawing.SMALL)
-        ax.set_title(limit.told, fontsize=drawing.NORMAL, loc="left")
+        ax.set_title(limit.label, fontsize=drawing.NORMAL, loc="left")
         drawing.name_axes(ax, "", "times in a thousand years")
     axes[0].legend(frameon=False, fontsize=drawing.SMALL, loc="upper left")
     return figure

@@ -38,7 +38,7 @@ RUBBER, DESIGN = 112.0, 178.0  # Tables 6.1 and 6.3 [mm]
 TRIED = 8  # starts that are followed to their own minimum
 
 
-def told(values: Floats | list[float], form: str) -> str:
+def format_values(values: Floats | list[float], form: str) -> str:
     """Numbers with commas."""
     return ", ".join(form.format(value) for value in values)
 
@@ -78,7 +78,7 @@ def motion_lines(motion: GroundMotion) -> dict[str, str]:
         "PGV, cm/s; at, s": f"{measures.pgv / 10:.0f}; {fastest * motion.dt:.2f}",
         "PGD, cm": f"{measures.pgd / 10:.0f}",
         "Arias intensity, m/s": f"{measures.arias_intensity / 1000:.1f}",
-        "its 5, 25, 50, 75, 95 %, s": told(growth, "{:.1f}"),
+        "its 5, 25, 50, 75, 95 %, s": format_values(growth, "{:.1f}"),
         "5-95 % duration, s": f"{growth[-1] - growth[0]:.1f}",
         "fitted pulse: A, cm/s; T, s; gamma; nu, degrees; t0, s": (
             f"{pulse.amplitude / 10:.0f}; {pulse.period:.2f}; {pulse.cycles:.2f}; "
@@ -105,27 +105,27 @@ def hybrid_lines(motion: str | dict[str, object]) -> dict[str, str]:
     force, energy = "bearing_force_max_kN", "bearing_energy_kN_mm"
     for name, bearing in (("HDR", HDR), ("LHDR", LHDR)):
         found |= {
-            f"{name}: strain, rt": told(of(bearing, "rt", "bearing_strain_max"), "{:.2f}"),
-            f"{name}: force, rt, kN": told(of(bearing, "rt", force), "{:.0f}"),
-            f"{name}: force, rt/pd": told(
+            f"{name}: strain, rt": format_values(of(bearing, "rt", "bearing_strain_max"), "{:.2f}"),
+            f"{name}: force, rt, kN": format_values(of(bearing, "rt", force), "{:.0f}"),
+            f"{name}: force, rt/pd": format_values(
                 of(bearing, "rt", force) / of(bearing, "pd", force), "{:.3f}"
             ),
-            f"{name}: energy, rt/pd": told(
+            f"{name}: energy, rt/pd": format_values(
                 of(bearing, "rt", energy) / of(bearing, "pd", energy), "{:.3f}"
             ),
-            f"{name}: energy, rt, of that at 23 degC": told(
+            f"{name}: energy, rt, of that at 23 degC": format_values(
                 of(bearing, "rt", energy) / of(bearing, "rt", energy)[0], "{:.2f}"
             ),
-            f"{name}: pier displacement, rt, mm": told(
+            f"{name}: pier displacement, rt, mm": format_values(
                 of(bearing, "rt", "pier_displacement_max_mm"), "{:.0f}"
             ),
-            f"{name}: pier top acceleration, rt, m/s2": told(
+            f"{name}: pier top acceleration, rt, m/s2": format_values(
                 of(bearing, "rt", "pier_top_acceleration_max_m_s2"), "{:.1f}"
             ),
         }
     ratio: Callable[[str], Floats] = lambda mode: of(LHDR, mode, energy) / of(HDR, mode, energy)  # noqa: E731
     for mode in ("rt", "pd"):
-        found[f"LHDR/HDR energy, {mode}"] = told(ratio(mode), "{:.2f}")
+        found[f"LHDR/HDR energy, {mode}"] = format_values(ratio(mode), "{:.2f}")
     return found
 
 
@@ -134,7 +134,7 @@ def first_layer(motion: str | dict[str, object]) -> str:
     result = tb.hybrid(LHDR, motion, -20.0, structure=PIER)
     time, outer = result["time"].values[0], result["rubber_temperature"].values[0, :, 0]
     known = np.isfinite(time)
-    return told(np.interp(MOMENTS, time[known], outer[known]), "{:.1f}")
+    return format_values(np.interp(MOMENTS, time[known], outer[known]), "{:.1f}")
 
 
 def search() -> None:

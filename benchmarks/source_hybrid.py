@@ -20,8 +20,8 @@ from tests.validation.hybrid_source import (
     damping_ratios,
     energy_signs,
     evidence,
+    format_values,
     pair,
-    told,
 )
 
 COUNTS = (8, 2)
@@ -44,7 +44,7 @@ def hybrid_rows(found: list[Evidence]) -> list[list[str]]:
     rows = []
     for mode, name in (("rt", "real time"), ("pd", "pseudo-dynamic")):
         ratios = [e.energies(mode) for e in found]
-        cells = [marked(told(r), about_two(r)) for r in ratios]
+        cells = [marked(format_values(r), about_two(r)) for r in ratios]
         rows.append([f"energy LHDR/HDR, {name}", "about 2 (3.4.5)", *cells])
     cells = []
     for e in found:
@@ -53,7 +53,7 @@ def hybrid_rows(found: list[Evidence]) -> list[list[str]]:
         cells.append(marked(text, all(signs)))
     rows.append(["energy RT/PD, HDR; LHDR", "above 1, but HDR at -20 (3.4.5)", *cells])
     shares = [np.array([e.rate_share(ambient) for ambient in AMBIENT]) for e in found]
-    cells = [marked(told(share), bool(np.all(share > SHARE))) for share in shares]
+    cells = [marked(format_values(share), bool(np.all(share > SHARE))) for share in shares]
     name = "LHDR, PD, first 2 s: largest share of the rate-dependent force"
     return [*rows, [name, "over 0.75 (5.4.2.1)", *cells]]
 
@@ -64,11 +64,11 @@ def cyclic_rows() -> list[list[str]]:
         tb.run(name, ambient=AMBIENT).energy["work_in_kN_mm"].to_numpy() for name in (LHDR, HDR)
     ]
     ratio = energy[0] / energy[1]
-    text = marked(told(ratio), about_two(ratio))
+    text = marked(format_values(ratio), about_two(ratio))
     rows = [["energy LHDR/HDR, cyclic (Table 3.4)", "not said", text, ""]]
     for name, table in TABLES.items():
         ratios = damping_ratios(name)
-        text = marked(told(ratios, ".3f"), bool(np.all(np.diff(ratios) > 0.0)))
+        text = marked(format_values(ratios, ".3f"), bool(np.all(np.diff(ratios) > 0.0)))
         what = f"h_eq, 175 %, third cycle, {name} (Table {table})"
         rows.append([what, "rises in the cold (3.5, 6.1)", text, ""])
     return rows
