@@ -1,5 +1,5 @@
-# What there is to do here. The environment is made once, in .venv, from pyproject.toml; what
-# only the tests or the lint need is added to it when they are first run.
+# The targets of this project. The environment .venv is created once from pyproject.toml; packages
+# that only the tests or the lint need are added when these first run.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -18,21 +18,21 @@ LOWEST := .venv-minimum
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
 	@echo "make kernels   compile the kernels ahead of time, for all platforms (minutes)"
-	@echo "make dist   the wheel with these kernels and the source distribution, into ./dist"
-	@echo "make dist-check   use both in empty environments (PYTHONS='python3.11 python3.13')"
-	@echo "make release VERSION=0.3.0   write the version everywhere, commit and tag"
-	@echo "make test   the tests, on all cores (WORKERS=0: in one process); all but the thorough ones"
-	@echo "make test-all   these too: the same claims on more and larger cases, as in CI"
-	@echo "make browser   what tests need that look at pages with the system's Chromium"
-	@echo "make test-minimum   unit tests with the lowest versions of all that is needed"
-	@echo "make fuzz   hostile input, 100 000 examples (FUZZ=motions: a part)"
-	@echo "make mutants  small errors put into the code: do the tests notice? (RANDOM=40 SEED=1: by chance)"
-	@echo "make bench  speed, accuracy and memory, each beside its target"
-	@echo "make lint   ruff, mypy, import contracts, vocabulary, types of the JavaScript (with npm)"
+	@echo "make dist   build the wheel with these kernels and the source distribution into ./dist"
+	@echo "make dist-check   test both in empty environments (PYTHONS='python3.11 python3.13')"
+	@echo "make release VERSION=0.4.0   write the version to all files, commit and tag"
+	@echo "make test   run all but the thorough tests, on all cores (WORKERS=0: in one process)"
+	@echo "make test-all   run all tests, as in CI"
+	@echo "make browser   install what tests of pages need with the system's Chromium"
+	@echo "make test-minimum   run the unit tests with the lowest versions of all dependencies"
+	@echo "make fuzz   test hostile input with 100 000 examples (FUZZ=motions: a part)"
+	@echo "make mutants  insert small errors into the code and check that tests fail (RANDOM=40 SEED=1: random ones)"
+	@echo "make bench  measure speed, accuracy and memory, and compare them with their targets"
+	@echo "make lint   run ruff, mypy, import contracts, vocabulary, and types of the JavaScript (with npm)"
 	@echo "make docs   regenerate every number and figure in README and docs"
-	@echo "make reproduce  Shen (2023) again, with a verdict on each claim, into ./reproduced"
-	@echo "make site   the documentation site, into build/site; its examples are run"
-	@echo "make clean  forget the environment and all results"
+	@echo "make reproduce  reproduce Shen (2023), with a verdict on each claim, into ./reproduced"
+	@echo "make site   build the documentation site into build/site and run its examples"
+	@echo "make clean  remove the environment and all results"
 
 $(PROGRAM): pyproject.toml
 	$(PYTHON) -m venv $(VENV)

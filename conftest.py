@@ -56,3 +56,4 @@ def pytest_collection_finish() -> None:
     """Collect garbage seldom, and not among what is imported, which took a tenth of the time."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(10_000, 20, 50)

@@ -12,13 +12,13 @@ LIMIT = 1.0  # [s]
 COUNTS = (1, 2, 6)
 CODE = """
 import json, sys, time
-from tests.unit.test_structure_matrices import DT, pier_of
-from tests.verification.structures import ground_of, real_bearing, shaken
-ground, constants = ground_of("jra-ii-i-1", DT, 5.0), real_bearing("shen-hdr-bridge")
+from tests.unit.test_structure_matrices import DT, make_pier
+from tests.verification.structures import read_ground, real_bearing, shaken
+ground, constants = read_ground("jra-ii-i-1", DT, 5.0), real_bearing("shen-hdr-bridge")
 found = []
 for count in json.loads(sys.argv[1]):
     begin = time.process_time()
-    shaken(pier_of([1] * count), constants, ground, DT)
+    shaken(make_pier([1] * count), constants, ground, DT)
     found.append(time.process_time() - begin)
 print(json.dumps(found))
 """

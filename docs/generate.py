@@ -162,8 +162,8 @@ def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> 
                 "# Verification",
                 "Written by `make docs`. Each value is recorded by a test that asserts a limit on "
                 "it; [all values](appendix/measured.md), with their limits and tests, and longer "
-                "studies are in the appendix. [Comparison with Shen](comparison_with_shen.md) is a "
-                "page of its own.",
+                "studies are in the appendix; see also the "
+                "[comparison with Shen](comparison_with_shen.md).",
                 table(["what", "compared with", "result"], rows),
                 "Further checks without a number: golden files of every command, hostile input "
                 "(100 000 cases), and small errors put into the code, which tests must detect.",
@@ -237,9 +237,9 @@ def coverage_items() -> list[dict[str, Any]]:
             raise ValueError(f"coverage.toml, item {item['item']}: no claim or value {missing}")
         words = NAMED.sub(lambda found: measured[found[1]], item.get("ours", ""))
         rows = [(ledger[name]["computed"], f"({ledger[name]['verdict']})") for name in judged]
-        told = [" ".join(filter(None, row)) for row in rows]
-        told += [ledger[name]["computed"] for name in numbers]
-        item["ours"] = ": ".join(filter(None, (words, "; ".join(told))))
+        results = [" ".join(filter(None, row)) for row in rows]
+        results += [ledger[name]["computed"] for name in numbers]
+        item["ours"] = ": ".join(filter(None, (words, "; ".join(results))))
         if judged:
             item["verdict"] = coverage_verdict({ledger[name]["verdict"] for name in judged})
     return items
@@ -259,14 +259,14 @@ def coverage_verdict(kinds: set[str]) -> str:
 def coverage_text(items: list[dict[str, Any]]) -> str:
     """docs/coverage.md, all of it: what it means, the counts, and a table a chapter."""
     counts = {name: sum(i["verdict"] == name for i in items) for name in VERDICTS}
-    told = [[name, str(count), VERDICTS[name]] for name, count in counts.items()]
+    counted = [[name, str(count), VERDICTS[name]] for name, count in counts.items()]
     parts: list[Any] = [
         "# Coverage",
         "Written by `make docs` from `docs/coverage.toml`, the ledger of claims and the measured "
         "values; do not edit. Every model, measure, test and figure of Shen (2023), what runs it, "
         "and the result compared with Shen's. Numbers with a verdict in brackets are rows of the "
         f"[ledger](reproduction.md). {len(items)} items:",
-        table(["verdict", "items", "meaning"], told),
+        table(["verdict", "items", "meaning"], counted),
         "The test records and accelerograms of Shen (2023) are not public: a figure that compares "
         'the model with a test "works" if it can be drawn with any test, one of an earthquake if '
         "the built-in motions draw it. `CASE.toml`, `TEST.toml` and `TEST.csv` are files of the "

@@ -545,7 +545,7 @@ def layers_in_real_time(runs: Runs) -> list[tuple[float, ...]]:
 def saw_teeth(runs: Runs) -> Floats:
     """Return how much each layer is above the coldest steel next to it at 20 s [K]."""
     half = stack(runs, LHDR)
-    ends = list(zip(half.first_cell, half.last_cell, strict=True))
+    ends = list(zip(half.layers["first"], half.layers["last"], strict=True))
     return np.array(
         [
             [cells[a:b].mean() - min(cells[a - 1], cells[b]) for a, b in ends]

@@ -11,7 +11,6 @@ the one that was called, which writes it down.
 
 import json
 import os
-import re
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -19,14 +18,11 @@ from typing import Any
 
 import pytest
 
+from tests.documented_numbers import disagreements, documented_rows
 from tests.shared_data import ABSENT
-from tests.told_numbers import disagreements, told_rows
 
 EXPECTED = Path(__file__).with_name("expected_skips.txt")
-COARSE = 50  # points an inch
-# Files of tests that see how a figure is laid out, and those that see what is drawn.
-LOOKS_AT_FIGURES = re.compile("figure|file_sizes|thinning|peaks|browser/|reproduction/")
-SEES_DRAWINGS = re.compile(LOOKS_AT_FIGURES.pattern + "|report|docs/|notebook|regression|benchmark")
+COARSE = 50  # points an inch of saved figures
 Value = str | float
 Recorder = Callable[[str, Value, str], None]
 KEY = "measured"  # of the properties of a test's report that hold its numbers
@@ -35,29 +31,42 @@ PROPERTIES: list[tuple[str, Any]] = []  # of all tests, in the order in which th
 
 
 @pytest.fixture(autouse=True, scope="module")
-def coarse_figures(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Figures of few points where a file does not look at the points: a quarter of their time.
+def saved_figures(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Save figures quickly in files of tests that do not look at them.
 
     A file that looks at saved figures states `pytestmark = pytest.mark.drawn`: its figures are laid
     out and drawn, with few points an inch, or with all of them by `drawn(fine=True)`. Saved figures
     of other files are not laid out, and blank unless the thorough tests run too. What is measured
     after `draw_without_rendering` is laid out in every file.
     """
-    place = request.path.as_posix()
+    mark = request.node.get_closest_marker("drawn")
     with pytest.MonkeyPatch.context() as patch:
         if "thermobearing" in sys.modules:
-            if request.path.name != "test_file_sizes.py":
+            if mark is None or not mark.kwargs.get("fine"):
                 patch.setattr("thermobearing.results.drawing.DPI", COARSE)
-            if not LOOKS_AT_FIGURES.search(place):
-                patch.setattr("matplotlib.layout_engine.ConstrainedLayoutEngine.execute", _nothing)
-            quick = "not thorough" in request.config.option.markexpr
-            if quick and not SEES_DRAWINGS.search(place):
-                patch.setattr("matplotlib.figure.Figure.draw", _nothing)
+            if mark is None:
+                _save_without_layout(patch, blank="not thorough" in request.config.option.markexpr)
         yield
 
 
-def _nothing(*_: object) -> None:
-    """Stand in for what is not needed."""
+def _save_without_layout(patch: pytest.MonkeyPatch, blank: bool) -> None:
+    """Draw figures without their layout, or not at all, unless they are drawn to be measured."""
+    from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    places = {ConstrainedLayoutEngine: "execute"} | ({Figure: "draw"} if blank else {})
+    whole = [(place, name, getattr(place, name)) for place, name in places.items()]
+    draw_without_rendering = Figure.draw_without_rendering
+
+    def draw_to_measure(figure: Any) -> None:
+        with pytest.MonkeyPatch.context() as patch:
+            for place, name, function in whole:
+                patch.setattr(place, name, function)
+            draw_without_rendering(figure)
+
+    for place, name, _ in whole:
+        patch.setattr(place, name, lambda *_: None)
+    patch.setattr(Figure, "draw_without_rendering", draw_to_measure)
 
 
 @pytest.fixture
@@ -115,8 +124,8 @@ def pytest_terminal_summary(terminalreporter: "pytest.TerminalReporter") -> None
         terminalreporter.write_line(f"not as in {EXPECTED.name}: {sorted(unexpected)}")
     terminalreporter.section("numbers in the docs")
     rows = measured_rows([row for key, row in PROPERTIES if key == KEY])
-    stale = disagreements(rows, told_rows())
-    for line in stale or [f"{len(rows)} measured, as told"]:
+    stale = disagreements(rows, documented_rows())
+    for line in stale or [f"{len(rows)} measured, as in the docs"]:
         terminalreporter.write_line(line)
     if unexpected or stale:
         terminalreporter._session.exitstatus = pytest.ExitCode.TESTS_FAILED  # type: ignore[attr-defined]

@@ -38,13 +38,13 @@ def browser() -> Iterator[Any]:
             running.close()
 
 
-def told_by(page: Any) -> list[str]:
+def console_messages(page: Any) -> list[str]:
     """What a page says in the console, or asks of a network, from now on: its faults."""
-    told: list[str] = []
-    page.on("console", lambda message: told.append(f"{message.type}: {message.text}"))
-    page.on("pageerror", lambda error: told.append(str(error)))
-    page.on("request", lambda asked: told.append(asked.url) if _is_outside(asked.url) else None)
-    return told
+    reported: list[str] = []
+    page.on("console", lambda message: reported.append(f"{message.type}: {message.text}"))
+    page.on("pageerror", lambda error: reported.append(str(error)))
+    page.on("request", lambda asked: reported.append(asked.url) if _is_outside(asked.url) else None)
+    return reported
 
 
 def _is_outside(url: str) -> bool:

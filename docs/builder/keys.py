@@ -97,8 +97,10 @@ def default(field: FieldInfo) -> str:
     if value is None or value == "" or value == [] or value == {}:
         return ""
     if isinstance(value, BaseModel):
-        told = value.model_dump(exclude_none=True, exclude_defaults=False)
-        return ", ".join(f"{key} {item:g}" for key, item in told.items() if isinstance(item, float))
+        given = value.model_dump(exclude_none=True, exclude_defaults=False)
+        return ", ".join(
+            f"{key} {item:g}" for key, item in given.items() if isinstance(item, float)
+        )
     if isinstance(value, float):
         return f"{value:g}"
     return f"`{str(value).lower()}`" if isinstance(value, bool) else f"`{value}`"

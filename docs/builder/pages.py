@@ -11,7 +11,7 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from docs.builder.chromium import MISSING, browser, grave_faults, is_there, told_by
+from docs.builder.chromium import MISSING, browser, console_messages, grave_faults, is_there
 
 PAGES = (
     "index.html",
@@ -53,10 +53,10 @@ def faults(site: Path, running: Any) -> list[str]:
 
 def _find_faults(running: Any, file: Path, look: dict[str, Any]) -> list[str]:
     page = running.new_page(**look)
-    told = told_by(page)
+    reported = console_messages(page)
     page.goto(file.as_uri())
     width = look["viewport"]["width"]
-    found = [f"console: {text}" for text in told if not text.startswith(OF_NO_MATTER)]
+    found = [f"console: {text}" for text in reported if not text.startswith(OF_NO_MATTER)]
     broad = page.evaluate("document.documentElement.scrollWidth")
     if broad > width:
         found.append(f"{broad} px wide, on a screen of {width} px")

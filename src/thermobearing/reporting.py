@@ -10,7 +10,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
-from typing import NamedTuple, cast
+from typing import cast
 
 from thermobearing.border.errors import InputError, OutputError, is_file, is_folder
 from thermobearing.border.schema import validated
@@ -55,22 +55,13 @@ COMPARED = {"cyclic", "bridge", "hybrid"}  # commands with --compare
 UNFIT = (OSError, LookupError, TypeError, ValueError, AttributeError, AssertionError)
 
 
-class Kinds(NamedTuple):
-    """Which documents are written."""
-
-    html: bool = True
-    pdf: bool = True
-    workbook: bool = False
-    live: bool = True  # the section of the page that computes again, where there can be one
-    certificate: bool = False  # of a calibration, alone
-
-
 def make_report(
     result: AnyResult | str | Path,
     directory: str | Path | None = None,
     *,
     title: TitleBlock | Mapping[str, str] | None = None,
     template: str | Path | None = None,
+    html: bool = True,
     pdf: bool = True,
     workbook: bool = False,
     live: bool = True,
@@ -115,35 +106,22 @@ def make_report(
     ...     print(*(file.name for file in files))
     report.html
     """
-    block = validated(TitleBlock, dict(title), "title") if isinstance(title, Mapping) else title
+    given = validated(TitleBlock, dict(title), "title") if isinstance(title, Mapping) else title
     file = Path(template) if template is not None else None
-    kinds = Kinds(pdf=pdf, workbook=workbook, live=live, certificate=certificate)
-    return make_documents(result, kinds, directory, title=block, template=file)
-
-
-def make_documents(
-    result: AnyResult | str | Path,
-    kinds: Kinds,
-    directory: str | Path | None = None,
-    *,
-    title: TitleBlock | None = None,
-    template: Path | None = None,
-) -> list[Path]:
-    """Write the documents of some kinds, as `make_report` does; the workbook may be alone."""
     place = _report_place(result, directory)
     _check_place(place)
     kept = place / TITLE
-    block = (title or TitleBlock()).over(read_title(kept if is_file(kept) else None))
+    block = (given or TitleBlock()).over(read_title(kept if is_file(kept) else None))
     loaded = load_result(result) if isinstance(result, str | Path) else result
-    if kinds.certificate:
-        return _write_certificate(place, block, template, pdf=kinds.pdf)
+    if certificate:
+        return _write_certificate(place, block, file, pdf=pdf)
     pieces = build_pieces(loaded, place)
-    if kinds.html and kinds.live:
+    if html and live:
         pieces = replace(pieces, live=live_section(loaded))
     content = _title_files(block)
-    if kinds.html:
-        content |= report_files(pieces, block, template, pdf=kinds.pdf)
-    if kinds.workbook:
+    if html:
+        content |= report_files(pieces, block, file, pdf=pdf)
+    if workbook:
         content[WORKBOOK] = workbook_bytes(pieces, histories_by_run(loaded))
     return put_files(place, content)
 

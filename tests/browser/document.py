@@ -78,7 +78,7 @@ def document() -> pieces.Document:
     checks = [
         pieces.Check("strain of run 7", 2.81, 2.5, "", "Table 4.2", "exceeded"),
         pieces.Check("force", 312.0, 400.0, "kN", "data sheet", "within"),
-        pieces.Check(HOSTILE, 80.0, float("nan"), "°C", HOSTILE, "not judged"),
+        pieces.Check(HOSTILE, 80.0, float("nan"), "°C", HOSTILE, "not assessed"),
     ]
     blocks = [
         pieces.Heading(1, "What was asked"),

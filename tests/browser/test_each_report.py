@@ -5,12 +5,12 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from docs.builder.chromium import grave_faults, told_by
+from docs.builder.chromium import console_messages, grave_faults
 from tests.browser.chromium import assert_whole_figures, needs_chromium, printed
 from tests.browser.kinds import KINDS
 from thermobearing.reporting import make_report
 
-pytestmark = needs_chromium
+pytestmark = [needs_chromium, pytest.mark.drawn]
 BROAD = {"width": 1280, "height": 900}
 NARROW = {"width": 400, "height": 800}
 WITH_PLOTS = {"cyclic", "bridge", "hybrid", "sequence", "identify", "validate", "motions show"}
@@ -20,7 +20,7 @@ WITHOUT_FIGURES = {"identify --check", "design", "lambda", "bounds"}
 class Report(NamedTuple):
     kind: str
     page: Any
-    told: list[str]
+    reported: list[str]
 
 
 @pytest.fixture(
@@ -34,12 +34,12 @@ def report(
     folder = KINDS[kind](tmp_path_factory.mktemp("kind") / "out")
     file = make_report(folder, title={"project": "Bridge 12"}, pdf=False)[0]
     page = chromium.new_page(viewport=NARROW, color_scheme="light")
-    told = told_by(page)
+    reported = console_messages(page)
     page.goto(file.as_uri())
     for plot in page.locator(".plot").all():
         plot.scroll_into_view_if_needed()
         plot.locator(".drawing .line, .drawing .points").first.wait_for(state="attached")
-    yield Report(kind, page, told)
+    yield Report(kind, page, reported)
     page.close()
 
 
@@ -48,7 +48,7 @@ def test_it_opens_without_a_fault(report: Report) -> None:
     assert page.locator(".plot").count() > 0 or report.kind not in WITH_PLOTS
     for image in page.locator("img").all():
         assert image.evaluate("(image) => image.decode().then(() => image.naturalWidth > 0)")
-    assert not report.told
+    assert not report.reported
 
 
 def test_a_narrow_screen_is_not_scrolled_sideways(report: Report) -> None:

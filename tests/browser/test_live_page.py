@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import thermobearing as tb
-from docs.builder.chromium import grave_faults, told_by
+from docs.builder.chromium import console_messages, grave_faults
 from tests.browser.chromium import needs_chromium
 from thermobearing.border.errors import InputError
 from thermobearing.cli import app
@@ -24,7 +24,7 @@ RANGES = {
     "strain": "strain",
     "strain_rate": "strain rate",
     "ambient": "ambient temperature",
-    "cycles": "cycles in a row",
+    "cycles": "consecutive cycles",
     "lead_temperature": "lead temperature",
 }
 SHOWN = 0.006  # of a number with three digits
@@ -60,12 +60,12 @@ def address(file: Path) -> str:
 def opened(chromium: Any, address: str, request: pytest.FixtureRequest) -> Iterator[Any]:
     """The page; whatever goes wrong in it, or is asked of a network, is a fault of the test."""
     page = chromium.new_page(**getattr(request, "param", {}))
-    told = told_by(page)
+    reported = console_messages(page)
     page.goto(address)
     page.locator("#cycles td").first.wait_for()
     yield page
     page.close()
-    assert not told
+    assert not reported
 
 
 def redrawn(page: Any) -> int:
@@ -333,7 +333,9 @@ def test_the_link_brings_the_state_back_in_japanese(
 
 
 @pytest.mark.parametrize(
-    "opened", [{}, {"viewport": NARROW}, {"color_scheme": "dark"}], indirect=True
+    "opened",
+    [pytest.param({}, marks=pytest.mark.thorough), {"viewport": NARROW, "color_scheme": "dark"}],
+    indirect=True,
 )
 def test_every_view_is_usable(opened: Any) -> None:
     for view in ("test", "bearing", "bridge", "codes", "export"):

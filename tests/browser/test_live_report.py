@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
-from docs.builder.chromium import grave_faults, told_by
+from docs.builder.chromium import console_messages, grave_faults
 from tests.browser.chromium import needs_chromium
 from tests.browser.test_live_page import needs_module
 from thermobearing.cyclic.protocol import CyclicTest
@@ -47,7 +47,7 @@ BRIDGES: dict[str, dict[str, Any]] = {
                 "method": "linear-acceleration", "dt": 0.004, "lead_ends": "half-space"},
 }  # fmt: skip
 
-QUICK = {"steps", "half-space", "published", "two piers"}  # the others show the same on more
+QUICK = {"steps"}  # the others show the same on more, bridges in test_live_page.py too
 Open = Callable[..., Any]
 
 
@@ -64,15 +64,15 @@ def report(chromium: Any, tmp_path: Path) -> Iterator[Open]:
         saved = result.save(tmp_path / "out", figures=False)
         (file,) = make_report(saved, pdf=False)
         page = chromium.new_page(**look)
-        opened.append((page, told_by(page)))
+        opened.append((page, console_messages(page)))
         page.goto(file.as_uri())
         page.locator("#live").wait_for()
         return page
 
     yield _open
-    for page, told in opened:
+    for page, reported in opened:
         page.close()
-        assert not told
+        assert not reported
 
 
 def run_test(name: str, ambient: Any) -> Any:
@@ -135,6 +135,7 @@ def test_the_conditions_move_and_return(report: Open) -> None:
     assert "calibration" not in page.locator("#live-words").inner_text()
 
 
+@pytest.mark.thorough  # the whole motion
 def test_the_section_is_small(tmp_path: Path) -> None:
     saved = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 23.0).save(tmp_path / "out", figures=False)
     sizes = [make_report(saved, pdf=False, live=on)[0].stat().st_size for on in (True, False)]
@@ -177,8 +178,11 @@ def test_a_bridge_has_the_numbers_of_the_report_and_of_python(report: Open, name
     assert_bridge(found, tb.bridge(bearings[1], motions[0], -7.5, **BRIDGES[name]))
 
 
-@pytest.mark.parametrize("look", [{}, {"viewport": {"width": 400, "height": 800}},
-                                  {"color_scheme": "dark"}])  # fmt: skip
+LOOKS: list[Any] = [{"viewport": {"width": 400, "height": 800}, "color_scheme": "dark"}]
+LOOKS += [pytest.param({}, marks=pytest.mark.thorough)]  # as test_no_serious_fault of each report
+
+
+@pytest.mark.parametrize("look", LOOKS)
 def test_the_section_is_usable(report: Open, look: dict[str, Any]) -> None:
     page = report(run_test("loops", [-20.0, 23.0]), **look)
     before = shown(page)["numbers"]

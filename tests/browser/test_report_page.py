@@ -3,18 +3,20 @@
 import re
 import time
 from collections.abc import Callable, Iterator
+from io import BytesIO
 from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
-from docs.builder.chromium import grave_faults, told_by
+from docs.builder.chromium import console_messages, grave_faults
 from tests import tolerances as tol
 from tests.browser.chromium import assert_whole_figures, needs_chromium, printed
 from tests.browser.document import FORCES, PLACES, document
 from thermobearing.report.html import html_page
 
-pytestmark = needs_chromium
+pytestmark = [needs_chromium, pytest.mark.drawn]
 BROAD = {"width": 1280, "height": 900}
 NARROW = {"width": 400, "height": 800}
 PRINTED = 680.0  # width of the text of an A4 page [px]
@@ -37,11 +39,11 @@ def opened(chromium: Any, address: str, request: pytest.FixtureRequest) -> Itera
     """The page; whatever goes wrong in it, or is asked of a network, is a fault of the test."""
     look = {"viewport": BROAD, "color_scheme": "light"} | getattr(request, "param", {})
     page = chromium.new_page(**look)
-    told = told_by(page)
+    reported = console_messages(page)
     page.goto(address)
     yield page
     page.close()
-    assert not told
+    assert not reported
 
 
 def until(holds: Callable[[], bool]) -> None:
@@ -220,8 +222,8 @@ def _ground(page: Any, place: str) -> float:
 
 
 def _brightness(part: Any, style: str) -> float:
-    told = part.evaluate(f"(part) => getComputedStyle(part).getPropertyValue('{style}')")
-    return sum(map(float, re.findall(r"[\d.]+", told)[:3])) / 3.0 / 255.0
+    reported = part.evaluate(f"(part) => getComputedStyle(part).getPropertyValue('{style}')")
+    return sum(map(float, re.findall(r"[\d.]+", reported)[:3])) / 3.0 / 255.0
 
 
 @pytest.mark.parametrize("opened", [{"viewport": NARROW}], indirect=True)
@@ -235,7 +237,29 @@ def test_a_narrow_screen_is_not_scrolled_sideways(opened: Any) -> None:
     until(lambda: 0.0 <= opened.evaluate(TOP_OF_FIGURES) < NEAR)
 
 
-@pytest.mark.parametrize(("theme", "viewport"), [("light", BROAD), ("dark", NARROW)], ids=THEMES)
+@pytest.mark.parametrize("opened", [{"viewport": NARROW}], indirect=True)
+def test_a_shadow_shows_on_which_side_a_table_goes_on(opened: Any) -> None:
+    tables = opened.locator(".scroll:visible").all()
+    broad = next(t for t in tables if t.evaluate("(t) => t.scrollWidth - t.clientWidth") > NEAR)
+
+    def _dark() -> list[bool]:
+        """Whether the left and the right edge are darker than paper, below the head."""
+        pixels = np.asarray(Image.open(BytesIO(broad.screenshot())).convert("L"))
+        below = pixels[len(pixels) // 2 :]
+        return [bool(np.median(below[:, k]) < 0.9 * below.max()) for k in (3, -4)]
+
+    assert _dark() == [False, True]
+    broad.evaluate("(table) => { table.scrollLeft = table.scrollWidth; }")
+    assert _dark() == [True, False]
+
+
+LOOKS = [  # the first as in test_each_report.py
+    pytest.param("light", BROAD, id="light", marks=pytest.mark.thorough),
+    pytest.param("dark", NARROW, id="dark"),
+]
+
+
+@pytest.mark.parametrize(("theme", "viewport"), LOOKS)
 def test_no_serious_fault_for_those_who_use_it_otherwise(
     chromium: Any, address: str, theme: str, viewport: dict[str, int]
 ) -> None:

@@ -23,6 +23,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @needs_chromium
+@pytest.mark.thorough  # of a tool that builds the site, as CI does
 def test_faults_are_found(site: Path, chromium: Any) -> None:
     assert pages.faults(site, chromium) == []
     faulty = (
@@ -30,8 +31,8 @@ def test_faults_are_found(site: Path, chromium: Any) -> None:
         '<div style="width: 500px">broad</div><img src="data:," hidden><a href="#x"></a>'
     )
     (site / "index.html").write_text(PAGE.format(faulty), encoding="utf-8")
-    told = pages.faults(site, chromium)
-    assert [line.split(": ", 1)[1][:12] for line in told] == [
+    reported = pages.faults(site, chromium)
+    assert [line.split(": ", 1)[1][:12] for line in reported] == [
         "console: err",
         "link-name (l",
         "console: err",

@@ -38,7 +38,11 @@ SITUATIONS = {
 }
 
 
-@pytest.mark.parametrize("name", SITUATIONS)
+COVERED = {"specimen 23 degC 250 %", "specimen 0 degC 150 %"}  # by two amplitudes and a rest
+NAMES = [pytest.param(n, marks=[pytest.mark.thorough] if n in COVERED else []) for n in SITUATIONS]
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_core_agrees_with_numpy(name: str, measured: Recorder) -> None:
     case = SITUATIONS[name]
     bearing = tb.load_bearing(case.bearing)

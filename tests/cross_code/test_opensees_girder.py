@@ -30,6 +30,7 @@ def compare(both: tuple[Histories, Histories]) -> tuple[float, float]:
     return float(off[~piers].max()), float(off[piers].max())
 
 
+@pytest.mark.thorough  # as test_opensees_serve.py and test_opensees_plan.py on smaller structures
 def test_a_second_of_the_bridge_with_rigid_piers(measured: Recorder) -> None:
     """The same assumptions in both, lines of two temperatures, the strong part of the motion."""
     motion = cut(7.0, 1.5)

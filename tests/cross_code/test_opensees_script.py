@@ -12,7 +12,7 @@ from tests.conftest import Recorder
 from tests.opensees import needs_opensees, ops
 from tests.reference.opensees_pier import elastic_pier
 from tests.unit.inputs import command
-from tests.verification.structures import ground_of
+from tests.verification.structures import read_ground
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.core.types import Floats
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
@@ -83,7 +83,7 @@ def test_bilinear_bearings_in_a_motion(
     structure = elastic_pier() if name == "pier-p1" else load_structure(name)
     if structure.damping.kind == "modal":
         structure = structure.model_copy(update={"damping": Damping(kind="element")})
-    first = ground_of("jra-ii-i-1", DT, STEPS * DT)
+    first = read_ground("jra-ii-i-1", DT, STEPS * DT)
     along_x = tb.GroundMotion("x", DT, first)
     if structure.plan:
         across = np.concatenate([np.zeros(100), 0.7 * first[:-100]])

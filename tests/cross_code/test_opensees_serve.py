@@ -15,7 +15,7 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.opensees import analyse, needs_opensees, ops
 from tests.reference.opensees_pier import compare_bearings
-from tests.verification.structures import follow, ground_of, real_bearing
+from tests.verification.structures import follow, read_ground, real_bearing
 from thermobearing.core.types import Floats
 from thermobearing.opensees.case import linear_stiffness
 from thermobearing.opensees.line import Line, serve
@@ -25,7 +25,7 @@ pytestmark = needs_opensees
 
 BEARING, AMBIENT = "shen-hdr-bridge", -20.0
 MASS, DT = 785 / 9810, 0.01  # kN s2/mm, s
-GROUND = ground_of("jra-ii-i-1", DT, 12.0)
+GROUND = read_ground("jra-ii-i-1", DT, 12.0)
 PLAIN = {"constraints": "Plain", "system": "FullGeneral"}
 
 
@@ -236,7 +236,7 @@ signal.signal(signal.SIGINT, lambda *_: None)
 with serve(BEARING, ambient=AMBIENT) as line:
     one_mass(line.element(1, (1, 2)))
     print("start", flush=True)
-    print("analysed", ops.analyze(400, DT / 4), flush=True)
+    print("analysed", ops.analyze(150, DT / 4), flush=True)
     ops.wipe()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 """
@@ -251,7 +251,7 @@ def test_signals_lose_no_bytes_of_an_answer() -> None:
     end = time.monotonic() + 20.0
     while done.poll() is None and time.monotonic() < end:
         done.send_signal(signal.SIGINT)
-        time.sleep(0.005)
+        time.sleep(0.002)
     done.kill()
     assert done.communicate()[0] == "analysed 0\n"
 

@@ -118,7 +118,7 @@ def test_links_of_a_built_site_are_checked(tmp_path: Path, body: str, fault: str
     assert (found == []) if fault is None else (len(found) == 1 and fault in found[0])
 
 
-def test_a_page_without_version_is_told(tmp_path: Path) -> None:
+def test_a_page_without_version_is_reported(tmp_path: Path) -> None:
     (tmp_path / "one.html").write_text(PAGE.format("").replace("1.0", "0.9"))
     assert "version" in links.faults(tmp_path, "1.0")[0]
 

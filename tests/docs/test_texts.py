@@ -17,11 +17,14 @@ import thermobearing as tb
 from docs import generate
 from tests import tolerances as tol
 from tests.docs.test_coverage import nothing_wrong_with_command
-from tests.told_numbers import disagreements
+from tests.documented_numbers import disagreements
 from tests.unit.inputs import command
 from tests.unit.studies import small_study
 from thermobearing.studies.run.engine import run_study
 from thermobearing.studies.store import Store
+
+pytestmark = pytest.mark.drawn
+
 
 LIBRARY = Path(str(resources.files("thermobearing") / "data"))
 ROOT = Path(__file__).parents[2]
@@ -136,9 +139,12 @@ def test_readme_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     ],
 )
 def test_numbers_of_a_run_are_held_against_the_docs(now: str, same: bool) -> None:
-    told = [{"what": "rise", "value": "2.3e-04, 16.6 K of 22"}, {"what": "x", "value": "3.1e-15"}]
+    reported = [
+        {"what": "rise", "value": "2.3e-04, 16.6 K of 22"},
+        {"what": "x", "value": "3.1e-15"},
+    ]
     run = [{"what": "rise", "value": now}, {"what": "x", "value": "8.9e-15"}]
-    found = disagreements([*run, {"what": "new", "value": "1"}], told)
+    found = disagreements([*run, {"what": "new", "value": "1"}], reported)
     assert found == ([] if same else [f"rise: the docs say 2.3e-04, 16.6 K of 22, this run {now}"])
 
 

@@ -57,7 +57,7 @@ class Border:
     weight: int
 
 
-def beside(raw: bytes) -> Files:
+def companion_files(raw: bytes) -> Files:
     return {name: text for name, text in grammar.companions().items() if name.encode() in raw}
 
 
@@ -75,7 +75,7 @@ def toml_border(name: str, load: Callable[[Path], Any], weight: int) -> Border:
     def example(raw: bytes) -> Example:
         about = f"{name}: {raw.decode('utf-8', 'replace')}"
         call = done(lambda folder: load(folder / "a.toml"))
-        return Example({"a.toml": raw, **beside(raw)}, call, about)
+        return Example({"a.toml": raw, **companion_files(raw)}, call, about)
 
     tables = grammar.valid(name.replace(" ", "_")) if name != "check" else _any_table()
     return Border(name, tables.flatmap(toml_files).map(example), weight)
@@ -117,7 +117,7 @@ def _record_file(raw: bytes) -> Example:
 
 def _sidecar_file(raw: bytes) -> Example:
     call = done(lambda folder: _checked_record(folder / "test.toml"))
-    files = {"test.toml": raw, "test.csv": sheets.TEST.encode(), **beside(raw)}
+    files = {"test.toml": raw, "test.csv": sheets.TEST.encode(), **companion_files(raw)}
     return Example(files, call, f"load_test, sidecar: {raw.decode('utf-8', 'replace')}")
 
 
@@ -325,7 +325,9 @@ def _runs(draw: st.DrawFn) -> Example:
         check_numbers(result.summary(), result.outcome)
         return COMPLETED if result.outcome == "completed" else TYPED
 
-    return Example({"a.toml": raw, **beside(raw)}, run, f"run: {raw.decode('utf-8', 'replace')}")
+    return Example(
+        {"a.toml": raw, **companion_files(raw)}, run, f"run: {raw.decode('utf-8', 'replace')}"
+    )
 
 
 def library_borders() -> list[Border]:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner, Result
 
 from tests.fuzz import grammar, sheets
-from tests.fuzz.borders import Border, beside
+from tests.fuzz.borders import Border, companion_files
 from tests.fuzz.judge import CLEAN, COMPLETED, TYPED, Example, check_numbers
 from tests.fuzz.mutations import damaged, plain_numbers, rows_of_numbers, toml_files
 from thermobearing.cli import app
@@ -68,10 +68,10 @@ def run_command(words: list[str], folder: Path) -> str:
     done = CliRunner().invoke(app, words)
     if done.exception is not None and not isinstance(done.exception, SystemExit):
         raise done.exception
-    status, told = done.exit_code, done.output + done.stderr
+    status, reported = done.exit_code, done.output + done.stderr
     assert status in (0, 2, 3, 4), f"status {status}"
     for piece in ("Traceback", "Exception ignored", "Warning:", "not enough memory"):
-        assert piece not in told, f"{piece!r} was printed: {told[-300:]}"
+        assert piece not in reported, f"{piece!r} was printed: {reported[-300:]}"
     new = _names(folder) - before
     if status == 2:
         _check_refused(words, done, new)
@@ -117,7 +117,7 @@ def _command(
     words = [*line.split(), *arguments, *fixed.split(), *draw(_words(known))]
     words += draw(_output()) if output else (["--json"] if draw(st.booleans()) else [])
     named = " ".join(words).encode("utf-8", "replace")
-    content = {**beside(named + b"".join(given.values())), **given}
+    content = {**companion_files(named + b"".join(given.values())), **given}
     call: Callable[[Path], str] = lambda folder: run_command(words, folder)  # noqa: E731
     about = f"{words} with {[raw[:400] for raw in given.values()]}"
     return Example(content, call, about)

@@ -66,7 +66,7 @@ class Tally:
             for name, content in example.files.items():
                 (folder / name).write_bytes(content)
             os.chdir(folder)
-            self.ends[_end_of(example, folder)] += 1
+            self.ends[_run_example(example, folder)] += 1
         except (Exception, TookTooLong) as error:
             self.ends["FAILED"] += 1
             self._keep(error, example, folder)
@@ -75,19 +75,21 @@ class Tally:
             shutil.rmtree(folder, ignore_errors=True)
 
     def _keep(self, error: BaseException, example: Example, folder: Path) -> None:
-        told = self.faults.setdefault(_signature(error), [])
-        if len(told) >= MOST_KEPT:
+        reported = self.faults.setdefault(_signature(error), [])
+        if len(reported) >= MOST_KEPT:
             return
         where = ""
         if KEEP:
-            kept = Path(KEEP) / f"{self.border}-{len(self.faults)}-{len(told)}".replace(" ", "-")
+            kept = Path(KEEP) / f"{self.border}-{len(self.faults)}-{len(reported)}".replace(
+                " ", "-"
+            )
             shutil.copytree(folder, kept, dirs_exist_ok=True)
             lines = "".join(traceback.format_exception(error))
-            (kept / "told.txt").write_text(f"{example.about}\n\n{lines}", errors="replace")
+            (kept / "report.txt").write_text(f"{example.about}\n\n{lines}", errors="replace")
             where = f" [{kept}]"
-        told.append(f"{example.about[:300]}: {str(error)[:200]}{where}")
+        reported.append(f"{example.about[:300]}: {str(error)[:200]}{where}")
 
-    def told(self) -> str:
+    def reported(self) -> str:
         lines = [f"{self.border}: {len(self.faults)} faults"]
         for name, examples in self.faults.items():
             lines += [f"* {name}", *(f"    {text}" for text in examples)]
@@ -102,7 +104,7 @@ def _signature(error: BaseException) -> str:
     return f"{type(error).__name__} in {place}"
 
 
-def _end_of(example: Example, folder: Path) -> str:
+def _run_example(example: Example, folder: Path) -> str:
     try:
         with watched():
             end = example.call(folder)

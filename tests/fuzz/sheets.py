@@ -30,12 +30,12 @@ def _commas(text: str) -> str:
 
 def _stamped(text: str) -> str:
     head, *lines = text.splitlines()
-    told = [head.replace("time_s", "Uhrzeit")]
+    reported = [head.replace("time_s", "Uhrzeit")]
     for k, line in enumerate(lines):
         second = (86_398 + k // 20) % 86_400
         clock = f"{second // 3600:02d}:{second % 3600 // 60:02d}:{second % 60:02d}"
-        told.append(f"{clock},{line.split(',', 1)[1]}")
-    return "\n".join(told) + "\n"
+        reported.append(f"{clock},{line.split(',', 1)[1]}")
+    return "\n".join(reported) + "\n"
 
 
 LABORATORY = {

@@ -73,7 +73,7 @@ def test_every_example_ends(border: Border, tmp_path: Path, request: pytest.Fixt
     spent = round(1000 * (time.process_time() - begin))
     row = (border.name, {**tally.ends, "faults": len(tally.faults), "ms": spent})
     request.node.user_properties.append((conftest.KEY, row))
-    assert not tally.faults, tally.told()
+    assert not tally.faults, tally.reported()
 
 
 def test_there_are_two_thousand() -> None:

@@ -35,11 +35,11 @@ class Mutant:
     @property
     def room(self) -> str:
         """Folder of the file; the file itself at the root of the package."""
-        return room_of(self.file)
+        return folder_name(self.file)
 
 
-def room_of(file: str) -> str:
-    """Folder of a file below the package; "cli" for those beside the folders."""
+def folder_name(file: str) -> str:
+    """Folder of a file below the package; "cli" for those next to the folders."""
     folder, slash, _ = file.partition("/")
     return folder if slash else "cli"
 

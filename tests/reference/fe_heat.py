@@ -75,7 +75,7 @@ def graded(start: float, end: float, count: int, ratio: float = 1.0) -> Floats:
     return np.asarray(lines)
 
 
-def mesh_of(problem: Problem) -> MeshQuad:
+def make_mesh(problem: Problem) -> MeshQuad:
     rows, columns = len(problem.z), len(problem.r)
     z, r = (part.ravel() for part in np.meshgrid(problem.z, problem.r, indexing="ij"))
     corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
@@ -127,7 +127,7 @@ class FiniteElements:
     """Matrices of one problem; `march` carries the temperature through time."""
 
     def __init__(self, problem: Problem) -> None:
-        mesh = mesh_of(problem)
+        mesh = make_mesh(problem)
         self.basis = Basis(mesh, ElementQuad2())
         centre = mesh.p[:, mesh.t].mean(axis=1)
         owner = np.full(mesh.t.shape[1], -1)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tests.opensees import analyse, ops
-from tests.verification.structures import ground_of, linear_bearing, rayleigh_factors, shaken
+from tests.verification.structures import linear_bearing, rayleigh_factors, read_ground, shaken
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.core.types import Constants, Floats
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
@@ -172,7 +172,7 @@ def compare_bearings(
 ) -> tuple[dict[str, Floats], dict[str, Floats]]:
     """`compare` for any bearing."""
     structure = elastic_pier() if name == "pier-p1" else load_structure(name)
-    ground = ground_of(MOTION, DT, DURATION)
+    ground = read_ground(MOTION, DT, DURATION)
     prepared, history = shaken(structure, ours, ground, DT, damping="source")
     assert history.outcome == "completed"
     nodes = build(prepared, theirs, ground, DT, rayleigh_factors(prepared))

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests import tolerances as tol
-from tests.regression.comparison import texts_of
+from tests.regression.comparison import collect_texts
 from thermobearing.cli import app
 from thermobearing.commands.common import COMPILING
 
@@ -123,18 +123,18 @@ def carry_out(name: str, folder: Path) -> tuple[str, Path | None]:
         return _invoke(f"{WRITTEN[name]} -o {name} --no-figures"), folder / name
 
 
-def tolerance_of(name: str) -> float:
+def case_tolerance(name: str) -> float:
     return tol.GOLDEN_FITTED if name.startswith("identify") else tol.GOLDEN
 
 
-def results_of(name: str, folder: Path) -> dict[str, str]:
-    found = texts_of(*carry_out(name, folder))
-    # Parts of a sequence are results of commands that have cases of their own.
+def case_results(name: str, folder: Path) -> dict[str, str]:
+    found = collect_texts(*carry_out(name, folder))
+    # Parts of a sequence are results of commands that have separate cases.
     found = {k: v for k, v in found.items() if not k.startswith("parts/")}
     if "summary.json" in found:  # bearing and structure, which other files have
-        told = json.loads(found["summary.json"])
-        told.pop("inputs", None)
-        found["summary.json"] = json.dumps(told, indent=0, ensure_ascii=False) + "\n"
+        reported = json.loads(found["summary.json"])
+        reported.pop("inputs", None)
+        found["summary.json"] = json.dumps(reported, indent=0, ensure_ascii=False) + "\n"
     return {k: v for k, v in found.items() if k != "case.resolved.toml" or name in RESOLVED}
 
 

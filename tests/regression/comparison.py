@@ -27,7 +27,7 @@ CHANGING = (
 TEXTS = {".json", ".csv", ".toml", ".tcl"}
 
 
-def texts_of(screen: str, directory: Path | None) -> dict[str, str]:
+def collect_texts(screen: str, directory: Path | None) -> dict[str, str]:
     found = {"screen.txt": _squeezed(screen)} if screen else {}
     paths = sorted(directory.rglob("*")) if directory else []
     for path in paths:

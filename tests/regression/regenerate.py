@@ -11,7 +11,7 @@ from datetime import date
 from pathlib import Path
 
 import thermobearing as tb
-from tests.regression.cases import CASES, results_of, tolerance_of
+from tests.regression.cases import CASES, case_results, case_tolerance
 from tests.regression.comparison import GOLDEN, differences, stored
 
 REASONS = GOLDEN / "reasons.md"
@@ -20,7 +20,7 @@ SHOWN = 8  # differences of a case
 
 def compute(case: str) -> dict[str, str]:
     with tempfile.TemporaryDirectory() as folder:
-        return results_of(case, Path(folder).resolve())
+        return case_results(case, Path(folder).resolve())
 
 
 def write(case: str, texts: dict[str, str]) -> None:
@@ -50,7 +50,7 @@ def main() -> None:
     changed = []
     for case in chosen or CASES:
         texts = compute(case)
-        found = differences(stored(case), texts, tolerance_of(case))
+        found = differences(stored(case), texts, case_tolerance(case))
         if not found:
             continue
         changed.append(f"{case} ({len(found)} lines)")

@@ -12,6 +12,9 @@ from reproduction.runs import LHDR, LHDR_BRIDGE, MOTIONS, Runs
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.drawing import WIDEST
 
+pytestmark = pytest.mark.drawn
+
+
 FIGURES = load_figures()
 COMPUTED = [
     *(f"3.{k}" for k in (*range(5, 13), *range(14, 30))),

@@ -162,6 +162,6 @@ def test_figure(rows: list[SlipRow]) -> None:
     axes: Any = draw_slips(rows).axes
     names = [label.get_text() for label in axes[0].get_yticklabels()]
     assert names == [*SHORT.values(), ALL]
-    told = [text.get_text() for text in axes[2].texts]
-    assert told == ["+5.0", "+100.0", "\N{MINUS SIGN}20.0", "+120.0"]
+    reported = [text.get_text() for text in axes[2].texts]
+    assert reported == ["+5.0", "+100.0", "\N{MINUS SIGN}20.0", "+120.0"]
     assert [text.get_text() for text in axes[1].texts] == ["+5.0", "+100.0", "+120.0"]

@@ -29,6 +29,9 @@ from thermobearing.border.errors import InputError
 from thermobearing.report.pieces import Heading
 from thermobearing.report.template import _arranged
 
+pytestmark = pytest.mark.drawn
+
+
 FEW = [
     Claim(
         id="sizes", place="Table 3.1", statement="S1 is 12",

@@ -87,15 +87,15 @@ def by_name(rows: list[Any]) -> list[Any]:
     return [pytest.param(*row[1:], id=row[0]) for row in rows]
 
 
-def assert_told(message: str, pieces: list[str]) -> None:
+def assert_mentions(message: str, pieces: list[str]) -> None:
     for piece in pieces:
         assert piece in message, f"{piece!r} is not in: {message}"
 
 
-def told(call: Callable[[], Any], *pieces: str) -> None:
+def assert_refused(call: Callable[[], Any], *pieces: str) -> None:
     with pytest.raises(tb.InputError) as caught:
         call()
-    assert_told(str(caught.value), list(pieces))
+    assert_mentions(str(caught.value), list(pieces))
 
 
 def command(*words: Any) -> Result:

@@ -106,7 +106,7 @@ def test_two_samples_have_a_step() -> None:
 
 def test_a_motion_in_another_unit_is_refused() -> None:
     """In m/s2 instead of mm/s2: 3 mm/s2 are no earthquake."""
-    with pytest.raises(tb.InputError, match="its acceleration is in mm/s2") as caught:
+    with pytest.raises(tb.InputError, match="its acceleration must be in mm/s2") as caught:
         tb.bridge(motion=GroundMotion("mine", 0.01, 1e-3 * SHORT), **QUICK)
     assert "trust_unit" not in str(caught.value)  # an option of files, which a case does not have
 
@@ -145,7 +145,7 @@ def test_histories_that_are_none(history: Any, said: str) -> None:
 
 
 @pytest.mark.parametrize(("layer_increment", "warned"), [(0.95, False), (1.05, True)])
-def test_coarse_steps_are_told_from_one_yield_displacement_on(
+def test_coarse_steps_are_reported_from_one_yield_displacement_on(
     layer_increment: float, warned: bool
 ) -> None:
     bearing = tb.load_bearing("shen-hdr-specimen")
@@ -153,7 +153,7 @@ def test_coarse_steps_are_told_from_one_yield_displacement_on(
     ramp = {"step": "ramp", "to": 4.0 * step, "duration": 4.0}
     slow = {"step": "ramp", "to": 0.0, "duration": 40.0}  # the largest counts, not the mean
     result = tb.run(bearing, tb.CyclicTest(dt=1.0, steps=[ramp, slow]))
-    assert any("coarse" in warning for warning in result.warnings) is warned
+    assert any("inaccurate" in warning for warning in result.warnings) is warned
 
 
 def test_a_first_guess_outside_the_curves_takes_their_nearest_strain() -> None:

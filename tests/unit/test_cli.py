@@ -75,8 +75,8 @@ def test_overrides(case: Path, tmp_path: Path) -> None:
     analysis = resolved.analysis
     chosen = (analysis.scheme, analysis.integrator, analysis.heat_source, analysis.keep_every)
     assert chosen == ("published", "euler", "dissipation", 2)
-    told = inputs.summary(tmp_path / "out")
-    assert [run["ambient_degC"] for run in told["runs"]] == [5.0, -5.0]
+    reported = inputs.summary(tmp_path / "out")
+    assert [run["ambient_degC"] for run in reported["runs"]] == [5.0, -5.0]
 
 
 def assert_same_bits(path: Path, again: Path, words: list[Any]) -> None:
@@ -116,9 +116,9 @@ def test_resolved_case_finds_its_files_from_elsewhere(
     )
     monkeypatch.chdir(tmp_path)
     assert_same_bits(path.relative_to(tmp_path), Path("results"), [])
-    told = inputs.summary(Path("results/one"))["runs"][0]
-    assert told["ambient_degC"] == pytest.approx(0.0, abs=1e-9)  # 32 degF, offset and all
-    assert told["cycles"][0]["amplitude_strain"] == pytest.approx(30.0 / 25.0)
+    reported = inputs.summary(Path("results/one"))["runs"][0]
+    assert reported["ambient_degC"] == pytest.approx(0.0, abs=1e-9)  # 32 degF, offset and all
+    assert reported["cycles"][0]["amplitude_strain"] == pytest.approx(30.0 / 25.0)
 
 
 def test_ambient_on_the_command_line_replaces_a_series(tmp_path: Path) -> None:
@@ -127,6 +127,19 @@ def test_ambient_on_the_command_line_replaces_a_series(tmp_path: Path) -> None:
     path = inputs.write_toml(tmp_path / "case.toml", table)
     assert inputs.cyclic(path, "--ambient", 7, "-o", tmp_path / "out", "-q").exit_code == 0
     assert inputs.summary(tmp_path / "out")["runs"][0]["ambient_degC"] == 7.0
+
+
+def test_initial_temperature_on_the_command_line_is_the_key_of_a_case(tmp_path: Path) -> None:
+    table = inputs.QUICK_CASE | {"initial": "20 degC"}
+    folders = [tmp_path / name for name in ("option", "file")]
+    path = inputs.write_toml(tmp_path / "quick.toml", table)
+    for folder, words in zip(folders, (["--initial", -3.5], []), strict=True):
+        assert inputs.cyclic(path, *words, "-o", folder, "-q").exit_code == 0
+        table["initial"] = "-3.5 degC"
+        inputs.write_toml(path, table)
+    first, second = (tb.load_result(folder) for folder in folders)
+    assert (first["initial_temperature"].values == -3.5).all()
+    assert (first["force"].values == second["force"].values).all()
 
 
 def test_default_target_is_named_after_the_bearing(
@@ -235,6 +248,27 @@ def test_bad_option_value(
     assert list(tmp_path.iterdir()) == []
 
 
+DIRECTORIES = [
+    ["cyclic", "--bearing", "dir"],
+    ["bridge", "--bearing", "dir"],
+    ["bridge", "--motion", "dir"],
+    ["bridge", "--weather", "dir"],
+    ["lambda", "shen-hdr-bridge", "--weather", "dir"],
+    ["live", "shen-hdr-specimen", "-o", "dir"],
+]
+
+
+@pytest.mark.parametrize("words", DIRECTORIES, ids=" ".join)
+def test_a_directory_in_place_of_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: list[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "dir").mkdir()
+    done = inputs.command(*words)
+    assert done.exit_code == 2
+    assert "dir: is a directory" in done.stderr
+
+
 @pytest.mark.parametrize("command", ["cyclic", "bridge"])
 def test_a_bearing_in_place_of_a_case_file_suggests_the_option(command: str) -> None:
     done = inputs.command(command, "lrb-example", "--json")
@@ -242,7 +276,7 @@ def test_a_bearing_in_place_of_a_case_file_suggests_the_option(command: str) -> 
     assert "--bearing lrb-example" in inputs.last_line(done)["message"]
 
 
-def test_no_memory_is_told(case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_memory_is_reported(case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def exhausted(*_: Any) -> None:
         raise MemoryError
 

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
 from tests import tolerances as tol
-from tests.unit.inputs import SPECIMEN
+from tests.unit.inputs import SPECIMEN, assert_refused
 from thermobearing.climate import generator
 from thermobearing.climate.site import find_cold
 from thermobearing.cyclic.case import make_case
@@ -44,7 +44,7 @@ def test_dates_and_months() -> None:
 
 
 @pytest.mark.parametrize(
-    ("act", "told"),
+    ("act", "reported"),
     [
         (lambda: tb.Hourly([1.0]), "needs 2 to"),
         (lambda: tb.Hourly([1.0, np.nan]), "hour 1: nan degC is outside -100 to 100 degC"),
@@ -56,7 +56,7 @@ def test_dates_and_months() -> None:
         (lambda: STEPS.hours_at([1.0]), "less than 1"),
         (lambda: STEPS.hours_at([0.5], history=4), "has 4 hours; a history of 4 h needs more"),
         (lambda: STEPS.months, "has no dates"),
-        (lambda: generator._load_climate("cold-twon"), 'did you mean "cold-town"?'),
+        (lambda: generator.load_climate("cold-twon"), 'did you mean "cold-town"?'),
         (lambda: tb.generate_weather("cold-town", years=0), "years = 0"),
         (lambda: tb.generate_weather("cold-town", seed=-1), "seed = -1"),
         (lambda: tb.generate_weather("cold-town", seed=0.5), "seed = 0.5"),
@@ -65,10 +65,8 @@ def test_dates_and_months() -> None:
         (lambda: generator.ColdSpells(**{**SPELLS.model_dump(), "months": [1, 1]}), "than once"),
     ],
 )
-def test_refused(act, told: str) -> None:
-    with pytest.raises(tb.InputError) as caught:
-        act()
-    assert told in str(caught.value)
+def test_refused(act, reported: str) -> None:
+    assert_refused(act, reported)
 
 
 def test_same_seed_same_weather() -> None:
@@ -78,8 +76,8 @@ def test_same_seed_same_weather() -> None:
     assert len(tb.generate_weather("cold-town", 4)) == 4 * 8760 + 24
 
 
-def test_monthly_means_of_the_seasons_are_as_told() -> None:
-    climate = generator._load_climate("cold-town")
+def test_monthly_means_of_the_seasons_are_as_given() -> None:
+    climate = generator.load_climate("cold-town")
     curve = generator._seasonal(climate)
     means = [curve[month == generator.MONTH_OF].mean() for month in range(12)]
     assert_allclose(means, climate.monthly_mean, atol=tol.MEAN)
@@ -104,8 +102,8 @@ def test_place_in_the_year() -> None:
 def test_weather_has_its_deviation_and_memory() -> None:
     """Of a million hours: variance one, correlation 1/e after the memory."""
     series = generator._autoregressive(1_000_000, 48.0, np.random.default_rng(5))
-    told = [series.std(), np.mean(series[48:] * series[:-48])]
-    assert_allclose(told, [1.0, np.exp(-1.0)], atol=tol.MILLION_HOURS)
+    reported = [series.std(), np.mean(series[48:] * series[:-48])]
+    assert_allclose(reported, [1.0, np.exp(-1.0)], atol=tol.MILLION_HOURS)
 
 
 def test_weather_of_days_begins_as_it_goes_on() -> None:
@@ -133,7 +131,7 @@ def test_spells_take_what_they_are_expected_to() -> None:
 
 def test_weather_of_a_climate_has_its_monthly_means() -> None:
     """Of 100 years, spells and all; the standard error of a January is 0.2 K."""
-    climate = generator._load_climate("cold-town")
+    climate = generator.load_climate("cold-town")
     weather = tb.generate_weather(climate, years=100, seed=8)
     means = [weather.temperature[weather.months == m].mean() for m in range(1, 13)]
     assert_allclose(means, climate.monthly_mean, atol=tol.MONTHLY_MEAN)
@@ -226,7 +224,7 @@ def _long_gap(rows: list[list[str]]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         (_long_gap, "line 19: no temperature for 7 h in a row"),
         (_set(0, 6, "99.9"), "the first and the last hour"),
@@ -241,13 +239,11 @@ def _long_gap(rows: list[list[str]]) -> None:
         (_set(4, 6, "-140"), "hour 4: -140 degC is outside"),
     ],
 )
-def test_bad_epw(tmp_path: Path, change: Change, told: str) -> None:
+def test_bad_epw(tmp_path: Path, change: Change, reported: str) -> None:
     rows = epw_lines(hours=48)
     change(rows)
     file = write(tmp_path, rows)
-    with pytest.raises(tb.InputError) as caught:
-        tb.read_weather(file)
-    assert told in str(caught.value)
+    assert_refused(lambda: tb.read_weather(file), reported)
 
 
 def table(folder: Path, rows: list[str], title: str = "time,temperature_degC") -> Path:
@@ -273,20 +269,17 @@ def test_table_without_dates(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("rows", "told"),
+    ("rows", "reported"),
     [
-        ([f"2024-10-27 0{h}:00,1" for h in (1, 2, 1)], "from reading 2 to 3; give it in one zone"),
+        ([f"2024-10-27 0{h}:00,1" for h in (1, 2, 1)], "from reading 2 to 3; use one time zone"),
         ([f"2024-01-01 0{h}:00,1" for h in (0, 1, 8)], "7 h without a reading after reading 2"),
         (["2024-01-01 00:00,1", "2024-01-01 01:00,"], "line 3"),
         ([f"2024-01-01 0{h}:00,{99 + h}" for h in range(3)], "hour 2: 101 degC is outside -100"),
     ],
 )
-def test_bad_table(tmp_path: Path, rows: list[str], told: str) -> None:
+def test_bad_table(tmp_path: Path, rows: list[str], reported: str) -> None:
     file = table(tmp_path, rows)
-    with pytest.raises(tb.InputError) as caught:
-        tb.read_weather(file)
-    assert told in str(caught.value)
-    assert "town" in str(caught.value)
+    assert_refused(lambda: tb.read_weather(file), reported, "town")
 
 
 def test_any_analysis_reads_the_files_that_studies_read(tmp_path: Path) -> None:
@@ -320,7 +313,7 @@ def _rows(hourly: tb.Hourly) -> list[tuple[str, float]]:
     return list(zip(dates, hourly.temperature.tolist(), strict=True))
 
 
-def test_faults_of_an_epw_file_are_told_by_any_analysis(tmp_path: Path) -> None:
+def test_faults_of_an_epw_file_are_reported_by_any_analysis(tmp_path: Path) -> None:
     rows = epw_lines("1990-01-10", 48)
     file = write(tmp_path, rows[:10] + rows[20:])
     with pytest.raises(tb.InputError, match=r"weather: .*town\.epw: line 19: .* does not follow"):

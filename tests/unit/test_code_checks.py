@@ -13,7 +13,10 @@ from thermobearing.cli import app
 from thermobearing.design.peaks import counted
 from thermobearing.design.provisions import layer_strains, load_codes
 from thermobearing.earthquake.motions import Motion
+from thermobearing.earthquake.report import build_pieces
 from thermobearing.model.checks import checked_modulus, critical_load
+from thermobearing.report.pieces import Bullets
+from thermobearing.report.template import ACTIONS, _actions
 from thermobearing.results.writing import as_attribute
 
 BEARING, LOAD, ROTATION = "shen-hdr-bridge", 800.0, 0.004
@@ -77,7 +80,7 @@ def test_strains_of_a_layer_by_hand():
     assert turned == pytest.approx(0.375 * 480.0**2 * ROTATION / (17.0 * 102.0), rel=1e-12)
 
 
-@pytest.mark.parametrize(("zone", "times", "name"), [(4, 1.5, "1.5 of"), (1, 2.0, "twice")])
+@pytest.mark.parametrize(("zone", "times", "name"), [(4, 1.5, "1.5 times"), (1, 2.0, "twice")])
 def test_rows_of_aashto(bridge, zone, times, name):
     rows = _rows(tb.check_bearings(bridge, ["aashto"], rotation=ROTATION, zone=zone), AASHTO)
     rows = rows.loc["23 degC"]
@@ -105,6 +108,7 @@ def test_exceeded_limits_are_warnings(bridge):
     strain = _rows(found, JRA).loc[("23 degC", "Level 2 shear strain")]
     away = _rows(found, AASHTO).loc["23 degC"].iloc[3]
     assert (strain["verdict"], away["verdict"], away["limit"]) == ("NG", "NG", 0.0)
+    assert away["source"].endswith("top and bottom no longer overlap")
     said = [text for text in found.warnings if "the limit is" in text]
     assert any(text.startswith(JRA) for text in said)
     again = tb.check_bearings(found, ["jra", "aashto"])
@@ -158,14 +162,34 @@ def test_without_compression_there_is_no_demand(bridge, axial_force):
     assert set(first) == {"demand not available"}
     missing = "demand not available" if axial_force is None else "outside the model"
     assert rows["verdict"].iloc[-1] == missing
+    needs = rows["source"].str.startswith("needs the vertical load: give --axial-force; ")
+    assert needs.tolist() == [axial_force is None] * 5
+    document = build_pieces(tb.check_bearings(tb.EarthquakeResult(data), "aashto"))
+    actions = [block for block in _actions(document) if isinstance(block, Bullets)]
+    assert any(ACTIONS["not assessed needs"] in one.items for one in actions) == bool(needs.all())
+
+
+def test_strains_of_all_tables_are_in_percent(bridge):
+    found = tb.check_bearings(bridge)
+    largest = _rows(found, JRA).xs("Level 2 shear strain", level="what")["value"].max()
+    names = [column.head for column in found.tables()["checks_jra"].columns]
+    rows = {row[0]: dict(zip(names, row, strict=True)) for row in found.tables()["checks_jra"].rows}
+    shown = rows["Level 2 shear strain"]
+    assert shown["Value"] == pytest.approx(100.0 * largest, rel=1e-12)
+    assert (shown["Limit"], shown["Unit"]) == ("≤ 250", "%")
+    (check,) = [one for one in build_pieces(found).checks if "Level 2 shear" in one.what]
+    assert (check.value, check.limit, check.unit) == (shown["Value"], 250.0, "%")
 
 
 def test_bilinear_bearings_have_a_strain_only():
     result = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=4, axial_force=LOAD)
-    rows = _rows(tb.check_bearings(result), JRA).loc["23 degC"]["verdict"]
-    assert rows["Level 2 shear strain"] == "OK"
-    for name in ("Level 1 shear strain", "Level 2 local shear strain"):
-        assert rows[name] == "demand not available"
+    rows = _rows(tb.check_bearings(result), JRA).loc["23 degC"]
+    assert rows.loc["Level 2 shear strain", "verdict"] == "OK"
+    needs = {"Level 1 shear strain": "a Level 1 motion"}
+    needs["Level 2 local shear strain"] = "the plan of the bearing"
+    for name, needed in needs.items():
+        assert rows.loc[name, "verdict"] == "demand not available"
+        assert rows.loc[name, "source"].startswith(f"needs {needed}; ")
 
 
 def test_checks_are_in_files_tables_and_documents(bridge, tmp_path):
@@ -199,6 +223,8 @@ def test_checks_are_in_files_tables_and_documents(bridge, tmp_path):
 def test_bad_input(bridge, codes, options, key):
     with pytest.raises(tb.InputError, match=key):
         tb.check_bearings(bridge, codes, **options)
+    with pytest.raises(tb.InputError, match="a part of its motions"):
+        tb.check_bearings(bridge.sel(motion=NAMES[0]))
     with pytest.raises(tb.InputError, match="no result of a bridge"):
         tb.check_bearings(3)
 

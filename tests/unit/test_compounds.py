@@ -65,9 +65,9 @@ def test_the_compounds_of_the_source_are_those_of_its_specimens(
             assert mine is None
             continue
         for key, value in theirs.model_dump().items():
-            told = getattr(mine, key)
+            reported = getattr(mine, key)
             number = isinstance(value, float)
-            assert told == (pytest.approx(value, rel=tol.SIX_DIGITS) if number else value)
+            assert reported == (pytest.approx(value, rel=tol.SIX_DIGITS) if number else value)
     for table in ("materials", "temperature_law", "tested_range"):
         assert getattr(shipped, table) == getattr(divided, table), table
     assert set(shipped.sources) == set(divided.sources)
@@ -220,7 +220,7 @@ def test_built_in_compounds_are_checked_and_cited(name: str) -> None:
         ({"shim": "3"}, ["shim", "no unit", "3 mm"]),
         ({"lead": None}, ["natural-rubber", "needs lead"]),
         ({"compound": "shen-hdr"}, ["shen-hdr", "has no lead parameters"]),
-        ({"lead": "1.2m"}, ["lead cores take", "of a plan of 1e+06"]),
+        ({"lead": "1.2m"}, ["lead cores have an area", "the plan only 1e+06"]),
     ],
 )
 def test_bad_drawings(changes: dict[str, Any], words: list[str]) -> None:
@@ -228,6 +228,14 @@ def test_bad_drawings(changes: dict[str, Any], words: list[str]) -> None:
         made(**changes)
     for word in words:
         assert word in str(caught.value)
+
+
+def test_faults_of_plates_and_cores_are_in_one_message() -> None:
+    with pytest.raises(tb.InputError) as raised:
+        made(sealing_plate=0.01, lead=2e4)
+    assert 'new bearing "pier"' in str(raised.value)
+    keys = ["geometry.sealing_plate_thickness", "lead.diameter"]
+    assert [text.split()[0].rstrip(":") for text in raised.value.problems] == keys
 
 
 @pytest.mark.parametrize("name", ["", "a/b"])
@@ -298,9 +306,9 @@ def test_new_lists_thermal_constants_that_nobody_measured(tmp_path: Path) -> Non
     keys = [key for key in began.sources if key.startswith("materials.")]
     assert len(keys) == 7
     measured = "materials.rubber.conductivity"
-    told = {**began.sources, measured: "hot wire, measured on a slab of the batch"}
-    del told["materials.side_film"]
-    (tmp_path / "fit.toml").write_text(sourced_toml(began, told), encoding="utf-8")
+    reported = {**began.sources, measured: "hot wire, measured on a slab of the batch"}
+    del reported["materials.side_film"]
+    (tmp_path / "fit.toml").write_text(sourced_toml(began, reported), encoding="utf-8")
     words = [str(tmp_path / "fit.toml") if w == "natural-rubber" else w for w in COMMAND[:-2]]
     words += ["-o", str(tmp_path / "pier.toml"), "--json"]
     done = CliRunner().invoke(app, words)

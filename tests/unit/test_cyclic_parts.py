@@ -37,20 +37,20 @@ def moved(x: list[float]) -> Segment:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize(("part", "told"), [(0.98, False), (1.02, True)])
-def test_coarse_steps_are_told_where_a_layer_moves_by_its_yield_displacement(
-    sign: float, part: float, told: bool
+@pytest.mark.parametrize(("part", "reported"), [(0.98, False), (1.02, True)])
+def test_coarse_steps_are_reported_where_a_layer_moves_by_its_yield_displacement(
+    sign: float, part: float, reported: bool
 ) -> None:
     case = make_case({}, "test", bearing=HDR)
     far = sign * part * LAYERS * YIELD
     for segments in ([moved([far])], [moved([0.2 * far]), moved([0.1 * far, 1.1 * far])]):
         said = _collect_warnings(case, segments, [COLD])
-        assert len(said) == int(told)
-        if told:
+        assert len(said) == int(reported)
+        if reported:
             assert f"up to {part * YIELD:.3g} mm" in said[0]
 
 
-def test_a_series_given_in_python_is_warned_of() -> None:
+def test_a_series_given_in_python_gives_a_warning() -> None:
     case = make_case({}, "test", bearing=HDR)
     series = tb.Ambient.series(np.array([0.0, 10.0]), np.array([0.0, 5.0]))
     assert "given in Python" in _collect_warnings(case, [moved([0.1])], [series])[0]
@@ -83,7 +83,7 @@ def test_restart_from_an_only_run_and_from_none() -> None:
     without = only.assign(final_lead_temperature=("ambient", [np.nan]))
     assert final_state(without, [5.0]).lead_temperature is None
     for air in ([0.0], [5.0, 23.0]):
-        with pytest.raises(tb.InputError, match=r"has 3 runs, .*start at one of them only"):
+        with pytest.raises(tb.InputError, match=r"has 3 runs, .*choose one of them"):
             final_state(earlier(), air)
 
 
@@ -229,7 +229,7 @@ def test_a_recording_starts_where_the_bearing_is(first: float, tmp_path: Path) -
     path = tmp_path / "recorded.csv"
     path.write_text(f"time_s,displacement_mm\n0,{first}\n1,5\n2,0\n")
     recorded = Recorded(file=str(path))
-    with pytest.raises(tb.InputError, match="put a ramp before it"):
+    with pytest.raises(tb.InputError, match="insert a ramp before it"):
         recorded.points(0.0)
     gaps, x, _ = recorded.points(first)
     assert (list(gaps), list(x)) == ([1.0, 1.0], [first, 5.0, 0.0])
@@ -249,7 +249,7 @@ def test_backbone_is_the_slim_one_of_two() -> None:
 def test_labels_are_made_when_they_are_first_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
     whole = dataset.labelled
-    monkeypatch.setattr(dataset, "labelled", lambda *told: made.append(1) or whole(*told))
+    monkeypatch.setattr(dataset, "labelled", lambda *reported: made.append(1) or whole(*reported))
     result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[0.5], cycles=1))
     assert made == []
     assert result.outcome == "completed"

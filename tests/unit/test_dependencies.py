@@ -107,7 +107,7 @@ print(os.environ["OPENBLAS_NUM_THREADS"], sum("jemalloc" not in name for name in
 """
 
 
-def told(begin: str, **environment: str) -> list[str]:
+def thread_counts(begin: str, **environment: str) -> list[str]:
     clean = {key: value for key, value in os.environ.items() if key not in VARIABLES}
     done = subprocess.run(
         [sys.executable, "-c", "import sys\n" + begin + ASK],
@@ -128,12 +128,12 @@ def told(begin: str, **environment: str) -> list[str]:
     ],
 )
 def test_blas_has_one_thread(begin: str) -> None:
-    assert told(begin) == ["1", "1"]
+    assert thread_counts(begin) == ["1", "1"]
 
 
 @pytest.mark.thorough
 def test_the_environment_may_say_otherwise() -> None:
-    assert told(COMMAND, OPENBLAS_NUM_THREADS="2")[0] == "2"
+    assert thread_counts(COMMAND, OPENBLAS_NUM_THREADS="2")[0] == "2"
 
 
 NEEDED = {"src", "tests", "docs", "Makefile", "conftest.py", "pyproject.toml", "recipe.yaml"}

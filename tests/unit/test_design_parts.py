@@ -23,7 +23,7 @@ LHDR = tb.load_bearing("shen-lhdr-bridge")
 G8 = sizing.load_rubber("G8")
 
 
-def case_of(**table: Any) -> Any:
+def make_case(**table: Any) -> Any:
     return make_design_case(table, "test", motions=["jra-i-i-1", "jra-ii-i-1"])
 
 
@@ -64,7 +64,9 @@ def test_one_turn_of_the_loop(
     assumed: float, rules: dict[str, Any], factor: float, effective: float, analysed: list[Any]
 ) -> None:
     """Stiffness, damping and the bilinear model are those of the effective displacement."""
-    turn = run._one_turn(case_of(effective_displacement_factor=factor, sizing=rules), 3, [assumed])
+    turn = run._one_turn(
+        make_case(effective_displacement_factor=factor, sizing=rules), 3, [assumed]
+    )
     (found,), size = turn.rounds, turn.rounds[0].size
     thickness = size.total_rubber_thickness
     wanted = sizing.equivalent_stiffness(G8, size.area, thickness, effective)
@@ -89,9 +91,9 @@ def test_strain_beyond_the_curves_is_held_at_their_end(
     analysed: list[Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Sizes keep the design strain, so only other curves can be left at their upper end."""
-    curves = run.load_curves().model_copy(update={"largest_strain": 1.0})
-    monkeypatch.setattr(run, "load_curves", lambda: curves)
-    found = run._one_turn(case_of(), 1, [178.0]).rounds[0]
+    curves = sizing.load_curves().model_copy(update={"largest_strain": 1.0})
+    monkeypatch.setattr(sizing, "load_curves", lambda: curves)
+    found = run._one_turn(make_case(), 1, [178.0]).rounds[0]
     wanted = sizing.equivalent_stiffness(G8, found.size.area, 112.0, 112.0)
     assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
 
@@ -111,7 +113,7 @@ def turns(monkeypatch: pytest.MonkeyPatch, answer: Any) -> None:
 def test_loop_takes_what_it_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """No swinging: each round assumes what the one before found, until 1 %."""
     turns(monkeypatch, lambda assumed: 100.0 + 0.5 * assumed)
-    design = run.run_design(case_of(start="360 mm"))
+    design = run.run_design(make_case(start="360 mm"))
     assumed = [turn.assumed for turn in design.rounds]
     assert_allclose(assumed, [360.0, 280.0, 240.0, 220.0, 210.0, 205.0, 202.5], rtol=tol.LOOP)
     assert design.outcome == "converged"
@@ -122,7 +124,7 @@ def test_loop_takes_what_it_found(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_loop_that_swings_goes_half_way(monkeypatch: pytest.MonkeyPatch) -> None:
     """Between two sizes: 300 mm are found below 250, 200 mm above; then 240 and 248."""
     turns(monkeypatch, lambda assumed: 300.0 if assumed < 250.0 else 200.0)
-    design = run.run_design(case_of(start="200 mm", most_rounds=5))
+    design = run.run_design(make_case(start="200 mm", most_rounds=5))
     assumed = [turn.assumed for turn in design.rounds]
     # gains 1, 1/2, 1/2 (the same side again), 1/4
     assert_allclose(assumed[:4], [200.0, 300.0, 250.0, 225.0], rtol=tol.LOOP)
@@ -148,7 +150,7 @@ def test_two_sizes_that_alternate_end_the_loop(monkeypatch: pytest.MonkeyPatch) 
         return SimpleNamespace(rounds=[one], checks=[checks[-1]], bearings=[], study=study)
 
     monkeypatch.setattr(run, "_one_turn", turn)
-    design = run.run_design(case_of(start="200 mm"))
+    design = run.run_design(make_case(start="200 mm"))
     assert design.outcome == "two_sizes"
     assert design.usable
     assert len(design.rounds) < 15
@@ -169,10 +171,10 @@ def coupled(monkeypatch: pytest.MonkeyPatch, answer: Any) -> Any:
         return SimpleNamespace(rounds=rounds, checks=[], bearings=[], study=study)
 
     monkeypatch.setattr(run, "_one_turn", turn)
-    line = case_of().structure.bearings[0]
+    line = make_case().structure.bearings[0]
     lines = [line.model_copy(update={"name": name}) for name in "ab"]
-    structure = case_of().structure.model_copy(update={"bearings": lines})
-    return case_of(structure=structure, line_groups=[{"lines": ["a"]}, {"lines": ["b"]}])
+    structure = make_case().structure.model_copy(update={"bearings": lines})
+    return make_case(structure=structure, line_groups=[{"lines": ["a"]}, {"lines": ["b"]}])
 
 
 def test_groups_are_searched_together(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -241,7 +243,7 @@ def test_row_and_loop_of_a_round() -> None:
     bearing: Any = SimpleNamespace(name="b")
     none: Any = None
     design = Design(
-        case=case_of(),
+        case=make_case(),
         rounds=[turn],
         outcome="",
         sentence="",

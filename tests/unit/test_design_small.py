@@ -98,10 +98,10 @@ def test_lines_of_a_group_on_the_command_line_get_one_size(tmp_path: Path) -> No
     words = ("--structure", INPUTS / "two-piers.toml", "--motion", "jra-i-i-1", "--no-figures")
     done = command("design", case, *words, "--group", "on B, on A", "-o", tmp_path / "one", "-q")
     assert done.exit_code == 0, done.output
-    told = summary(tmp_path / "one")
-    assert {turn["group"] for turn in told["rounds"]} == {"on B, on A"}
-    assert isinstance(told["bearing"], str)  # of all lines
-    parts = {(check["what"], check["part"]) for check in told["checks"]}
+    reported = summary(tmp_path / "one")
+    assert {turn["group"] for turn in reported["rounds"]} == {"on B, on A"}
+    assert isinstance(reported["bearing"], str)  # of all lines
+    parts = {(check["what"], check["part"]) for check in reported["checks"]}
     assert {part for what, part in parts if what == "pier ductility"} == {"B"}
     refused = command("design", case, *words, "--group", "on C", "-o", tmp_path / "no")
     assert refused.exit_code == 2
@@ -140,7 +140,7 @@ def test_each_kind_of_rubber_has_its_own_curves() -> None:
 LHDR = tb.load_bearing("shen-lhdr-bridge")
 
 
-def measured_of(
+def measured_values(
     bearing: Any, air: list[float], strain: float, *_: Any
 ) -> tuple[pd.DataFrame, list[Any]]:
     """Values that are 1 at 23 degC and more in the cold, the more the larger the plan."""
@@ -153,7 +153,7 @@ def measured_of(
 
 
 def test_band_of_several_bearings_is_from_5_to_95_percent(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(factors, "_measured", measured_of)
+    monkeypatch.setattr(factors, "_measured", measured_values)
     sides = np.linspace(400.0, 600.0, 21)
     bearings = [equal._with_side(tb.load_bearing("shen-hdr-bridge"), side, 6) for side in sides]
     options = {"reference_temperature": 23.0, "temperatures": [-20.0], "strains": [1.0]}
@@ -260,11 +260,18 @@ def test_reference_is_that_of_the_rubber(
     given: float | None, used: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: dict[str, Any] = {}
-    monkeypatch.setattr(run, "temperature_factors", lambda _, **options: asked.update(options))
+    monkeypatch.setattr(factors, "temperature_factors", lambda _, **options: asked.update(options))
     report = run.run_factors(["shen-hdr-bridge", "shen-lhdr-bridge"], reference=given)
     assert (asked["reference_temperature"], report.reference) == (used, used)
     assert (asked["period"], report.motion) == (2.0, "sine of 2 s")
     assert [bearing.name for bearing in report.bearings] == ["shen-hdr-bridge", "shen-lhdr-bridge"]
+
+
+def test_a_return_period_needs_the_weather_of_a_site() -> None:
+    with pytest.raises(tb.InputError, match="give its weather too"):
+        run.run_factors(["shen-hdr-bridge"], return_period=1)
+    with pytest.raises(tb.InputError, match="must be from 2 to 1000"):
+        run.run_factors(["shen-hdr-bridge"], weather="cold-town", return_period=0)
 
 
 def test_bounds_are_shaken_by_the_motions_of_hard_ground() -> None:

@@ -17,7 +17,8 @@ from tests import tolerances as tol
 from tests.unit.inputs import (
     REMOVED,
     Row,
-    assert_told,
+    assert_mentions,
+    assert_refused,
     by_name,
     changed_table,
     command,
@@ -83,9 +84,9 @@ def test_hybrid_with_a_laboratory(tmp_path: Path) -> None:
     lab = ["--mode", "pd", "--delay", 0.01, "--force-noise", 0.5, "--seed", 3]
     done = command("hybrid", *words, *lab, "-o", tmp_path / "lab")
     assert done.exit_code == 0, done.output
-    told = json.loads((tmp_path / "lab" / "summary.json").read_text())
-    assert told["method"] == "predictor-corrector"
-    assert told["runs"][0]["pier_ductility"] is None
+    reported = json.loads((tmp_path / "lab" / "summary.json").read_text())
+    assert reported["method"] == "predictor-corrector"
+    assert reported["runs"][0]["pier_ductility"] is None
     case = tomllib.loads((tmp_path / "lab" / "case.resolved.toml").read_text())
     assert case["laboratory"] == {
         "mode": ["pd"],
@@ -273,12 +274,10 @@ def test_bad_case(tmp_path: Path, changes: dict[str, Any], pieces: list[str]) ->
     path = write_toml(tmp_path / "case.toml", table)
     done = command("bridge", path, "-o", tmp_path / "out")
     if changes.get("command") == "tunnel":
-        with pytest.raises(tb.InputError) as caught:
-            make_earthquake_case(table, str(path))
-        assert_told(str(caught.value), pieces)
+        assert_refused(lambda: make_earthquake_case(table, str(path)), *pieces)
         return
     assert done.exit_code == 2, done.output
-    assert_told(done.output, pieces)
+    assert_mentions(done.output, pieces)
     assert not (tmp_path / "out").exists()
 
 
@@ -294,7 +293,7 @@ def test_figures_of_many_motions_say_what_they_leave_out() -> None:
 HDR, BILINEAR = "shen-hdr-bridge", "shen-bilinear-bridge"
 
 
-def case_of(command: str = "bridge", **options: Any) -> Any:
+def make_case(command: str = "bridge", **options: Any) -> Any:
     given = {"bearings": [HDR], "motions": ["jra-ii-i-1"], **options}
     return make_earthquake_case({"command": command}, "test", **given)
 
@@ -308,24 +307,24 @@ def weather(folder: Path, begin: float) -> Path:
 
 @pytest.mark.parametrize("begin", [0.0, 1e8])  # longer than a weather may last
 def test_weather_may_begin_at_any_time(begin: float, tmp_path: Path) -> None:
-    (task,) = run.build_tasks(case_of(weather=str(weather(tmp_path, begin))))
+    (task,) = run.build_tasks(make_case(weather=str(weather(tmp_path, begin))))
     cells, lead = task.reported.temperature, task.reported.lead
     assert task.ambient == -10.0
     assert lead is None
     # Six hours of cooling air: the faces lag behind by less than the middle does.
     assert -10.0 < cells[0] < cells[-1] < 20.0
-    other = run.build_tasks(case_of(weather=str(weather(tmp_path, 0.0))))[0].reported.temperature
+    other = run.build_tasks(make_case(weather=str(weather(tmp_path, 0.0))))[0].reported.temperature
     assert_allclose(cells, other, rtol=tol.LOOP)
 
 
 def test_air_without_change_leaves_the_bearing_as_it_was(tmp_path: Path) -> None:
     path = tmp_path / "still.csv"
     path.write_text("time_s,temperature_degC\n0,-7\n3600,-7\n")
-    (task,) = run.build_tasks(case_of(weather=str(path)))
+    (task,) = run.build_tasks(make_case(weather=str(path)))
     assert_allclose(task.reported.temperature, -7.0)
     steps = tmp_path / "steps.csv"
     steps.write_text("time_s,temperature_degC\n0,30\n1,0\n2,0\n")
-    (task,) = run.build_tasks(case_of(weather=str(steps)))
+    (task,) = run.build_tasks(make_case(weather=str(steps)))
     assert task.reported.temperature[-1] > 29.9  # two seconds are too short to cool the middle
 
 
@@ -333,11 +332,11 @@ def test_motion_is_scaled_cut_and_met_at_every_sample() -> None:
     motion = tb.load_motion("jra-ii-i-1")  # samples every 10 ms
     table = {"name": "jra-ii-i-1", "factor": 0.5}
     for dt, parts in ((0.01, 1), (0.02, 1), (0.005, 2), (0.004, 3), (0.0034, 3)):
-        shaking = run.build_shaking(case_of(motions=[table], dt=dt, duration=2.0), 0, motion)
+        shaking = run.build_shaking(make_case(motions=[table], dt=dt, duration=2.0), 0, motion)
         assert shaking.dt == pytest.approx(0.01 / parts)
         assert len(shaking.ground) == 200 * parts + 1
         assert_allclose(shaking.ground[::parts], 0.5 * motion.acceleration[:201], rtol=tol.LOOP)
-    whole = run.build_shaking(case_of(duration=1e4), 0, motion)
+    whole = run.build_shaking(make_case(duration=1e4), 0, motion)
     assert len(whole.ground) == 2 * (len(motion.acceleration) - 1) + 1
 
 
@@ -351,7 +350,7 @@ def test_a_motion_file_is_read_once_until_it_changes(
     )
     for size in (150.0, 200.5):
         path.write_text("t_s,acc_gal\n" + f"0,0\n0.01,{size}\n0.02,{-size}\n0.03,0\n")
-        task = run.build_tasks(case_of(motions=[str(path)]))[0]
+        task = run.build_tasks(make_case(motions=[str(path)]))[0]
         assert np.max(task.shaking.ground) == pytest.approx(10.0 * size)
     assert len(read) == 2
 
@@ -367,7 +366,7 @@ def test_laboratory_by_hand(mode: str, speed: float, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(run, "run_structure", fake)
     lab = {"mode": mode, "speed": "25 mm/s", "force_noise": "3 kN", "seed": 4, "delay": "8 ms"}
-    case = case_of(
+    case = make_case(
         "hybrid", bearings=["shen-hdr-specimen"], laboratory=lab, duration=4.0, ambient=-20.0
     )
     (task,) = run.build_tasks(case)
@@ -385,7 +384,7 @@ def test_backbone_of_a_bilinear_bearing(monkeypatch: pytest.MonkeyPatch) -> None
     asked: list[Any] = []
     monkeypatch.setattr(run, "bilinear_constants", asked.append)
     bearing = tb.load_bilinear(BILINEAR)
-    run.build_device(case_of(bearings=[BILINEAR]), bearing)
+    run.build_device(make_case(bearings=[BILINEAR]), bearing)
     (p,) = asked
     assert (p.strength, p.initial, p.post_yield) == (
         bearing.strength, bearing.initial_stiffness, bearing.post_yield_stiffness,

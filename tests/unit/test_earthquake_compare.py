@@ -27,8 +27,8 @@ def results() -> Any:
 def test_every_model_runs_with_the_bearings_that_it_fits(results: Any) -> None:
     assert list(results) == models_that_fit(tb.load_bearing(LHDR))
     for name, result in results.items():
-        told = set(result["bearing"].values)
-        assert told == ({LHDR} if name == "lead-alone" else {HDR, LHDR})
+        reported = set(result["bearing"].values)
+        assert reported == ({LHDR} if name == "lead-alone" else {HDR, LHDR})
         assert f'model = "{name}"' in result.dataset.attrs["case"]
 
 
@@ -104,8 +104,8 @@ def test_compare_on_the_command_line(tmp_path: Path) -> None:
     out = tmp_path / "out"
     done = command("hybrid", *words, "--duration", 3, "--compare", "-o", out)
     assert done.exit_code == 0, done.output
-    told = json.loads((out / "summary.json").read_text())["verdict"]
-    assert told.startswith("a single temperature underestimates the inner layer in")
+    reported = json.loads((out / "summary.json").read_text())["verdict"]
+    assert reported.startswith("a single temperature underestimates the inner layer in")
     rows = pd.read_csv(out / "comparison.csv")
     assert set(rows["bearing"]) == {HDR}
     assert {"comparison.png", "comparison_loops.png"} <= {p.name for p in out.glob("figures/*")}

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.unit.test_earthquake_components import two_piers
 
 HDR, LHDR, BILINEAR = "shen-hdr-bridge", "shen-lhdr-bridge", "shen-bilinear-bridge"
 MOTIONS = ["jra-ii-i-1", "jra-ii-ii-1"]
@@ -53,11 +54,11 @@ def test_histories_show_the_strong_part_with_peaks(study: Any, name: str) -> Non
         "pier_acceleration": ("pier_top_acceleration", 1.0),
     }[name]
     marks = [line for line in figure.axes[0].get_lines() if line.get_marker() == "o"]
-    told = study.dataset[f"{variable}_max"].values[:2]
+    reported = study.dataset[f"{variable}_max"].values[:2]
     found = sorted(abs(float(mark.get_ydata()[0])) for mark in marks)
-    assert_allclose(found, sorted(factor * told), rtol=tol.HISTORY_DIGITS)
+    assert_allclose(found, sorted(factor * reported), rtol=tol.HISTORY_DIGITS)
     assert all(first[0] < mark.get_xdata()[0] < first[1] for mark in marks)
-    cold_to_warm = [f"{factor * value:.3g}" for value in told[::-1]]
+    cold_to_warm = [f"{factor * value:.3g}" for value in reported[::-1]]
     assert [text for text in texts(figure.axes[0]) if text in cold_to_warm] == cold_to_warm[::-1]
 
 
@@ -84,6 +85,28 @@ def test_hinge_shows_its_yield_point_and_ductility(study: Any) -> None:
     assert "stays elastic" in texts(axes[0])
     assert "stays elastic" not in texts(axes[1])  # ductility 12
     assert f"{float(study.dataset['pier_ductility'][0]):.3g}" in texts(axes[0])
+
+
+def test_the_only_bearing_and_motion_stand_in_the_title(study: Any) -> None:
+    one = study.sel(bearing=LHDR, motion=MOTIONS[0])
+    for name, draw in one.plot.draw_all().items():
+        figure = draw()
+        words = {word for ax in figure.axes for word in (ax.get_title(), *texts(ax))}
+        assert not {LHDR, MOTIONS[0]} & words, name
+        title = figure.get_suptitle().replace("\n", "")
+        assert all(word in title for word in (LHDR, MOTIONS[0])), name
+    assert one.plot.deck().axes[0].get_ylabel() == "acceleration [m/s²]"
+
+
+def test_paths_fill_their_panels() -> None:
+    pair = {"name": MOTIONS[0], "across": "jra-ii-i-2"}
+    figure = tb.bridge(LHDR, pair, 23, structure=two_piers(), duration=4).plot.orbit()
+    figure.canvas.draw()
+    assert len({round(ax.get_position().y0, 3) for ax in figure.axes}) == 1  # side by side
+    for ax, what in zip(figure.axes, ("displacement", "force"), strict=True):
+        assert what in ax.get_xlabel()
+        path = np.array(long_lines(ax)[-1].get_xydata())
+        assert np.ptp(ax.get_xlim()) < 1.5 * np.ptp(path, axis=0).max()
 
 
 def test_rises_have_no_empty_panel_and_lead_its_own(study: Any) -> None:

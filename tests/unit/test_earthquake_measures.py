@@ -154,8 +154,8 @@ def test_real_time_over_pseudo_dynamic(both: Any, tmp_path: Path) -> None:
     assert first["inner_layer_rise_pd_K"] == pytest.approx(float(np.nanmax(inner) - inner[0]))
     folder = both.save(tmp_path / "both")
     assert (folder / "figures" / "modes.png").exists()
-    told = tb.load_result(folder)
-    assert told.modes_table.equals(rows)
+    reported = tb.load_result(folder)
+    assert reported.modes_table.equals(rows)
     lines = (folder / "history.csv").read_text().splitlines()
     assert lines[0].startswith("bearing,motion,ambient_degC,mode,time_s")
 
@@ -260,8 +260,8 @@ def test_profiles_at_chosen_times(profiles: Any, tmp_path: Path) -> None:
     cells = np.isfinite(data["depth"].values)
     drawn = figure.axes[0].get_lines()[1].get_xdata()
     assert_allclose(drawn, data["temperature"].values[row, cells], rtol=1e-6)
-    told = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert told[:3] == ["5 s", "10 s", "lead core (dashed)"]
+    reported = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert reported[:3] == ["5 s", "10 s", "lead core (dashed)"]
     folder = profiles.save(tmp_path / "cells")
     assert (folder / "figures" / "profiles.png").exists()
     assert 'keep = [\n    "rubber",\n    "cells",\n]' in (folder / "case.resolved.toml").read_text()

@@ -101,7 +101,7 @@ def test_a_cyclic_test_has_them_once_and_says_so(name: str) -> None:
     assert not np.allclose(plain["force"].values, by_hand["force"].values)
 
 
-def test_factors_of_one_change_nothing_and_are_not_told() -> None:
+def test_factors_of_one_change_nothing_and_are_not_reported() -> None:
     plain = tb.run(LAYERED[0], TEST)
     same = tb.run(LAYERED[0], TEST, exposure={"stiffness": 1.0})
     assert np.array_equal(plain["force"].values, same["force"].values)
@@ -132,9 +132,9 @@ def test_a_bridge_has_them_once_and_says_so() -> None:
     ):
         study = tb.bridge(bearings, "jra-ii-i-1", -10, duration=3.0, exposure=option)
         ways.append(study.dataset["bearing_force"].values)
-        told = study.summary().get("exposure", {})
-        assert set(told) == (set() if len(ways) == 3 else {layered.name, bilinear.name})
-        assert sum("exposure" in text for text in study.warnings) == len(told)
+        reported = study.summary().get("exposure", {})
+        assert set(reported) == (set() if len(ways) == 3 else {layered.name, bilinear.name})
+        assert sum("exposure" in text for text in study.warnings) == len(reported)
     for other in ways[1:]:
         assert np.array_equal(ways[0], other, equal_nan=True)
 

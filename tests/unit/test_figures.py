@@ -18,6 +18,9 @@ from thermobearing.results import drawing
 from thermobearing.results.drawing import ambient_colours, thin, thin_loops
 from thermobearing.results.figure_style import COLUMNS, SMALLEST, figure_style
 
+pytestmark = pytest.mark.drawn
+
+
 BEARING = "shen-hdr-specimen"
 NAMES = ["imposed_displacement", "loops", "measures", "layer_temperatures", "profiles"]
 NAMES += ["energy_balance"]
@@ -227,7 +230,7 @@ def test_ramp_has_no_measures() -> None:
     assert shown(result.plot.profiles())[0] == "ramp to 30 mm"
 
 
-def test_slow_ramps_are_told_in_hours() -> None:
+def test_slow_ramps_are_reported_in_hours() -> None:
     slow = {"step": "ramp", "to": "30 mm", "duration": "10 h"}
     back = {"step": "ramp", "to": "0 mm", "duration": "10 h"}
     result = tb.run(BEARING, steps(slow, {"step": "rest", "duration": "5 h"}, back), dt=10.0)
@@ -323,10 +326,9 @@ def test_long_history_stays_small() -> None:
         assert all(len(line) <= 4100 for line in drawn(ax))
 
 
-def test_lead_has_its_own_figures(tmp_path: Path) -> None:
+def test_lead_has_its_own_figures() -> None:
     result = tb.run("shen-lhdr-specimen", tb.cyclic_test(strain=[0.5, 1.0], cycles=2), [-20, 23])
-    names = {path.stem for path in result.plot.save_all(tmp_path)}
-    assert {"lead_temperature", "force_shares"} <= names
+    assert {"lead_temperature", "force_shares"} <= set(result.plot.draw_all())
     shares = result.plot.force_shares()
     assert len(shares.axes) == 4
     assert shares.axes[0].get_ylabel() == "force [kN]"
@@ -398,7 +400,10 @@ def overlaps(figure: Figure) -> list[tuple[str, str]]:
     return found
 
 
-@pytest.mark.parametrize("width", ["single-column", "double-column"])
+WIDTHS = ["single-column", pytest.param("double-column", marks=pytest.mark.thorough)]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
 def test_figures_of_a_paper_have_its_width_and_no_overlaps(result: tb.Result, width: str) -> None:
     with figure_style({"width": width, "titles": False}):
         figures = {name: draw() for name, draw in result.plot.draw_all().items()}

@@ -1,13 +1,24 @@
 """Figures of fits, factors and bounds: scales, bands, legends, verdicts."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import thermobearing as tb
+from tests.unit.test_figures import overlaps
+from tests.unit.test_study_result import HAZARD, ask, made_up
+from thermobearing.design.figures import DesignFigures
 from thermobearing.design.run import run_bounds, run_factors
+from thermobearing.identify.records.figures import RecordFigures, draw_record
 from thermobearing.identify.uncertainty.posterior import forecast
+from thermobearing.results.figure_style import figure_style
+
+pytestmark = pytest.mark.drawn
+
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 
@@ -40,8 +51,8 @@ def test_cycles_of_a_fit_are_absolute(fit: tb.Identification) -> None:
     # The band is as far from the line as the title and the table say: noise does not raise it.
     drawn = np.asarray(modulus.get_lines()[0].get_ydata(), dtype=float)
     line = np.asarray(modulus.get_lines()[1].get_ydata(), dtype=float)
-    told = [cycle.errors["G_eq_error"] for cycle in fit.fits[0].loops]
-    assert (line / drawn - 1.0)[np.isfinite(line)] == pytest.approx(told, abs=1e-12)
+    reported = [cycle.errors["G_eq_error"] for cycle in fit.fits[0].loops]
+    assert (line / drawn - 1.0)[np.isfinite(line)] == pytest.approx(reported, abs=1e-12)
     assert np.nanmax(test) == pytest.approx(fit.records[1].force.max(), rel=0.07)
     errors = [cycle.errors["energy_error"] for one in fit.fits for cycle in one.loops]
     text = f"model error {100.0 * min(errors):+.1f} to {100.0 * max(errors):+.1f} %"
@@ -56,6 +67,59 @@ def test_a_band_lies_around_the_loops(fit: tb.Identification) -> None:
     (dots,) = turns.get_lines()
     assert np.max(dots.get_ydata()) == pytest.approx(band.peak, rel=0.01)
     assert len(dots.get_xdata()) >= 8  # two to each side at each of two strains
+
+
+def design_of_two_groups() -> DesignFigures:
+    """Two rounds for each of two groups, and a loop of two bearings for each."""
+    x = np.array([-200.0, 200.0, -200.0])
+    names = ("G8-650-9x14-1 (bilinear)", "hdr-530-7x17")
+    groups = ("stiff pier", "on A")
+    assumed = ((200.0, 199.4), (199.4, 200.4))
+    rounds = [
+        SimpleNamespace(
+            group=group,
+            found=b,
+            row=lambda n=n, a=a, b=b: {"round": n, "u_B_assumed_mm": a, "u_found_mm": b},
+        )
+        for group in groups
+        for n, (a, b) in enumerate(assumed, 1)
+    ]
+    design: Any = SimpleNamespace(
+        case=SimpleNamespace(structure=SimpleNamespace(name="two piers")),
+        rounds=rounds,
+        taken=rounds[1::2],
+        bearings=[HDR, HDR],
+        loops={group: {name: (x, 2.5 * x) for name in names} for group in groups},
+    )
+    return DesignFigures(design)
+
+
+def study() -> Any:
+    part = made_up().parts()["shen-hdr-bridge"]
+    return ask(part, np.linspace(-20.0, 23.0, 50), capacity=1.0, hazard=HAZARD).plot
+
+
+WIDTHS = ["single-column", pytest.param("double-column", marks=pytest.mark.thorough)]
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+@pytest.mark.parametrize("kind", ["calibration", "check", "design", "study", "bounds"])
+def test_figures_of_a_paper_have_no_overlaps(kind: str, width: str, fit: tb.Identification) -> None:
+    known: dict[str, Callable[[], Any]] = {
+        "calibration": lambda: fit.with_forecast(forecast(fit, [-30.0])).plot,
+        "check": lambda: RecordFigures({"check": lambda: draw_record(fit.checks[0])}),
+        "design": design_of_two_groups,
+        "study": study,
+        "bounds": lambda: run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0]).plot,
+    }
+    wide = {"single-column": 90.0, "double-column": 190.0}[width]
+    with figure_style({"width": width}):
+        for name, draw in known[kind]().draw_all().items():
+            figure = draw()
+            assert overlaps(figure) == [], name
+            assert figure.get_figwidth() * 25.4 == pytest.approx(wide), name
+            panels = [ax for ax in figure.axes if ax.get_visible()]
+            assert min(ax.get_window_extent().height for ax in panels) > 0.4 * figure.dpi, name
 
 
 def test_factors_have_one_legend_outside() -> None:

@@ -14,6 +14,8 @@ from tests import tolerances as tol
 from thermobearing.results.drawing import DPI, save_figure
 from thermobearing.results.writing import write_dataset
 
+pytestmark = pytest.mark.drawn(fine=True)
+
 
 @pytest.fixture(scope="module")
 def result() -> tb.Result:

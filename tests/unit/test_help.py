@@ -2,6 +2,7 @@
 
 import io
 import itertools
+import json
 import os
 import re
 import subprocess
@@ -185,7 +186,7 @@ FIT = ("identify", "t.csv", "--bearing", "shen-hdr-specimen")
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("cyclic", "--dt", "-1"), "--dt = '-1.0 s': must be"),
         (("cyclic", "--keep-every", "0"), "--keep-every = 0: must be"),
@@ -193,6 +194,16 @@ FIT = ("identify", "t.csv", "--bearing", "shen-hdr-specimen")
         (("cyclic", "--strain", "1", "--wave", "saw"), "--wave = 'saw': must be"),
         (("hybrid", "--mode", "q"), "--mode = 'q': must be"),
         (("lambda", "shen-hdr-bridge", "--strain", "-1"), "--strain = -1.0: must be"),
+        (("cyclic", "--strain", "1", "--rest", "-5"), "thermobearing: --rest = -5.0: must be"),
+        (("cyclic", "--strain", "1", "--cycles", "0"), "thermobearing: --cycles = 0: must be"),
+        (("cyclic", "--strain", "1", "--ratio", "1"), "thermobearing: --ratio: applies only"),
+        (("bridge", "--axial-force", "1", "--checks", "x"), ': --checks: "x" must be'),
+        (("design", "--group", "x,y"), '--group: no bearing line is called "x"'),
+        (("bridge", "--exposure", "stiffness=-1"), "--exposure stiffness = -1.0: must be"),
+        (("bridge", "--exposure", "foo=1"), 'unknown key "--exposure foo"'),
+        (("cyclic", "--strain", "1", "--path", "circle", "--ratio", "1"), ": --ratio: a circle"),
+        (("motions", "make", "--dt", "0"), "thermobearing: --dt: 0 s is outside"),
+        ((*FIT, "--predict", "900"), ": --predict = 900.0 degC: must be"),
         (("motions", "show", "strong.csv"), "confirm it with --trust-unit"),
         ((*FIT, "--free", "K_x"), '--free: no parameter "K_x"'),
         ((*FIT, "--free", "sigma_Y"), '--free: "sigma_Y": the bearing'),
@@ -201,8 +212,38 @@ FIT = ("identify", "t.csv", "--bearing", "shen-hdr-specimen")
     ],
     ids=lambda value: " ".join(value[-2:]) if isinstance(value, tuple) else None,
 )
-def test_the_command_names_its_options(tmp_path: Path, words: tuple[str, ...], told: str) -> None:
-    assert told in said(tmp_path, *words)
+def test_the_command_names_its_options(
+    tmp_path: Path, words: tuple[str, ...], reported: str
+) -> None:
+    assert reported in said(tmp_path, *words)
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (
+            ["cyclic", "--ambient", "5", "--ambient", "abc"],
+            "--ambient = 'abc': must be a number in",
+        ),
+        (["cyclic", "--axial-force=5MN"], "--axial-force = '5MN': must be a number in kN, without"),
+        (["cyclic", "--cycles", "1.5"], "--cycles = '1.5': must be an integer"),
+        (["cyclic", "--strain", "x"], "--strain = 'x': must be a number"),
+        (["study", "worst", "p", "--count", "0"], "--count = 0: "),
+        (["cyclic", "--bearing"], "--bearing requires a value: Bearing: library name or TOML file"),
+        (["check"], "missing argument file"),
+        (["measure", "t.csv"], "missing option --bearing: Bearing"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_a_wrong_word_is_one_sentence(words: list[str], sentence: str) -> None:
+    shown = command(*words)
+    assert (shown.exit_code, shown.stderr.count("\n")) == (2, 1)
+    assert shown.stderr.startswith(f"thermobearing: {sentence}")
+
+
+def test_a_wrong_word_ends_with_json() -> None:
+    (line,) = command("cyclic", "--ambient", "abc", "--json").stdout.splitlines()
+    assert json.loads(line)["outcome"] == "bad_input"
 
 
 def test_python_names_its_keywords(tmp_path: Path) -> None:
@@ -216,10 +257,10 @@ def test_python_names_its_keywords(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("seconds", "told"),
+    ("seconds", "reported"),
     [(0.5, "2 per second"), (0.01, "100 per second"), (120.0, "0.5 per minute")],
 )
-def test_rate(seconds: float, told: str) -> None:
+def test_rate(seconds: float, reported: str) -> None:
     """Of those that were done since the first call, which may bring many from an earlier start."""
     bar = _progress_bar(Console(file=io.StringIO()))
     now = [0.0]
@@ -229,7 +270,7 @@ def test_rate(seconds: float, told: str) -> None:
     for done in (700, 701, 702, 703):
         bar.update(task, completed=done, total=1000)
         now[0] += seconds
-    assert Rate().render(bar.tasks[0]).plain == told
+    assert Rate().render(bar.tasks[0]).plain == reported
 
 
 def test_bar_is_whole() -> None:

@@ -210,11 +210,11 @@ def test_command(tmp_path: Path, good: list[TestRecord], faulty: TestRecord) -> 
         < shown.index("test held out")
         < shown.index("verdict: beyond")
     )
-    told = json.loads((out / "summary.json").read_text())
-    assert told["command"] == "identify"
-    assert told["held_out"]["verdict"] == "beyond"
-    assert [test["role"] for test in told["held_out"]["tests"]] == ["fitted"] * 2 + ["held out"]
-    assert len(told["records"]) == 2
+    reported = json.loads((out / "summary.json").read_text())
+    assert reported["command"] == "identify"
+    assert reported["held_out"]["verdict"] == "beyond"
+    assert [test["role"] for test in reported["held_out"]["tests"]] == ["fitted"] * 2 + ["held out"]
+    assert len(reported["records"]) == 2
     fitted = {"summary.json", "bearing.toml", "compound.toml", "fit.csv"}
     assert {path.name for path in out.iterdir()} == fitted | {"table.csv", "cycles.csv"}
 
@@ -228,11 +228,13 @@ def test_command_with_folds(tmp_path: Path, good: list[TestRecord]) -> None:
     assert "jackknife" in done.output
     table = pd.read_csv(out / "folds.csv")
     assert table["fold"].tolist() == [0, 1, 2]
-    told = json.loads((out / "summary.json").read_text())["held_out"]
-    assert told["verdict"] == "beyond"  # noise alone is more
-    assert told["limits"] == {"K_eq": 0.15, "h_eq": 0.15, "NRMSE": 1e-6}
-    assert set(told["jackknife_stderr"]) == {"K_r"}
-    assert table["K_r"].to_numpy() == pytest.approx([row["K_r"] for row in told["folds"]], rel=1e-6)
+    reported = json.loads((out / "summary.json").read_text())["held_out"]
+    assert reported["verdict"] == "beyond"  # noise alone is more
+    assert reported["limits"] == {"K_eq": 0.15, "h_eq": 0.15, "NRMSE": 1e-6}
+    assert set(reported["jackknife_stderr"]) == {"K_r"}
+    assert table["K_r"].to_numpy() == pytest.approx(
+        [row["K_r"] for row in reported["folds"]], rel=1e-6
+    )
 
 
 def test_a_test_is_judged_as_it_is_fitted() -> None:
@@ -413,10 +415,10 @@ def test_command_validate(tmp_path: Path, record: TestRecord) -> None:
     done = command(*words, "--json")
     assert done.exit_code == 0, done.output
     assert "verdict: within" in " ".join(done.output.split())
-    told = json.loads((out / "summary.json").read_text())
-    assert (told["verdict"], told["limits"]) == ("within", {"K_eq": 0.3, "h_eq": 0.15})
-    assert told["comparisons"][0]["largest_loop"]["cycle"] == 4
-    assert told["comparisons"][0]["errors"]["temperature"]["verdict"] == "reported"
+    reported = json.loads((out / "summary.json").read_text())
+    assert (reported["verdict"], reported["limits"]) == ("within", {"K_eq": 0.3, "h_eq": 0.15})
+    assert reported["comparisons"][0]["largest_loop"]["cycle"] == 4
+    assert reported["comparisons"][0]["errors"]["temperature"]["verdict"] == "reported"
     files = {str(path.relative_to(out)) for path in out.rglob("*.*")}
     drawn = ("loops", "ratios", "cycles", "residuals", "temperatures")
     tables = {"summary.json", "table.csv", "cycles.csv", "fit.csv", "thermocouples.csv"}
@@ -474,7 +476,7 @@ def test_beside_the_model(
     assert_allclose(
         samples["model_T3, inside"].max(), row["highest_model_degC"], rtol=tol.SEVEN_DIGITS
     )
-    told = capsys.readouterr().out
-    assert "columns not used: counter" in told
-    assert "hermocouples, model compared with test" in told
+    reported = capsys.readouterr().out
+    assert "columns not used: counter" in reported
+    assert "hermocouples, model compared with test" in reported
     assert np.isfinite(row["rms_difference_K"])

@@ -63,7 +63,7 @@ def test_columns_and_units_that_are_no_tables(tmp_path: Path, key: str, value: s
     (tmp_path / "t.csv").write_text(TEST)
     path = tmp_path / "t.toml"
     path.write_text(f"{key} = {value}\n")
-    inputs.told(lambda: load_test(path), str(path), key, "must be a table")
+    inputs.assert_refused(lambda: load_test(path), str(path), key, "must be a table")
 
 
 @pytest.mark.parametrize(
@@ -73,7 +73,7 @@ def test_columns_and_units_that_are_no_tables(tmp_path: Path, key: str, value: s
 def test_file_that_is_one_value(load: Callable[[Path], Any], text: str, tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text(text)
-    inputs.told(lambda: load(path), str(path))
+    inputs.assert_refused(lambda: load(path), str(path))
 
 
 @pytest.mark.parametrize(
@@ -92,20 +92,22 @@ def test_numbers_and_nesting_beyond_toml(
 ) -> None:
     path = tmp_path / "a.toml"
     path.write_text(text)
-    inputs.told(lambda: load(path), str(path), piece)
+    inputs.assert_refused(lambda: load(path), str(path), piece)
 
 
 @pytest.mark.parametrize("value", [[1], {"x": 1}, False, 3.5])
 def test_command_that_is_no_word(value: Any, tmp_path: Path) -> None:
     path = inputs.write_toml(tmp_path / "case.toml", {"command": value})
-    inputs.told(lambda: load_earthquake_case(path), "command = ", '"bridge" or "hybrid"')
-    inputs.told(lambda: check_file(path), "command = ", '"bridge" or "hybrid"')
+    inputs.assert_refused(lambda: load_earthquake_case(path), "command = ", '"bridge" or "hybrid"')
+    inputs.assert_refused(lambda: check_file(path), "command = ", '"bridge" or "hybrid"')
 
 
 def test_tables_of_a_study_that_are_none() -> None:
     table = {"command": "hybrid", "analysis": 3, "laboratory": 4}
-    inputs.told(lambda: make_earthquake_case(table, "t", dt=0.01), "analysis = 3", "laboratory = 4")
-    inputs.told(lambda: make_earthquake_case({"duration": True}, "t"), "duration = True")
+    inputs.assert_refused(
+        lambda: make_earthquake_case(table, "t", dt=0.01), "analysis = 3", "laboratory = 4"
+    )
+    inputs.assert_refused(lambda: make_earthquake_case({"duration": True}, "t"), "duration = True")
 
 
 def test_whole_number_with_a_point_is_that_number(tmp_path: Path) -> None:
@@ -118,9 +120,11 @@ def test_false_for_a_file(tmp_path: Path) -> None:
     path = inputs.quick_case(
         tmp_path / "case.toml", test={"steps": [{"step": "recorded", "file": False}]}
     )
-    inputs.told(lambda: tb.load_case(path), "file = False", "must be text")
+    inputs.assert_refused(lambda: tb.load_case(path), "file = False", "must be text")
     inputs.write_toml(tmp_path / "t.toml", {"file": False, "blocks": [{"file": False}]})
-    inputs.told(lambda: load_test(tmp_path / "t.toml"), "file = False", "blocks[0].file = False")
+    inputs.assert_refused(
+        lambda: load_test(tmp_path / "t.toml"), "file = False", "blocks[0].file = False"
+    )
 
 
 @pytest.mark.parametrize(
@@ -141,25 +145,27 @@ def test_false_for_a_file(tmp_path: Path) -> None:
     ids=range(11),
 )
 def test_names_longer_than_the_system_allows(call: Callable[[Path], Any], tmp_path: Path) -> None:
-    inputs.told(lambda: call(tmp_path))
+    inputs.assert_refused(lambda: call(tmp_path))
 
 
 def test_files_without_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(text, "LARGEST_FILE", 1000)
     endless = Path("/dev/zero")
     if endless.exists():
-        inputs.told(lambda: text.read_text(endless), "is larger than 0.001 MB")
+        inputs.assert_refused(lambda: text.read_text(endless), "is larger than 0.001 MB")
     (tmp_path / "large.csv").write_text("1" * 1001)
-    inputs.told(lambda: text.read_text(tmp_path / "large.csv"), "is larger than")
+    inputs.assert_refused(lambda: text.read_text(tmp_path / "large.csv"), "is larger than")
     assert errors.read_bytes(tmp_path / "large.csv", 1001) == b"1" * 1001
 
 
 def test_text_that_is_too_long_to_be_searched(tmp_path: Path) -> None:
     """The patterns for units take time that grows with the square of such a text."""
-    inputs.told(lambda: parse_quantity("1 mm" + " " * 500 + "s", "mm"), "not a number with a unit")
+    inputs.assert_refused(
+        lambda: parse_quantity("1 mm" + " " * 500 + "s", "mm"), "not a number with a unit"
+    )
     path = tmp_path / "t.csv"
     path.write_text("time_s,displacement" + " " * 500 + "_mm\n0,0\n1,1\n")
-    inputs.told(lambda: columns.read_columns(path, {"displacement": "mm"}), "no column")
+    inputs.assert_refused(lambda: columns.read_columns(path, {"displacement": "mm"}), "no column")
 
 
 @pytest.mark.parametrize("options", [["--duration", 1e-9], ["--dt", 1e-9], ["--dt", "nan"]])
@@ -182,7 +188,9 @@ def test_cycles_in_digits_that_are_none(tmp_path: Path) -> None:
 @pytest.mark.parametrize("tie", ["n_T=e*m_T", "n_T = 1e400 * m_T", "n_T = 0 * m_T", "n_T=-*m_T"])
 def test_tie_by_what_is_no_number(tie: str) -> None:
     bearing = tb.load_bearing("shen-hdr-specimen")
-    inputs.told(lambda: parameter_set(bearing, ["K_r", tie], [0]), f'"{tie}"', "multiplied")
+    inputs.assert_refused(
+        lambda: parameter_set(bearing, ["K_r", tie], [0]), f'"{tie}"', "multiplied"
+    )
 
 
 SPECIMEN_TEST = record_from_arrays(*np.array([[0, 1, 2], [0, 1, 0], [0, 2, 0]]), 23.0)
@@ -215,7 +223,7 @@ SPECIMEN_TEST = record_from_arrays(*np.array([[0, 1, 2], [0, 1, 0], [0, 2, 0]]),
     ids=range(16),
 )  # fmt: skip
 def test_python_arguments_of_another_kind(call: Callable[[], Any], pieces: list[str]) -> None:
-    inputs.told(call, *pieces)
+    inputs.assert_refused(call, *pieces)
 
 
 def test_one_number_stands_for_a_list_of_one() -> None:

@@ -87,9 +87,9 @@ def test_shifted_numbers(name: str, key: str, sigmas: float, value: float) -> No
     ],
 )
 def test_uncertainties_that_cannot_be(given: dict[str, float], pieces: list[str]) -> None:
-    with pytest.raises(tb.InputError) as told:
+    with pytest.raises(tb.InputError) as reported:
         covariance.chosen_groups(given)
-    assert all(piece in str(told.value) for piece in pieces)
+    assert all(piece in str(reported.value) for piece in pieces)
 
 
 def test_exactly_known_is_not_assumed() -> None:
@@ -164,7 +164,7 @@ def linear(residuals: np.ndarray, jacobian: np.ndarray) -> Linear:
     return Linear(inside, [residuals], np.ones(n), jacobian, np.arange(n) // 10)
 
 
-def told(name: str) -> covariance.Assumed:
+def reported(name: str) -> covariance.Assumed:
     (group,) = (g for g in covariance.chosen_groups(None) if g.name == name)
     return covariance.Assumed((group,), np.zeros((0, 1)))
 
@@ -176,7 +176,8 @@ def test_an_unseen_number_carries_its_whole_uncertainty() -> None:
     noise = 0.01 * rng.normal(size=400)
     noise -= jacobian @ np.linalg.lstsq(jacobian, noise, rcond=None)[0]
     found = covariance._propagate(
-        linear(noise, jacobian), covariance.Assumed(told("sigma_Y").groups, -3.0 * jacobian[:, :1])
+        linear(noise, jacobian),
+        covariance.Assumed(reported("sigma_Y").groups, -3.0 * jacobian[:, :1]),
     )
     assert found.shifts == pytest.approx(np.array([[3.0], [0.0]]), abs=1e-12)
     assert found.spread == pytest.approx(np.ones((1, 1)))
@@ -195,7 +196,8 @@ def test_what_the_tests_ask_for(off: float) -> None:
     basis = np.column_stack([jacobian, apart])
     noise -= basis @ np.linalg.lstsq(basis, noise, rcond=None)[0]
     found = covariance._propagate(
-        linear(noise - off * apart, jacobian), covariance.Assumed(told("sigma_Y").groups, column)
+        linear(noise - off * apart, jacobian),
+        covariance.Assumed(reported("sigma_Y").groups, column),
     )
     (item,) = found.evidence
     assert item.sigmas == pytest.approx(off, abs=1e-9)
@@ -220,7 +222,7 @@ def records(
     ]
 
 
-def told_sensitivity(bearing: Bearing, tests: list[TestRecord]) -> dict[str, Sensitivity]:
+def find_sensitivity(bearing: Bearing, tests: list[TestRecord]) -> dict[str, Sensitivity]:
     problem = Problem(tests, parameters.parameter_set(bearing, [parameters.K_R], [23.0]))
     return {s.key: s for s in sensitivities(problem, {}, covariance.chosen_groups(None))}
 
@@ -236,7 +238,7 @@ def test_candidates_are_what_the_bearing_has() -> None:
 
 @pytest.mark.parametrize(("test", "free"), [(HOT, True), (COOL, False)], ids=["hot", "cool"])
 def test_softening_is_free_where_the_lead_gets_hot(test: object, free: bool) -> None:
-    found = told_sensitivity(LRB, records(LRB, test, (23.0,)))
+    found = find_sensitivity(LRB, records(LRB, test, (23.0,)))
     assert found[E2].free is free
     assert not found[E2].usual
     assert (found[E2].stderr < BETTER * found[E2].spread) is free
@@ -245,7 +247,7 @@ def test_softening_is_free_where_the_lead_gets_hot(test: object, free: bool) -> 
 
 def test_one_ambient_frees_no_temperature_coefficient() -> None:
     test = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=None)
-    one, two = (told_sensitivity(HDR, records(HDR, test, at)) for at in ((23.0,), (-20.0, 23.0)))
+    one, two = (find_sensitivity(HDR, records(HDR, test, at)) for at in ((23.0,), (-20.0, 23.0)))
     assert not {parameters.M_T, parameters.N_T} & {key for key, item in one.items() if item.free}
     assert {parameters.M_T, parameters.N_T} <= {key for key, item in two.items() if item.free}
     # Twice the tests, and the change with temperature, from tests at two temperatures.
@@ -254,7 +256,7 @@ def test_one_ambient_frees_no_temperature_coefficient() -> None:
 
 def test_what_tests_tell_nothing_of_is_held() -> None:
     test = tb.cyclic_test(strain=[0.05], cycles=2, rest=None, closing_strain=None)
-    found = told_sensitivity(HDR, records(HDR, test, (23.0,)))
+    found = find_sensitivity(HDR, records(HDR, test, (23.0,)))
     assert found[parameters.HARDENING].usual
     assert not found[parameters.HARDENING].free
     assert found[parameters.K_R].free
@@ -340,8 +342,8 @@ def test_a_parameter_near_its_bound_is_not_determined(record: TestRecord) -> Non
         assert not item.at_bound
         assert found.outcome == outcome
         assert item.determined is (outcome == "completed")
-        told = found.summary()["parameters"]["hysteresis.layer_stiffness"]
-        assert (_grade(told) == "no") is (outcome == "poor_fit")
+        reported = found.summary()["parameters"]["hysteresis.layer_stiffness"]
+        assert (_grade(reported) == "no") is (outcome == "poor_fit")
 
 
 def test_temperature_coefficients_are_held_at_one_temperature(record: TestRecord) -> None:

@@ -142,15 +142,15 @@ def test_clipped_force(good: TestRecord, low: float, high: float) -> None:
 
 
 @pytest.mark.parametrize("zero", [-1.6, 1.6])
-def test_a_slight_zero_of_the_force_is_told(zero: float) -> None:
+def test_a_slight_zero_of_the_force_is_reported(zero: float) -> None:
     steps = tb.cyclic_test(strain=[0.5, 1.0, 1.5], cycles=4, rest=None)
     cold = synthetic_record(BEARING, -20.0, steps, noise=0.01, seed=3)
     assert ("note", "zero") in found(check_test(cold, BEARING))
     assert ("warning", "offset") not in found(check_test(cold, BEARING))
     peak = cold.peak_force
     shifted = replace(cold, force=cold.force + zero / 160.0 * peak)
-    told = said(check_test(shifted, BEARING), "warning")
-    number = float(re.findall(r'force_offset = "(.*) kN"', told)[0])
+    reported = said(check_test(shifted, BEARING), "warning")
+    number = float(re.findall(r'force_offset = "(.*) kN"', reported)[0])
     assert number == pytest.approx(zero / 160.0 * peak, rel=0.15)
 
 
@@ -166,7 +166,9 @@ def test_a_slight_zero_of_the_force_is_told(zero: float) -> None:
         ),
     ],
 )
-def test_a_wrong_unit_is_told_by_the_slip_behind_it(way: float, force: float, slip: str) -> None:
+def test_a_wrong_unit_is_reported_by_the_slip_behind_it(
+    way: float, force: float, slip: str
+) -> None:
     t = np.linspace(0.0, 4.0, 2001)
     x = 60.0 * np.sin(np.pi * t)
     scale = 1.25 * BEARING.area / BEARING.total_rubber_thickness / 1e3
@@ -181,8 +183,8 @@ def test_offset_is_the_middle_of_the_middles(good: TestRecord) -> None:
     force = good.force.copy()
     cycle = check_test(good, BEARING).cycles[1]
     force[cycle.first : cycle.last] += 0.3 * good.peak_force
-    told = said(check_test(replace(good, force=force), BEARING), "warning")
-    assert "middle of the force loops is at" not in told
+    reported = said(check_test(replace(good, force=force), BEARING), "warning")
+    assert "middle of the force loops is at" not in reported
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.8])
@@ -413,9 +415,9 @@ def test_a_logger_that_runs_through_rests(record: TestRecord) -> None:
     assert found.outcome == "completed"
     assert found.fits[0].R2 > 0.99
     assert found.values["hysteresis.layer_stiffness"] == pytest.approx(30.738, rel=0.05)
-    told = found.summary()["records"][0]["treatment"]
-    assert told["rests"] == 1
-    assert told["noise"]["displacement_mm"] == pytest.approx(JITTER, rel=0.1)
+    reported = found.summary()["records"][0]["treatment"]
+    assert reported["rests"] == 1
+    assert reported["noise"]["displacement_mm"] == pytest.approx(JITTER, rel=0.1)
 
 
 def test_spikes_are_found_one_by_one(spiky: tuple[TestRecord, list[int]]) -> None:
@@ -448,13 +450,13 @@ def test_good_records_have_no_spikes_and_no_drift(name: str, sampling: float) ->
     assert not found.drifts
 
 
-def test_spikes_are_taken_out_only_when_told(spiky: tuple[TestRecord, list[int]]) -> None:
+def test_spikes_are_taken_out_only_when_reported(spiky: tuple[TestRecord, list[int]]) -> None:
     record, at = spiky
     left, none = treatment.treat(record).to_fit(np.zeros(len(record.time), dtype=bool))
     assert left.peak_force > 250.0
     assert not none[np.abs(left.force) > 200.0].any()
-    (told,) = treatment.request_treatment([record], True, "")
-    report = check_test(told, HDR)
+    (reported,) = treatment.request_treatment([record], True, "")
+    report = check_test(reported, HDR)
     assert "removed" in said(report, "note", "spikes")
     assert report.treatment is not None
     assert report.treatment.cleaned.peak_force < 150.0
@@ -471,13 +473,13 @@ def drifting(record: TestRecord, name: str, part: float, detrend: str = "") -> T
 
 
 @pytest.mark.parametrize("name", ["force", "displacement"])
-def test_drift_is_found_and_taken_out_when_told(record: TestRecord, name: str) -> None:
+def test_drift_is_found_and_taken_out_when_reported(record: TestRecord, name: str) -> None:
     spoilt = drifting(record, name, 0.08)
     report = check_test(spoilt, HDR)
     assert f"the zero of the {name} drifts by" in said(report, "warning", "drift")
     assert treatment.treat(spoilt).cleaned.force[-50:].mean() == spoilt.force[-50:].mean()
-    told = treatment.treat(drifting(record, name, 0.08, detrend=name))
-    off = getattr(told.cleaned, name) - getattr(treatment.treat(record).cleaned, name)
+    reported = treatment.treat(drifting(record, name, 0.08, detrend=name))
+    off = getattr(reported.cleaned, name) - getattr(treatment.treat(record).cleaned, name)
     peak = float(np.abs(getattr(record, name)).max())
     assert np.abs(off).max() < 0.025 * peak
-    assert "removed" in said(check_test(told.record, HDR), "note", "drift")
+    assert "removed" in said(check_test(reported.record, HDR), "note", "drift")

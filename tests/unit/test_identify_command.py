@@ -135,10 +135,10 @@ def test_wrong_options(folder: Path, tmp_path: Path, words: list[str], said: str
 def test_saved_from_python(found: Identification, tmp_path: Path) -> None:
     ahead = posterior.forecast(found, [-20.0, 10.0])
     out = found.with_forecast(ahead).save(tmp_path / "out", figures=False)
-    told = json.loads((out / "summary.json").read_text())
-    assert told["posterior"]["source"] == "laplace"
-    assert [band["ambient_degC"] for band in told["posterior"]["peak_force"]] == [-20.0, 10.0]
-    cold, peak = told["posterior"]["peak_force"][0], ahead.bands[0]
+    reported = json.loads((out / "summary.json").read_text())
+    assert reported["posterior"]["source"] == "laplace"
+    assert [band["ambient_degC"] for band in reported["posterior"]["peak_force"]] == [-20.0, 10.0]
+    cold, peak = reported["posterior"]["peak_force"][0], ahead.bands[0]
     assert (cold["lower_kN"], cold["best_kN"]) == (peak.peak_lower, peak.peak)
     assert cold["lower_kN"] < cold["best_kN"] < cold["upper_kN"]
     rows = (out / "posterior.csv").read_text().splitlines()
@@ -181,6 +181,7 @@ def test_band_at_a_temperature_that_was_not_tested(found: Identification) -> Non
     assert inside.mean() > 0.8
 
 
+@pytest.mark.thorough  # a change is seen by the golden case identify-posterior
 def test_posterior_agrees_with_the_normal_distribution() -> None:
     """Of three parameters, for which walkers enough are half as many as for all."""
     records = [synthetic_record(HDR, at, SHORT, sampling=25.0) for at in AMBIENTS]
@@ -192,7 +193,7 @@ def test_posterior_agrees_with_the_normal_distribution() -> None:
     assert (np.abs(samples.cube.mean(axis=0) - found.cube) < spread).all()
 
 
-def test_what_a_posterior_takes_is_told_before(
+def test_what_a_posterior_takes_is_reported_before(
     found: Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     runs, seconds = posterior.posterior_effort(found, steps=8, burn=2)
@@ -217,7 +218,7 @@ def test_what_a_posterior_takes_is_told_before(
     assert "posterior:" not in invoke(*words, "--overwrite", "-q")[1]
 
 
-def test_a_missing_emcee_is_told_before_the_fit(
+def test_a_missing_emcee_is_reported_before_the_fit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "emcee", None)

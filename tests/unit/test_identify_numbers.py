@@ -124,7 +124,7 @@ def test_robust_weights_are_the_derivatives_of_the_losses(loss: str, rho: Any) -
     assert_allclose(_robust_weights(0.02 * np.sqrt(z), loss), wanted, rtol=1e-6)
 
 
-def problem_of(records: list[TestRecord], **options: Any) -> Problem:
+def make_problem(records: list[TestRecord], **options: Any) -> Problem:
     return Problem(records, parameter_set(HDR, ["K_r", "d_y"], [23.0]), **options)
 
 
@@ -132,7 +132,7 @@ def test_clipped_samples_do_not_count() -> None:
     record = sines((10.0, 10.0))
     clipped = np.zeros(len(record.time), dtype=bool)
     clipped[30:60] = True
-    problem = problem_of([record], clipped=[clipped])
+    problem = make_problem([record], clipped=[clipped])
     part = problem.parts(problem.pset.start)[0]
     assert (part[30:60] == 0.0).all()
     assert (part[60:] != 0.0).any()
@@ -144,7 +144,7 @@ def test_where_the_model_does_not_get_through(monkeypatch: pytest.MonkeyPatch) -
     record = replace(sines((10.0,)), temperatures={"T": np.zeros(count)}, places={"T": "rubber 1"})
     monkeypatch.setattr(ForwardModel, "run", lambda *_: None)
     for temperatures, size in ((False, count), (True, 2 * count)):
-        problem = problem_of([record], temperatures=temperatures)
+        problem = make_problem([record], temperatures=temperatures)
         assert_allclose(problem.parts(problem.pset.start)[0], np.full(size, LOST))
 
 
@@ -154,7 +154,7 @@ def test_jacobian_of_straight_lines_is_exact(
 ) -> None:
     """Inside the cube and at its faces, where the difference is turned inwards."""
     matrix = np.array([[3.0, -1.0], [0.5, 2.0], [0.0, 7.0]])
-    problem = problem_of([sines((10.0,))])
+    problem = make_problem([sines((10.0,))])
     monkeypatch.setattr(problem, "parts", lambda cube, *, fine: [matrix @ cube])
     for cube in ([0.4, 0.6], [1.0, 0.5], [0.0, 1.0], [0.9996, 0.0003]):
         found = problem.jacobian(np.array(cube), central=central)
@@ -196,15 +196,15 @@ def test_measures_of_a_fit_by_hand() -> None:
     assert pytest.approx(1.0 - 1.0 / variance, rel=tol.LOOP) == fit.R2
 
 
-@pytest.mark.parametrize(("first", "told"), [(1.2, True), (1.0, False), (0.8, False)])
-def test_stiffer_first_cycles_are_told(first: float, told: bool) -> None:
+@pytest.mark.parametrize(("first", "reported"), [(1.2, True), (1.0, False), (0.8, False)])
+def test_stiffer_first_cycles_are_reported(first: float, reported: bool) -> None:
     record = sines((10.0, 10.0, 10.0))
     force = record.force.copy()
     force[:POINTS] *= first
     fit = _comparison(replace(record, force=force), Prediction(record.force, {}))
     said = [text for text in _fit_warnings(fit) if "scragging" in text]
-    assert len(said) == int(told)
-    if told:
+    assert len(said) == int(reported)
+    if reported:
         assert "17% stronger" in said[0]  # 1 - 1/1.2
         assert "first_cycle_weight = 0" in said[0]
         fit = replace(fit, record=replace(fit.record, first_cycle_weight=0.0))

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import command
+from thermobearing.cyclic.result import history_columns
 from thermobearing.identify.records.figures import _time_axis
 from thermobearing.identify.records.record import load_test
 from thermobearing.intake.run import write_template
@@ -168,12 +170,14 @@ BAD = [
 ]
 
 
-@pytest.mark.parametrize(("content", "told"), [case[1:] for case in BAD], ids=[c[0] for c in BAD])
-def test_bad_files(tmp_path: Path, content: str | bytes, told: str) -> None:
+@pytest.mark.parametrize(
+    ("content", "reported"), [case[1:] for case in BAD], ids=[c[0] for c in BAD]
+)
+def test_bad_files(tmp_path: Path, content: str | bytes, reported: str) -> None:
     path = tmp_path / "bad.csv"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     status, shown = invoke("intake", path, "-o", tmp_path / "out")
-    assert (status, told in shown) == (2, True), shown
+    assert (status, reported in shown) == (2, True), shown
     assert [item.name for item in tmp_path.iterdir()] == ["bad.csv"]
 
 
@@ -209,10 +213,10 @@ def test_one_bad_file_does_not_stop_the_others(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("warmer", "told"),
+    ("warmer", "reported"),
     [(0.3, ""), (0.5, "rises by 0.5 K"), (-1.0, "falls by 1.0 K"), (2.0, "rises by 2.0 K")],
 )
-def test_a_chamber_that_warms_is_told(tmp_path: Path, warmer: float, told: str) -> None:
+def test_a_chamber_that_warms_is_reported(tmp_path: Path, warmer: float, reported: str) -> None:
     """Thermocouples read to a tenth, noise of 0.1 K."""
     t, x, f = history()
     noise = 0.1 * np.random.default_rng(3).normal(size=len(t))
@@ -224,10 +228,10 @@ def test_a_chamber_that_warms_is_told(tmp_path: Path, warmer: float, told: str) 
     )
     status, shown = invoke("intake", path, "-o", tmp_path / "out", "--no-figures")
     assert status == 0, shown
-    assert ("the ambient temperature" in shown) is bool(told)
-    assert told in shown
+    assert ("the ambient temperature" in shown) is bool(reported)
+    assert reported in shown
     status, shown = invoke("identify", path, "--check")
-    assert (status, told in shown) == (0, True), shown
+    assert (status, reported in shown) == (0, True), shown
 
 
 def test_rests_do_not_fill_the_picture(tmp_path: Path) -> None:
@@ -286,7 +290,7 @@ def test_sidecar_and_rests(tmp_path: Path, ending: str, separator: str, comma: b
     assert "columns not used: T_3" in done.stdout
 
 
-def test_a_unit_that_no_bearing_can_have_is_told(tmp_path: Path) -> None:
+def test_a_unit_that_no_bearing_can_have_is_reported(tmp_path: Path) -> None:
     path = logged(tmp_path / "t.csv")
     sidecar = path.with_suffix(".toml")
     sidecar.write_text(sidecar.read_text().replace('"N"', '"kN"'))
@@ -307,8 +311,8 @@ def test_written_like_the_others(tmp_path: Path) -> None:
     table = saved["cycles"]
     assert table["cycle"].tolist() == [1, 2, 3]
     assert table["ends"].tolist() == ["rest"] * 3
-    told = [cycle["stiffness_kN_mm"] for cycle in said["cycles"]]
-    assert_allclose(table["K_eq_kN_mm"], told, rtol=tol.ROUNDING)
+    reported = [cycle["stiffness_kN_mm"] for cycle in said["cycles"]]
+    assert_allclose(table["K_eq_kN_mm"], reported, rtol=tol.ROUNDING)
     assert_allclose(table["strain"], 1.0, rtol=tol.FORCE_AT_A_REST)
     assert [path.name for path in saved.figures] == ["loops.png"]
     assert "columns not used: T_3" in saved.summary["notes"]
@@ -375,7 +379,7 @@ def test_a_template_is_read_without_questions(tmp_path: Path) -> None:
     places = {"T1": "rubber 1", "T2": "lead"}
     record = dataclasses.replace(record, temperatures=warm, places=places)
     about = {"name": "低温 20", "ambient": -20, "laboratory": "Prüfstelle Málaga", "scragged": "no"}
-    fill_template(path, record, about | {"specimen": "S-7", "date": "2026-10-02"})
+    fill_template(path, record, about | {"specimen": "S-7", "date": datetime(2026, 10, 2)})
     (found,) = tb.take_in(path, "shen-lhdr-specimen").files
     read = found.record
     assert read.assumptions == ()
@@ -392,21 +396,34 @@ def test_a_template_is_read_without_questions(tmp_path: Path) -> None:
     assert load_test(path).ambient == -10.0
 
 
+def test_a_template_has_the_temperatures_of_a_history(tmp_path: Path) -> None:
+    openpyxl = pytest.importorskip("openpyxl", reason="pip install 'thermobearing[xlsx]'")
+    bearing = "shen-lhdr-specimen"
+    run = tb.run(bearing, tb.cyclic_test(strain=[0.5], cycles=1, rest=None), ambient=-20)
+    names = [name for name in history_columns(run, 0) if name.endswith("_degC")]
+    book = openpyxl.load_workbook(write_template(tmp_path / "test.xlsx", bearing))
+    heads = [cell.value for cell in book["Test"][3]][3:]
+    assert heads == ["Rubber 1 [°C]", "Rubber 2 [°C]", "Rubber 3 [°C]", "Lead [°C]"]
+    assert names == ["rubber1_degC", "rubber2_degC", "rubber3_degC", "lead_degC"]
+
+
 @pytest.mark.parametrize(
-    ("key", "value", "told"),
+    ("key", "value", "reported"),
     [
         ("scragged", "maybe", 'scragged = "maybe": must be yes or no'),
         ("ambient", "cold", "ambient"),
         ("ambient", -300, "ambient"),
     ],
 )
-def test_a_template_with_a_wrong_value(tmp_path: Path, key: str, value: object, told: str) -> None:
+def test_a_template_with_a_wrong_value(
+    tmp_path: Path, key: str, value: object, reported: str
+) -> None:
     pytest.importorskip("openpyxl", reason="pip install 'thermobearing[xlsx]'")
     path = write_template(tmp_path / "test.xlsx")
     t = np.linspace(0.0, 4.0, 200)
     x = 30.0 * np.sin(np.pi * t)
     fill_template(path, tb.record_from_arrays(t, x, 2.0 * x, 23.0), {key: value})
-    with pytest.raises(tb.InputError, match=told):
+    with pytest.raises(tb.InputError, match=reported):
         load_test(path)
     status, said = invoke("intake", "--template", path)
     assert (status, "exists" in said) == (2, True)

@@ -236,9 +236,9 @@ def test_two_processes_compile_the_same_kernel_at_once(tmp_path: Path) -> None:
             assert process.stdin is not None
             process.stdin.write("now\n")
             process.stdin.flush()
-        told = [process.communicate()[0] for process in processes]
+        reported = [process.communicate()[0] for process in processes]
         assert [process.returncode for process in processes] == [0] * len(processes)
-        return told
+        return reported
 
     first = answers([start(), start()])
     later = answers([start()])

@@ -233,7 +233,7 @@ def test_half_stack_of_the_specimen() -> None:
 def test_cells_beside_the_middle_of_a_layer(cells: int, upper: int, lower: int) -> None:
     bearing = HDR.model_copy(update={"cells": HDR.cells.model_copy(update={"rubber": cells})})
     stack = build_stack(bearing, half=True)
-    found = [row - stack.first_cell for row in stack.middles()]
+    found = [row - stack.layers["first"] for row in stack.middles()]
     assert_allclose(found, [[upper] * 3, [lower] * 3])
 
 

@@ -28,7 +28,7 @@ def says(clock: Any) -> Bearing:
     return LHDR.model_copy(update={"lead": LHDR.lead.model_copy(update={"clock": clock})})
 
 
-def rate_of(medium: str) -> float:
+def core_rate(medium: str) -> float:
     """Diffusivity over r_l^2 [1/s], Eq. 5.6."""
     assert LHDR.materials.lead is not None
     material = LHDR.materials.steel if medium == "steel" else LHDR.materials.lead
@@ -54,7 +54,7 @@ def test_the_option_goes_before_the_bearing_and_that_before_the_scheme(
     bearing = says(own)
     model = build_model(bearing, ModelOptions(**options))
     assert model.options.clock == expected
-    assert_allclose(model.constants.lead.clock_rate, rate_of(expected))
+    assert_allclose(model.constants.lead.clock_rate, core_rate(expected))
     # A fit changes rubber, lead and rate numbers, not the clock.
     again = with_parameters(model.constants, bearing, model.stack)
     assert again.lead.clock_rate == model.constants.lead.clock_rate
@@ -98,10 +98,10 @@ def test_a_clock_that_does_nothing_is_refused(
         ways.append(lambda: tb.hybrid(bearing, ambient=0, duration=1, **asked))
         ways.append(lambda: tb.bridge(bearing, "jra-ii-i-1", 0, duration=1, **asked))
     for way in ways:
-        with pytest.raises(tb.InputError) as told:
+        with pytest.raises(tb.InputError) as reported:
             way()
         for word in ['clock = "lead"', *words]:
-            assert word in str(told.value)
+            assert word in str(reported.value)
 
 
 def test_it_passes_by_bearings_without_lead() -> None:

@@ -139,7 +139,7 @@ def test_lead_must_leave_room_for_rubber(diameter: str, fits: bool, tmp_path: Pa
     if fits:
         assert tb.load_bearing(path).lead_area < tb.load_bearing(path).area
     else:
-        with pytest.raises(tb.InputError, match="the lead cores take 58106"):
+        with pytest.raises(tb.InputError, match="the lead cores have an area of 58106"):
             tb.load_bearing(path)
 
 
@@ -157,7 +157,7 @@ def test_what_is_read_once_is_nobodys_to_change() -> None:
     assert (again, there) == (specimen_table(), where)
 
 
-def test_what_is_told_changes_and_nothing_else() -> None:
+def test_what_is_reported_changes_and_nothing_else() -> None:
     before = tb.load_bearing(SPECIMEN)
     made = tb.changed_bearing(
         SPECIMEN, name="mine", hysteresis={"layer_stiffness": "40 kN/mm", "hardening": 0.3}
@@ -201,9 +201,9 @@ def test_plans_and_records_are_taken_whole() -> None:
     ],
 )
 def test_nonsense_is_refused(changes: dict[str, object], said: str) -> None:
-    with pytest.raises(tb.InputError, match="changed_bearing") as told:
+    with pytest.raises(tb.InputError, match="changed_bearing") as reported:
         tb.changed_bearing(SPECIMEN, **changes)
-    assert said in str(told.value)
+    assert said in str(reported.value)
 
 
 def test_a_file_reads_back_and_is_not_written_over(tmp_path: Path) -> None:

@@ -229,7 +229,7 @@ def test_strength_of_cycles_before_a_rest(
     assert level or ends == (["rest"] * 3 if given or gap > 2 else ["closed"] * 3)
 
 
-def test_a_cycle_that_does_not_close_is_told_apart() -> None:
+def test_a_cycle_that_does_not_close_is_reported_apart() -> None:
     d, _ = bilinear(60.0, 30.0, 12.0, 2.0)
     found = metrics.found_cycles(np.concatenate([d, d[1 : len(d) // 2]]))
     assert [cycle.ends for cycle in found] == ["closed", "incomplete"]

@@ -66,7 +66,7 @@ def test_records_that_differ_are_named() -> None:
     assert "resample = true" in lengths
 
 
-def test_resampled_when_told() -> None:
+def test_resampled_when_reported() -> None:
     time = 0.02 * np.arange(1000)
     slow = tb.motion_from_arrays(3.0 * np.sin(3.0 * time), unit="m/s2", dt=0.02, name="slow")
     pair = make_pair(FIRST, slow, resample=True)
@@ -243,8 +243,8 @@ def test_a_structure_in_one_direction_says_what_moves_it(tmp_path: Path) -> None
     alone = tb.bridge("shen-bilinear-bridge", [BOTH, "jra-ii-i-3"], 23, duration=2)
     plain = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 23, duration=2)
     assert_array_equal(alone.table["bearing_strain_max"][0], plain.table["bearing_strain_max"][0])
-    assert [note for note in alone.notes() if "1 of 2 motions" in note]
-    assert not [note for note in plain.notes() if "motions" in note]
+    assert [text for text in alone.warnings if "1 of 2 motions" in text]
+    assert not [text for text in plain.warnings if "motions" in text]
     alone.save(tmp_path / "out", figures=False)
     assert not (tmp_path / "out" / "rotation.csv").exists()
 

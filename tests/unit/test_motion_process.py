@@ -225,7 +225,7 @@ def test_envelope_rises_stays_and_dies_away() -> None:
     assert_allclose(found, [0.0, 0.0, 0.25, 1.0, 1.0, np.exp(-1.0)], rtol=tol.LOOP)
 
 
-def test_peaks_come_when_they_are_told_to() -> None:
+def test_peaks_come_when_they_are_reported_to() -> None:
     """A pulse up after 1 s, one down after 3 s: a stiff oscillator follows the ground."""
     values = np.zeros(500)
     values[100], values[300] = 500.0, -800.0

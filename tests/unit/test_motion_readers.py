@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import tests.unit.motion_files as files
-from tests.unit.inputs import assert_told, command, told
+from tests.unit.inputs import assert_mentions, assert_refused, command
 from thermobearing.border.errors import InputError
 from thermobearing.motions import matching
 from thermobearing.motions.library import load_motion
@@ -229,7 +229,7 @@ def test_bad_record_is_refused_with_a_sentence(
         load_motion(path, **options)
     message = str(caught.value)
     assert message.startswith(f"{path}: ")
-    assert_told(message, pieces)
+    assert_mentions(message, pieces)
 
 
 @pytest.mark.parametrize("name", ["empty", "unit against file", "dt in ms"])
@@ -298,10 +298,10 @@ CALLS: list[tuple[str, Any, list[str]]] = [
 
 
 @pytest.mark.parametrize(("call", "pieces"), [pytest.param(*row[1:], id=row[0]) for row in CALLS])
-def test_bad_argument_is_told(call: Any, pieces: list[str]) -> None:
+def test_bad_argument_is_reported(call: Any, pieces: list[str]) -> None:
     with pytest.raises(InputError) as caught:
         call()
-    assert_told(str(caught.value), pieces)
+    assert_mentions(str(caught.value), pieces)
 
 
 @pytest.mark.parametrize("pga", [204.0, 300.0, 605.0, 825.0, 980.0])
@@ -337,7 +337,7 @@ def test_numbers_of_a_motion_that_overflow(
     text: str, options: dict[str, Any], pieces: list[str], tmp_path: Path
 ) -> None:
     path = files.write(tmp_path / "a.txt", text)
-    told(lambda: load_motion(path, **options), str(path), *pieces)
+    assert_refused(lambda: load_motion(path, **options), str(path), *pieces)
 
 
 def test_exponents_as_fortran_writes_them_in_a_header(tmp_path: Path) -> None:
@@ -345,7 +345,7 @@ def test_exponents_as_fortran_writes_them_in_a_header(tmp_path: Path) -> None:
     assert load_motion(path).dt == 0.01
 
 
-def test_search_for_a_spectrum_ends_where_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_search_for_a_spectrum_ends_where_it_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     rounds: list[tuple[int, int]] = []
     monkeypatch.setattr(matching, "GOAL", 0.0)
     monkeypatch.setattr(matching, "ENOUGH", 0.0)

@@ -297,10 +297,10 @@ def test_c_runs_a_test_of_a_bearing(library_with_march: Path, tmp_path: Path) ->
     command = ["cc", "-O1", "-Wall", "-Werror", f"-I{library_with_march}", str(example)]
     command += [str(library), f"-Wl,-rpath,{library_with_march}", "-lm", "-o", "example"]
     subprocess.run(command, cwd=tmp_path, check=True)
-    told = subprocess.run(
+    reported = subprocess.run(
         [tmp_path / "example"], capture_output=True, text=True, check=True
     ).stdout.splitlines()
-    x, force, warm = np.array([line.split() for line in told], dtype=float).T
+    x, force, warm = np.array([line.split() for line in reported], dtype=float).T
     assert len(x) == 400
     assert np.ptp(x) == pytest.approx(60.0)
     work = float(np.sum(0.5 * (force + np.append(0.0, force[:-1])) * np.diff(x, prepend=0.0)))

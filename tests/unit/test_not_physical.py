@@ -15,8 +15,23 @@ from thermobearing.core.types import State, new_state
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions, build_model
-from thermobearing.model.outcomes import NOT_PHYSICAL, SENTENCES, _temperature_limits, is_physical
-from thermobearing.structure.run import Method
+from thermobearing.model.outcomes import (
+    ALL_SENTENCES,
+    INTERRUPTED,
+    NAMES,
+    NOT_PHYSICAL,
+    PIER_BEYOND_LIMIT,
+    SENTENCES,
+    _temperature_limits,
+    is_physical,
+)
+from thermobearing.structure.run import (
+    DISPLACEMENT_LIMIT,
+    FORCE_LIMIT,
+    OUTCOMES,
+    SPECIMEN_LOST,
+    Method,
+)
 
 LIMITS = _temperature_limits()
 FAST = tb.CyclicTest(
@@ -100,6 +115,16 @@ def test_a_bilinear_bearing_has_no_heat_to_lose() -> None:
     study = tb.bridge("shen-bilinear-bridge", motion, [-20.0, 23.0], duration=5)
     assert study.energy["thermal_residual"].abs().max() < tol.ENERGY_BOOKS
     assert study["bearing_force"].values[0].tolist() == study["bearing_force"].values[1].tolist()
+
+
+@pytest.mark.parametrize("factor", [0.001, 0.1])
+def test_the_bilinear_model_of_a_layered_bearing_may_stay_elastic(factor: float) -> None:
+    """A step of 1e-3 kN mm is below the rounding of -20 degC times its heat capacity."""
+    motion = {"name": "jra-ii-i-1", "factor": factor}
+    bearings = ["shen-hdr-bridge", "shen-lhdr-bridge"]
+    study = tb.bridge(bearings, motion, -20, model="bilinear", duration=5)
+    assert study.dataset["outcome"].values.tolist() == ["completed"] * 2
+    assert study["bearing_strain_max"].max() < 0.02
 
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -210,3 +235,10 @@ def test_factors_and_bounds(shake: dict[str, object]) -> None:
     assert report.outcome == MELTS
     assert report.summary()["outcome"] == MELTS
     assert report.sentence == SENTENCES[MELTS]
+
+
+def test_every_outcome_has_a_sentence() -> None:
+    assert set(SENTENCES) == {*NAMES.values(), NOT_PHYSICAL, INTERRUPTED}
+    laboratory = {SPECIMEN_LOST, FORCE_LIMIT, DISPLACEMENT_LIMIT}
+    others = {*OUTCOMES.values(), PIER_BEYOND_LIMIT, *laboratory}
+    assert set(ALL_SENTENCES) == {*SENTENCES, *others}

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.testing import assert_array_equal
 
 import thermobearing as tb
-from tests.unit.inputs import told
+from tests.unit.inputs import assert_refused
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.motions.run import examine_motion
 from thermobearing.results.profiles import overlay
@@ -159,13 +159,15 @@ def test_sweeps(study: tb.EarthquakeResult) -> None:
 
 
 def test_bad_labels(study: tb.EarthquakeResult, result: tb.Result) -> None:
-    told(lambda: study.sel(bering="x"), 'no label "bering"', "bearing")
-    told(lambda: study.sel(ambient=5), "no run with ambient = 5", "23.0, -20.0")
-    told(lambda: study.sel(ambient="cold"), "no run with ambient = 'cold'")
-    told(lambda: result.sel(ambient=5), "no run with ambient = 5")
-    told(lambda: tb.sweep(NAMES, test=tb.cyclic_test(), motion="jra-ii-i-1"), "test or a motion")
-    told(lambda: tb.sweep([NAMES[0], NAMES[0]]), "unique")
-    told(lambda: tb.element("shen-hdr-bridge", ambinet=-20), 'unknown key "ambinet"')
+    assert_refused(lambda: study.sel(bering="x"), 'no label "bering"', "bearing")
+    assert_refused(lambda: study.sel(ambient=5), "no run with ambient = 5", "23.0, -20.0")
+    assert_refused(lambda: study.sel(ambient="cold"), "no run with ambient = 'cold'")
+    assert_refused(lambda: result.sel(ambient=5), "no run with ambient = 5")
+    assert_refused(
+        lambda: tb.sweep(NAMES, test=tb.cyclic_test(), motion="jra-ii-i-1"), "test or a motion"
+    )
+    assert_refused(lambda: tb.sweep([NAMES[0], NAMES[0]]), "unique")
+    assert_refused(lambda: tb.element("shen-hdr-bridge", ambinet=-20), 'unknown key "ambinet"')
 
 
 def test_a_notebook_gets_a_picture(result: tb.Result) -> None:
@@ -200,8 +202,8 @@ def test_overlay(result: tb.Result, study: Any, fit: Any) -> None:
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["cold", "warm"]
     assert len({line.get_color() for line in ax.get_lines()}) == 2
     assert overlay({"a": fit, "b": fit}).axes
-    told(lambda: overlay({"a": result, "b": study}), '"b" has loops of force')
-    told(lambda: overlay({}), "no results")
+    assert_refused(lambda: overlay({"a": result, "b": study}), '"b" has loops of force')
+    assert_refused(lambda: overlay({}), "no results")
 
 
 def test_every_kind_of_result_is_read_again(
@@ -228,18 +230,18 @@ def test_every_kind_of_result_is_read_again(
     (bearing,) = fitted.bearings.values()
     assert bearing.hysteresis == fit.bearing.hysteresis
     assert len(fitted["fit"]) == sum(len(r.time) for r in fit.records)
-    told(lambda: fitted["nonsense"], 'no table "nonsense"', "fit")
+    assert_refused(lambda: fitted["nonsense"], 'no table "nonsense"', "fit")
     for item, kind in ((result, tb.Result), (study, tb.EarthquakeResult)):
         folder = item.save(tmp_path / kind.__name__, figures=False)
         assert isinstance(tb.load_result(folder), kind)
         (folder / "result.nc").unlink()
-        told(lambda folder=folder: tb.load_result(folder), "no result.nc there")
+        assert_refused(lambda folder=folder: tb.load_result(folder), "no result.nc there")
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"outcome": "completed"}', "[" * 5000])
 def test_a_summary_that_is_none(text: str, tmp_path: Path) -> None:
     (tmp_path / "summary.json").write_text(text)
-    told(lambda: tb.load_result(tmp_path), str(tmp_path))
+    assert_refused(lambda: tb.load_result(tmp_path), str(tmp_path))
 
 
 def test_every_number_of_a_study_says_what_it_is() -> None:

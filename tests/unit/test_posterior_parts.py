@@ -88,9 +88,9 @@ def test_band_is_that_of_95_percent_of_the_draws(monkeypatch: pytest.MonkeyPatch
     assert_allclose(band.upper, [10.0 * high, -20.0 * low], rtol=tol.LOOP)
     peaks = (band.peak, band.peak_lower, band.peak_upper)
     assert_allclose(peaks, [20.0, 20.0 * low, 20.0 * high], rtol=tol.LOOP)
-    (told,) = posterior.Forecast(draws, (band,)).summary()["peak_force"]
-    assert [told[f"{name}_kN"] for name in ("best", "lower", "upper")] == list(peaks)
-    assert told["ambient_degC"] == -30.0
+    (reported,) = posterior.Forecast(draws, (band,)).summary()["peak_force"]
+    assert [reported[f"{name}_kN"] for name in ("best", "lower", "upper")] == list(peaks)
+    assert reported["ambient_degC"] == -30.0
 
 
 def test_no_cause_is_named_for_no_misfit() -> None:

@@ -31,7 +31,7 @@ def test_samples_become_bearings(tmp_path: Path) -> None:
     assert len(posterior_bearings(NAME, file, 100)) == 10
 
 
-def test_samples_are_told_apart_in_a_sweep(tmp_path: Path) -> None:
+def test_samples_are_reported_apart_in_a_sweep(tmp_path: Path) -> None:
     bearings = posterior_bearings(NAME, written(tmp_path, "K_r\n25\n30\n35\n"))
     test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None)
     band = tb.sweep(bearings, test=test, ambient=-20).G_eq_MPa.isel(strain=0, cycle=0, ambient=0)
@@ -93,13 +93,14 @@ def test_a_band_from_the_command(tmp_path: Path) -> None:
     words = (NAME, "--temperature", "-20", "--strain", "1", "--cycles", "3", "--no-figures")
     done = command("lambda", *words, "--posterior", file, "-o", out)
     assert done.exit_code == 0
-    told = summary(out)
-    assert told["samples"] == 3
-    rows = [r for r in told["factors"] if r["quantity"] == "K_eq" and r["ambient_degC"] == -20]
+    reported = summary(out)
+    assert reported["samples"] == 3
+    rows = [r for r in reported["factors"] if r["quantity"] == "K_eq" and r["ambient_degC"] == -20]
     assert all(row["factor_low"] < row["factor_high"] for row in rows)
-    assert told["stiffness_ratio"]["K_2_over_K_1"] == 0.19
-    assert [code["unverified"] for code in told["codes"]] == [True] * 4
+    assert reported["stiffness_ratio"]["K_2_over_K_1"] == 0.19
+    assert [code["unverified"] for code in reported["codes"]] == [True] * 4
     assert "compared with codes" in done.stdout
+    assert done.stdout.count("5 to 95 % of 3 bearings") == 2  # in factors, and beside the codes
     done = command("lambda", NAME, NAME, "--posterior", file)
     assert done.exit_code == 2
     assert "--posterior" in done.output

@@ -210,5 +210,5 @@ def test_steps_follow_one_another(tmp_path: Path) -> None:
 
 def test_largest_test_is_refused_before_it_is_built() -> None:
     """The limit is on the sum of all steps; the arrays of the first would already be too large."""
-    with pytest.raises(tb.InputError, match=f"at most {MAX_STEPS}"):
+    with pytest.raises(tb.InputError, match=f"the limit is {MAX_STEPS}"):
         built(cycles(speed=30.0, count=10_000), cycles(speed=30.0, count=20_000), dt=0.0002)

@@ -82,14 +82,14 @@ def entry(text: str, name: str) -> str:
     """What a section says about an argument; several may be described together."""
     lines = text.split("\n")
     indent = min((len(line) - len(line.lstrip()) for line in lines if line.strip()), default=0)
-    told, inside = [], False
+    reported, inside = [], False
     for line in lines:
         head = re.match(rf"\s{{{indent}}}([\w*][\w, *]*?)(?: :|$)", line)
         if head:
             inside = name in re.split(r",\s*", head[1].replace("*", "").strip())
         if inside:
-            told.append(line)
-    return "\n".join(told)
+            reported.append(line)
+    return "\n".join(reported)
 
 
 @pytest.mark.parametrize("item", [pytest.param(i, id=ident(i)) for i in PUBLIC])
@@ -104,9 +104,9 @@ def test_a_public_name_is_documented(item: Any) -> None:
         return
     record = section(text, "Attributes")
     assert record or ">>>" in section(text, "Examples"), "no example"
-    told = record or section(text, "Parameters")
+    reported = record or section(text, "Parameters")
     for name, kind in arguments(item).items():
-        said = entry(told, name)
+        said = entry(reported, name)
         assert said, f"{name} is not described"
         if "float" in str(kind):
             assert UNIT.search(said) or NAMED_UNIT.search(name), f"{name} has no unit"

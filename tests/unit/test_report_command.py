@@ -13,7 +13,7 @@ import pytest
 
 import thermobearing as tb
 import thermobearing.reporting as files
-from tests.unit.inputs import command, content, cyclic, last_line, quick_case, told
+from tests.unit.inputs import assert_refused, command, content, cyclic, last_line, quick_case
 from tests.unit.report_pieces import EVIL, LOGO, saved_directory
 from tests.unit.test_killed_and_together import killed
 from thermobearing.report.title import read_title
@@ -87,7 +87,7 @@ def test_without_pdf_an_earlier_one_goes(earlier: Path) -> None:
         (["--template", __file__], "a placeholder must be alone on its line"),
     ],
 )
-def test_what_is_wrong_is_told_and_nothing_is_touched(
+def test_what_is_wrong_is_reported_and_nothing_is_touched(
     words: list[str], piece: str, earlier: Path, tmp_path: Path
 ) -> None:
     before = content(tmp_path)
@@ -112,7 +112,7 @@ def test_what_is_wrong_is_told_and_nothing_is_touched(
     ],
     ids=["gone", "no summary", "cut", "foreign", "table", "dataset", "title", "logo"],
 )
-def test_damaged_directories_are_told_in_one_message(
+def test_damaged_directories_are_reported_in_one_message(
     harm: Any, piece: str, earlier: Path, tmp_path: Path
 ) -> None:
     harm(earlier)
@@ -257,7 +257,7 @@ def test_a_title_block_of_a_case_is_kept_without_a_report(run: Path, tmp_path: P
         ("Bridge", "expected a table"),
     ],
 )
-def test_a_wrong_title_block_is_told_before_the_run(
+def test_a_wrong_title_block_is_reported_before_the_run(
     table: Any, piece: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("thermobearing.cyclic.history.march", lambda *_: pytest.fail("it was run"))
@@ -271,7 +271,7 @@ def test_a_wrong_title_block_is_told_before_the_run(
 @pytest.mark.parametrize(
     ("module", "option"), [("typst", "--report"), ("openpyxl", "--xlsx")], ids=["pdf", "workbook"]
 )
-def test_what_is_not_installed_is_told_before_the_run(
+def test_what_is_not_installed_is_reported_before_the_run(
     module: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, module, None)
@@ -306,15 +306,15 @@ def test_options_that_make_nothing_are_refused(words: list[str], piece: str) -> 
 
 def test_python_wants_a_place_for_a_live_result(tmp_path: Path) -> None:
     result = tb.run("shen-hdr-specimen", tb.cyclic_test(strain=[0.5], cycles=1, dt=0.05), ambient=5)
-    told(lambda: tb.make_report(result), "save the result first")
-    told(lambda: tb.make_report(tmp_path, title={"projct": "x"}), "projct")
+    assert_refused(lambda: tb.make_report(result), "save the result first")
+    assert_refused(lambda: tb.make_report(tmp_path, title={"projct": "x"}), "projct")
 
 
-def test_files_that_do_not_fit_together_are_told(
+def test_files_that_do_not_fit_together_are_reported(
     saved: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def unfit(_: object) -> None:
         raise KeyError("bearing")
 
     monkeypatch.setattr("thermobearing.reporting.pieces_of_saved", unfit)
-    told(lambda: tb.make_report(saved), str(saved), "'bearing'")
+    assert_refused(lambda: tb.make_report(saved), str(saved), "'bearing'")

@@ -57,14 +57,14 @@ def test_table_of_cycles(result: Result, pieces: Pieces) -> None:
 
 
 def test_checks(result: Result, pieces: Pieces) -> None:
-    told = {check.what.split(" (")[0]: check for check in pieces.checks}
-    assert told["shear strain"].value == pytest.approx(300.0)
-    assert told["shear strain"].limit == 250.0
-    assert told["shear strain"].verdict == EXCEEDED
-    assert told["force"].limit == 400.0
-    assert told["force"].value == pytest.approx(float(np.abs(result["force"].values).max()))
+    reported = {check.what.split(" (")[0]: check for check in pieces.checks}
+    assert reported["shear strain"].value == pytest.approx(300.0)
+    assert reported["shear strain"].limit == 250.0
+    assert reported["shear strain"].verdict == EXCEEDED
+    assert reported["force"].limit == 400.0
+    assert reported["force"].value == pytest.approx(float(np.abs(result["force"].values).max()))
     assert [row[-1] for row in pieces.tables["quality"].rows] == [PASSED] * 2
-    assert not any("residual" in name for name in told)
+    assert not any("residual" in name for name in reported)
     beyond = [check.what for check in pieces.checks if check.verdict == EXCEEDED]
     assert f"{len(beyond)} exceed" in pieces.answer[-1]
 
@@ -122,8 +122,8 @@ def test_sources_of_an_own_file(tmp_path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(text.replace('source = "Table 4.2"', 'source = "our test 12"'))
     own = build_pieces(tb.run(path, short_test([0.5]), ambient=23))
-    told = {row[0]: row[3] for row in own.inputs["mine.parameters"].rows}
-    assert told["Initial stiffness of one layer K_r"] == "our test 12"
+    reported = {row[0]: row[3] for row in own.inputs["mine.parameters"].rows}
+    assert reported["Initial stiffness of one layer K_r"] == "our test 12"
 
 
 def test_what_was_asked_for_is_no_default() -> None:
@@ -133,7 +133,7 @@ def test_what_was_asked_for_is_no_default() -> None:
     model = {row[0]: row for row in slow.inputs["analysis"].rows}
     assert model["Heat scheme"][1:] == ("published", "", "input")
     assert any("Published heat scheme" in text for text in slow.assumptions)
-    assert slow.tables["quality"].rows[1][-1] == "not judged"
+    assert slow.tables["quality"].rows[1][-1] == "not assessed"
 
 
 def test_lead_of_one_bearing_among_others_is_reported() -> None:

@@ -11,7 +11,7 @@ from thermobearing.border.library import data_path
 from thermobearing.earthquake.case import load_earthquake_case
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Pieces
+from thermobearing.report.pieces import EXCEEDED, NOT_ASSESSED, PASSED, Pieces
 from thermobearing.report.template import _arranged
 from thermobearing.structure.model import fixed_base, load_structure
 
@@ -49,11 +49,11 @@ def test_question_and_answer(study: EarthquakeResult, pieces: Pieces) -> None:
 
 
 def test_peaks(study: EarthquakeResult, pieces: Pieces) -> None:
-    table, told = pieces.tables["peaks"], study.table
-    assert np.allclose(numbers_in(table, "Strain"), 100.0 * told["bearing_strain_max"])
-    assert numbers_in(table, "Ductility") == told["pier_ductility"].tolist()
+    table, reported = pieces.tables["peaks"], study.table
+    assert np.allclose(numbers_in(table, "Strain"), 100.0 * reported["bearing_strain_max"])
+    assert numbers_in(table, "Ductility") == reported["pier_ductility"].tolist()
     place = [column.head for column in table.columns].index("Ambient")
-    beyond = {k for k, text in enumerate(told["beyond_tested"]) if "ambient" in text.split()}
+    beyond = {k for k, text in enumerate(reported["beyond_tested"]) if "ambient" in text.split()}
     assert {row for row, column in table.marked if column == place} == beyond
     assert beyond  # the bilinear bearing in the cold
 
@@ -67,17 +67,16 @@ def test_cold(study: EarthquakeResult, pieces: Pieces) -> None:
 
 
 def test_checks_and_validity(study: EarthquakeResult, pieces: Pieces) -> None:
-    told = {check.what.split(" (")[0]: check for check in pieces.checks}
-    # Exceeded ones first, then what could not be judged; round-off of energy is no check.
-    counts = [sum(c.verdict == v for c in pieces.checks) for v in (EXCEEDED, NOT_JUDGED)]
-    assert min(counts) > 0
-    assert [int(n) for n in re.findall(r"\d+", pieces.answer[-1])] == [len(pieces.checks), *counts]
+    reported = {check.what.split(" (")[0]: check for check in pieces.checks}
+    exceeded = sum(check.verdict == EXCEEDED for check in pieces.checks)
+    assert exceeded > 0  # round-off of energy is no check
+    assert [int(n) for n in re.findall(r"\d+", pieces.answer[-1])] == [len(pieces.checks), exceeded]
     assert not any("residual" in check.what for check in pieces.checks)
     quality = pieces.tables["quality"]
     assert [row[-1] for row in quality.rows] == [PASSED] * 3
     assert max(row[1] for row in quality.rows) < 1e-9
     # The rate of every earthquake: a note with its number, and neither check nor warning.
-    assert "shen-lhdr-bridge: strain rate" not in told
+    assert "shen-lhdr-bridge: strain rate" not in reported
     rows = study.tested_range
     mine = rows[(rows["limit"] == "strain_rate") & rows["run"].str.startswith("shen-lhdr")]
     (note,) = [text for text in pieces.notes if "train rate" in text]
@@ -85,9 +84,16 @@ def test_checks_and_validity(study: EarthquakeResult, pieces: Pieces) -> None:
     assert not any("strain rate" in text for text in study.warnings)
     cold = [check for check in pieces.checks if check.lower and "bilinear" in check.what]
     assert [check.value for check in cold] == [-20.0]
-    assert told["ductility of pier"].verdict == NOT_JUDGED
+    assert reported["ductility of pier"].verdict == PASSED
     assert not any("tested" in text for text in pieces.warnings)
     assert "extrapolated" in pieces.answer[-1]
+
+
+def test_a_pier_that_yields_has_no_limit(study: EarthquakeResult) -> None:
+    data = study.dataset.assign(pier_ductility=1.4 + 0.0 * study.dataset["pier_ductility"])
+    (check,) = [c for c in build_pieces(EarthquakeResult(data)).checks if "ductility" in c.what]
+    assert (check.value, check.verdict) == (1.4, NOT_ASSESSED)
+    assert np.isnan(check.limit)
 
 
 def test_live_and_loaded_are_the_same(study: EarthquakeResult, pieces: Pieces, tmp_path) -> None:
@@ -185,7 +191,7 @@ def test_sources_of_a_users_own_files(tmp_path) -> None:
     ]
 
 
-def test_sources_of_what_a_case_changes_are_not_told() -> None:
+def test_sources_of_what_a_case_changes_are_not_reported() -> None:
     found = fixed_base(load_structure("pier-p1"))
     assert found.sources
     assert not any(key.startswith("springs") for key in found.sources)

@@ -37,6 +37,9 @@ from thermobearing.report.pieces import (
 )
 from thermobearing.report.template import _arranged
 
+pytestmark = pytest.mark.drawn
+
+
 DATA = data_path("report-page")
 
 
@@ -146,7 +149,7 @@ def test_addresses_within_a_page():
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("**a** *b* `c`", "<strong>a</strong> <em>b</em> <code>c</code>"),
         ("[words](https://example.org)", '<a href="https://example.org">words</a>'),
@@ -155,8 +158,8 @@ def test_addresses_within_a_page():
         ("my_bearing_1 and 3 * 4 * 5", "my_bearing_1 and 3 * 4 * 5"),
     ],
 )
-def test_markdown_of_a_sentence(text, told):
-    assert f"<p>{told}</p>" in body(Paragraph(text))
+def test_markdown_of_a_sentence(text, reported):
+    assert f"<p>{reported}</p>" in body(Paragraph(text))
 
 
 def test_pictures_from_elsewhere_and_links_in_headings_stay_words():
@@ -229,11 +232,11 @@ def test_verdicts_are_words_and_signs():
         Check("strain", 2.81, 2.5, "", "Table 1", "exceeded"),
         Check("force", 312.0, 400.0, "kN", "sheet", "within"),
         Check("gap", 12.0, 10.0, "mm", "sheet", "within", lower=True),
-        Check("lead", 80.0, float("nan"), "°C", "", "not judged"),
+        Check("lead", 80.0, float("nan"), "°C", "", "not assessed"),
     ]
     words = re.sub(r"<.+?>", "|", body(TableBlock("checks", checks_table(checks))))
-    for told in ("✕ exceeded", "✓ within", "≤ 400", "≥ 10", "|none|", "– not judged"):
-        assert told in words
+    for reported in ("✕ exceeded", "✓ within", "≤ 400", "≥ 10", "|none|", "– not assessed"):
+        assert reported in words
 
 
 def test_small_figures_are_vectors_and_large_ones_points(monkeypatch):
@@ -365,14 +368,14 @@ PIECES = Pieces(
 )
 
 
-def blocks_of(text, tmp_path, pieces=PIECES):
+def arranged_blocks(text, tmp_path, pieces=PIECES):
     path = tmp_path / "mine.md"
     path.write_text(text)
     return _arranged(pieces, path)
 
 
-def test_pieces_called_by_name_are_not_told_again(tmp_path):
-    blocks = blocks_of(
+def test_pieces_called_by_name_are_not_reported_again(tmp_path):
+    blocks = arranged_blocks(
         "{{ tables }}\n{{ table layers }}\n{{ figure loops }}\n{{ figures }}", tmp_path
     )
     assert [(type(b), b.name) for b in blocks] == [
@@ -383,7 +386,7 @@ def test_pieces_called_by_name_are_not_told_again(tmp_path):
 
 
 def test_lines_join_to_paragraphs_and_lists(tmp_path):
-    blocks = blocks_of("# One\na\nb\n\nc\n- d\n- e\n## Two\nf", tmp_path)
+    blocks = arranged_blocks("# One\na\nb\n\nc\n- d\n- e\n## Two\nf", tmp_path)
     assert blocks == [
         Heading(1, "One"),
         Paragraph("a b"),
@@ -398,12 +401,12 @@ def test_headings_with_nothing_under_them_are_left_out(tmp_path):
     text = (
         "# Checks\n{{ checks }}\n# Books\n## All\n{{ books }}\n# Validity\n## Of it\n{{ validity }}"
     )
-    kept = [block.text for block in blocks_of(text, tmp_path) if isinstance(block, Heading)]
+    kept = [block.text for block in arranged_blocks(text, tmp_path) if isinstance(block, Heading)]
     assert kept == ["Checks", "Validity", "Of it"]
 
 
 def test_warnings_are_marked_and_checks_come_whole(tmp_path):
-    blocks = blocks_of("{{ warnings }}\n{{ checks }}", tmp_path)
+    blocks = arranged_blocks("{{ warnings }}\n{{ checks }}", tmp_path)
     assert blocks == [
         Bullets(["it melts"], "warning"),
         TableBlock("checks", checks_table(PIECES.checks)),
@@ -411,7 +414,7 @@ def test_warnings_are_marked_and_checks_come_whole(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "reported"),
     [
         ("{{ table cycle }}", 'did you mean "cycles"'),
         ("{{ figure lead }}", 'write "lead?" where it may be missing'),
@@ -420,19 +423,19 @@ def test_warnings_are_marked_and_checks_come_whole(tmp_path):
         ("so {{ tables }}", "alone on its line"),
     ],
 )
-def test_wrong_placeholders_are_told_with_their_line(line, told, tmp_path):
+def test_wrong_placeholders_are_reported_with_their_line(line, reported, tmp_path):
     with pytest.raises(InputError, match="line 2: ") as error:
-        blocks_of(f"# Head\n{line}", tmp_path)
-    assert told in str(error.value)
+        arranged_blocks(f"# Head\n{line}", tmp_path)
+    assert reported in str(error.value)
 
 
 def test_what_may_be_missing_may_be_missing(tmp_path):
-    assert blocks_of("# Lead\n{{ figure lead? }}", tmp_path) == []
+    assert arranged_blocks("# Lead\n{{ figure lead? }}", tmp_path) == []
 
 
-def test_without_a_verdict_on_validity_the_reason_is_told(tmp_path):
+def test_without_a_verdict_on_validity_the_reason_is_reported(tmp_path):
     unknown = Pieces("cyclic", "A test", "?", [], validity_unknown="no range is given")
-    assert blocks_of("{{ validity }}", tmp_path, unknown) == [
+    assert arranged_blocks("{{ validity }}", tmp_path, unknown) == [
         Paragraph("no range is given", "warning")
     ]
 
@@ -454,9 +457,9 @@ def test_cells_as_a_reader_sees_them(value, form, text):
 
 
 def test_checks_are_listed_by_severity(tmp_path):
-    verdicts = ["within", "not judged", "exceeded", "within", "exceeded"]
+    verdicts = ["within", "not assessed", "exceeded", "within", "exceeded"]
     checks = [Check(str(k), 1.0, 2.0, "kN", "-", verdict) for k, verdict in enumerate(verdicts)]
-    blocks = blocks_of("{{ checks }}\n", tmp_path, replace(PIECES, checks=checks))
+    blocks = arranged_blocks("{{ checks }}\n", tmp_path, replace(PIECES, checks=checks))
     assert [row[0] for row in blocks[0].table.rows] == ["2", "4", "1", "0", "3"]
     document = _arranged(replace(PIECES, checks=checks))
     (first,) = [b for b in document if isinstance(b, TableBlock) and b.name == "exceeded"]

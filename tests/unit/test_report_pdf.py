@@ -32,6 +32,9 @@ from thermobearing.report.pieces import Pieces, ReportFigure, column_letters
 from thermobearing.report.template import document
 from thermobearing.report.workbook import History, _history_tables, _sheet_name, workbook_bytes
 
+pytestmark = pytest.mark.drawn
+
+
 BLOCK = {"Project": EVIL, "Document": "B12-7", "Revision": "C", "Date": "2026-04-01"}
 A4 = (595, 842)  # [pt]
 
@@ -49,7 +52,7 @@ def opened(raw: bytes) -> Any:
     return pikepdf.open(io.BytesIO(raw))
 
 
-def text_of(raw: bytes) -> list[str]:
+def page_texts(raw: bytes) -> list[str]:
     pdf = pypdfium2.PdfDocument(raw)
     texts = [page.get_textpage().get_text_range() for page in pdf]
     pdf.close()
@@ -65,16 +68,16 @@ def paper(raw: bytes) -> set[tuple[int, int]]:
 
 
 def joined(raw: bytes) -> str:
-    return " ".join(" ".join(text_of(raw)).split())
+    return " ".join(" ".join(page_texts(raw)).split())
 
 
 def test_it_says_that_it_is_an_archive_and_accessible(whole: bytes) -> None:
     pdf = opened(whole)
-    with pdf.open_metadata() as told:
-        assert (told["pdfaid:part"], told["pdfaid:conformance"]) == ("2", "A")
-        assert told["pdfuaid:part"] == "1"
-        assert told["dc:title"] == PIECES.title
-        assert told["xmp:CreateDate"].startswith("2026-04-01")
+    with pdf.open_metadata() as reported:
+        assert (reported["pdfaid:part"], reported["pdfaid:conformance"]) == ("2", "A")
+        assert reported["pdfuaid:part"] == "1"
+        assert reported["dc:title"] == PIECES.title
+        assert reported["xmp:CreateDate"].startswith("2026-04-01")
     assert "/StructTreeRoot" in pdf.Root
     assert bool(pdf.Root.MarkInfo.Marked)
     assert str(pdf.Root.Lang) == "en"
@@ -113,27 +116,27 @@ def test_the_same_document_has_the_same_bytes(whole: bytes) -> None:
 
 
 def test_text_of_users_is_text(whole: bytes) -> None:
-    told = joined(whole)
-    assert told.count(EVIL) >= 2  # title block and table
-    assert "θ₀ Δ" in told
+    reported = joined(whole)
+    assert reported.count(EVIL) >= 2  # title block and table
+    assert "θ₀ Δ" in reported
 
 
 def test_it_says_what_a_document_says(whole: bytes) -> None:
-    told = joined(whole)
+    reported = joined(whole)
     pieces = ["Contents", "1 Scope", "313 kN", "≤ 2.5", "exceeded", "Table 3.2"]
     pieces += ["outside the calibration range", "−312.6", "Figure 1: A parabola"]
-    pieces += [f"page 1 of {len(text_of(whole))}", "thermobearing 0.2.0"]
+    pieces += [f"page 1 of {len(page_texts(whole))}", "thermobearing 0.2.0"]
     for piece in pieces:
-        assert piece in told, piece
-    assert "B12-7, revision C" in text_of(whole)[1]  # the running head
+        assert piece in reported, piece
+    assert "B12-7, revision C" in page_texts(whole)[1]  # the running head
 
 
 def test_long_tables_go_over_pages_with_their_heads() -> None:
     raw = written(many_columns(4, rows=240))
-    with_head = [text for text in text_of(raw) if "Quantity 2" in text]
+    with_head = [text for text in page_texts(raw) if "Quantity 2" in text]
     assert len(with_head) >= 3
-    told = joined(raw)
-    assert all(f"run {k} " in told for k in range(240))
+    reported = joined(raw)
+    assert all(f"run {k} " in reported for k in range(240))
 
 
 @pytest.mark.parametrize(("count", "turned"), [(8, False), (14, True), (40, True)])
@@ -150,8 +153,8 @@ def test_wide_tables_are_made_smaller_turned_or_parted_but_never_cut(
         rights = [texts.get_charbox(k)[2] for k in range(texts.count_chars())]
         assert max(rights) < width - 30
     pdf.close()
-    told = joined(raw)
-    assert all(f"{100.0 * k:.1f}" in told for k in range(count - 1))
+    reported = joined(raw)
+    assert all(f"{100.0 * k:.1f}" in reported for k in range(count - 1))
 
 
 def test_long_words_are_broken_and_numbers_are_not() -> None:
@@ -181,14 +184,14 @@ def test_headings_skip_no_level(tmp_path: Path) -> None:
     assert pdf_bytes(document(PIECES, {}, template=template)).startswith(b"%PDF")
 
 
-def test_letters_without_a_font_are_told() -> None:
+def test_letters_without_a_font_are_reported() -> None:
     raw = written(dataclasses.replace(PIECES, title="A \ue123 test"))
-    told = joined(raw)
-    assert "A [U+E123] test" in told
-    assert "No installed font has some letters of its text (U+E123)" in told
+    reported = joined(raw)
+    assert "A [U+E123] test" in reported
+    assert "No installed font has some letters of its text (U+E123)" in reported
 
 
-def test_letters_that_no_figure_can_show_are_told() -> None:
+def test_letters_that_no_figure_can_show_are_reported() -> None:
     figure, missing = line(), set[str]()
     figure.suptitle("\ue123")
     svg = _svg_bytes(figure, missing)
@@ -220,7 +223,7 @@ def test_a_caption_is_not_parted_from_its_table() -> None:
         f"t{k}": Table(f"Caption {k}", [Quantity("a")], [(j,) for j in range(3 + k % 5)])
         for k in range(60)
     }
-    for text in text_of(written(dataclasses.replace(PIECES, tables=tables))):
+    for text in page_texts(written(dataclasses.replace(PIECES, tables=tables))):
         before_foot = text.split("thermobearing 0.2.0 ·")[0].split()
         assert before_foot[-2] != "Caption"  # a number of it would follow
         assert before_foot[-1] != "a"
@@ -296,7 +299,7 @@ def test_runs_stand_below_each_other_and_long_ones_are_thinned(monkeypatch: Any)
     monkeypatch.setattr(workbook, "MOST_HISTORY_ROWS", 4)
     (thinned,) = _history_tables(HISTORIES).values()
     assert [row[1] for row in thinned.rows] == [0.0, 4.0, 0.0, 4.0]
-    assert thinned.note == "Every 2. of the samples that the result keeps."
+    assert thinned.note == "One of every 2 samples of the result."
 
 
 def test_histories_with_other_columns_have_a_sheet_of_their_own() -> None:
@@ -310,9 +313,9 @@ def test_tables_longer_than_a_sheet_go_on_in_another(monkeypatch: Any) -> None:
     table = Table("Long", [Quantity("n", "", "d")], rows, marked=frozenset({(3, 0)}))
     pieces = dataclasses.replace(PIECES, tables={"long": table}, inputs={}, checks=())
     book = opened_workbook(workbook_bytes(pieces, {}))
-    told = {name: [c.value for c in book[name]["A"][3:]] for name in book.sheetnames[-3:]}
-    assert told == {"long": [0, 1], "long 2": [2, 3], "long 3": [4]}
-    cells = [cell for name in told for cell in book[name]["A"][3:]]
+    reported = {name: [c.value for c in book[name]["A"][3:]] for name in book.sheetnames[-3:]}
+    assert reported == {"long": [0, 1], "long 2": [2, 3], "long 3": [4]}
+    cells = [cell for name in reported for cell in book[name]["A"][3:]]
     filled = [c.value for c in cells if c.fill.fgColor.rgb.endswith(workbook.MARKED)]
     assert filled == [3]
 

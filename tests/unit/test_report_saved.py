@@ -1,10 +1,12 @@
 """What the documents of fits, validations, factors, bounds, designs and motions say."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
@@ -82,6 +84,8 @@ def test_certificate_of_a_fit(fitted: SavedResult, record: tb.TestRecord) -> Non
     symbols = [row[0] for row in made.tables["parameters"].rows]
     assert symbols == [item["symbol"] for item in fitted.summary["parameters"].values()]
     assert len(made.signatures) == 3
+    assert "/s" in made.answer[0]
+    assert " 1/s" not in made.answer[0].replace("rate 1/s", "")
 
 
 def test_certificate_is_one_page(fitted: SavedResult) -> None:
@@ -94,8 +98,50 @@ def test_certificate_is_one_page(fitted: SavedResult) -> None:
     assert len(document) == 1
     page = document[0].get_textpage().get_text_bounded()
     assert all(word in page for word in ("Brücke 12, Niño", "国土交通省", "Approved by", "K_r"))
+    assert page.count("kN/mm") == 3  # in two heads and beside K_r, each on one line
     text = files[0].read_text(encoding="utf-8")
     assert text.count("Signature") == 3
+
+
+def test_certificate_of_many_cycles_is_one_page(fitted: SavedResult, tmp_path: Path) -> None:
+    """It lists cycles from the first to the last, and the page is full with all of the title."""
+    pytest.importorskip("typst", reason="pip install 'thermobearing[report]'")
+    pdfium = pytest.importorskip("pypdfium2", reason="pip install pypdfium2")
+    folder = shutil.copytree(fitted.path, tmp_path / "fit")
+    first = fitted["cycles"].iloc[[0]]
+    many = pd.concat([first.assign(cycle=k, test=name) for name in "ab" for k in range(1, 41)])
+    many.to_csv(folder / "cycles.csv", index=False)
+    table = identify_report.build_certificate(loaded(folder)).tables["cycles"]
+    assert identify_report.CLOSING not in table.note
+    numbers = [row[2] for row in table.rows]
+    assert numbers == 2 * [1, 6, 11, 16, 21, 25, 30, 35, 40]
+    assert "has all 80" in table.note
+    (folder / "logo.png").write_bytes(next(folder.rglob("*.png")).read_bytes())
+    title = dict.fromkeys(("project", "structure", "client", "author", "number", "revision"), "A")
+    title |= {"date": "2026-11-23", "logo": str(folder / "logo.png")}
+    files = make_report(folder, title=title, certificate=True)
+    assert len(pdfium.PdfDocument(files[1])) == 1
+
+
+def test_certificate_explains_numbers_that_are_missing(fitted: SavedResult) -> None:
+    """The fourth of five cycles closed a block."""
+    first = fitted["cycles"].iloc[[0]]
+    table = identify_report._certified_cycles(
+        pd.concat([first.assign(cycle=k) for k in (1, 2, 3, 5)]), 9
+    )
+    assert table.note == identify_report.CLOSING
+
+
+def test_certificate_of_many_tests_leaves_cycles_to_their_file(fitted: SavedResult) -> None:
+    """21 rows have room on the page; the figure states how many tests it shows."""
+    for count, listed in ((9, True), (10, False)):  # with a row for each test and two parameters
+        records = fitted.summary["records"] * count
+        made = identify_report.build_certificate(
+            replace(fitted, summary={**fitted.summary, "records": records})
+        )
+        assert ("cycles" in made.tables) is listed
+        assert ("cycles.csv" in made.tables["tests"].note) is not listed
+        assert f"3 of {count} tests" in made.figures["loops"].caption
 
 
 def test_only_an_acceptable_calibration_has_a_certificate(fitted: SavedResult) -> None:
@@ -119,12 +165,12 @@ def test_strength_of_a_cycle_is_exact() -> None:
 
 
 def test_fit_numbers(fitted: SavedResult, fit: Pieces) -> None:
-    told = fitted.summary["parameters"]["hysteresis.layer_stiffness"]
-    assert f"K_r = {told['value']:.4g} kN/mm" in fit.answer[0]
-    assert f"({told['lower']:.4g} to {told['upper']:.4g})" in fit.answer[0]
+    reported = fitted.summary["parameters"]["hysteresis.layer_stiffness"]
+    assert f"K_r = {reported['value']:.4g} kN/mm" in fit.answer[0]
+    assert f"({reported['lower']:.4g} to {reported['upper']:.4g})" in fit.answer[0]
     table = fit.tables["parameters"]
-    assert numbers_in(table, "Estimate")[0] == told["value"]
-    assert numbers_in(table, "Standard error")[0] == told["stderr"]
+    assert numbers_in(table, "Estimate")[0] == reported["value"]
+    assert numbers_in(table, "Standard error")[0] == reported["stderr"]
     cycles = fit.tables["cycles"]
     rows = fitted["cycles"]
     assert numbers_in(cycles, "K_eq, test") == rows["K_eq_test"].tolist()
@@ -165,8 +211,8 @@ def test_fit_figures_are_lines(fit: Pieces) -> None:
 def test_poor_fit_says_so_first(fitted: SavedResult, tmp_path) -> None:
     folder = tmp_path / "poor"
     folder.mkdir()
-    told = fitted.summary | {"outcome": "poor_fit", "sentence": "K_r at its bound. Look again."}
-    (folder / "summary.json").write_text(json.dumps(told))
+    reported = fitted.summary | {"outcome": "poor_fit", "sentence": "K_r at its bound. Look again."}
+    (folder / "summary.json").write_text(json.dumps(reported))
     text = (fitted.path / "bearing.toml").read_text().split("\n", 1)
     (folder / "bearing.toml").write_text('poor_fit = "K_r at its bound"\n' + "\n".join(text))
     poor = identify_report.build_pieces(loaded(folder))
@@ -176,7 +222,7 @@ def test_poor_fit_says_so_first(fitted: SavedResult, tmp_path) -> None:
     )
 
 
-def test_poorly_determined_parameters_are_told(fitted: SavedResult) -> None:
+def test_poorly_determined_parameters_are_reported(fitted: SavedResult) -> None:
     summary = json.loads(json.dumps(fitted.summary))
     item = summary["parameters"]["hysteresis.layer_stiffness"]
     item["stderr"], item["well_determined"] = 0.2 * item["value"], False
@@ -208,9 +254,9 @@ def test_validation(record: tb.TestRecord, tmp_path) -> None:
     assert pieces.answer[0].startswith("The model exceeds a limit; largest errors K_eq −")
     worst = found.table["K_eq_error"][0]
     assert f"{100 * worst:.1f} %".replace("-", "−") in pieces.answer[0]
-    told = {check.what: check for check in pieces.checks}
-    assert told[f"error of K_eq, {record.name}"].verdict == EXCEEDED
-    assert told[f"error of K_eq, {record.name}"].value == pytest.approx(-100.0 * worst)
+    reported = {check.what: check for check in pieces.checks}
+    assert reported[f"error of K_eq, {record.name}"].verdict == EXCEEDED
+    assert reported[f"error of K_eq, {record.name}"].value == pytest.approx(-100.0 * worst)
     assert any("ambient −20 °C, below the 0 °C tested" in text for text in pieces.validity)
     assert (0, 1) in pieces.tables["errors"].marked
 
@@ -227,6 +273,10 @@ def test_factors(tmp_path) -> None:
     assert factors.columns[factors.keys].head.startswith("Value")  # after what it is of
     warm = [column.head for column in factors.columns].index("Factor at 40 °C")
     assert {column for _, column in factors.marked} == {warm}  # tested up to 23
+    # A rate above the tests is a note, as under earthquakes, and no exceeded limit.
+    rates = [one for one in (*pieces.checks, *pieces.validity) if "strain rate" in str(one)]
+    assert not rates
+    assert any("train rates reach 3.14/s" in note for note in pieces.notes)
     assert "shen-hdr-bridge.parameters" in pieces.inputs
     rows = {row[0]: row[3] for row in pieces.inputs["shen-hdr-bridge.parameters"].rows}
     assert rows["Strain hardening b"].startswith("Table 6.4")
@@ -293,7 +343,7 @@ def test_motion(tmp_path) -> None:
     assert [check.verdict for check in pieces.checks] == [PASSED]
 
 
-def test_held_out_tests_beyond_the_fit_are_told(record: tb.TestRecord, tmp_path) -> None:
+def test_held_out_tests_beyond_the_fit_are_reported(record: tb.TestRecord, tmp_path) -> None:
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None, dt=0.02)
     warm = replace(tb.synthetic_record(SPECIMEN, 23.0, test), name="warm")
     found = tb.cross_validate(record, SPECIMEN, hold_out=warm, free=["K_r"], starts=1)

@@ -66,9 +66,9 @@ def test_parts_and_marks(result: SequenceResult, pieces: Pieces) -> None:
 
 
 def test_checks_and_validity(pieces: Pieces) -> None:
-    told = {check.what: check for check in pieces.checks}
-    assert told["shear strain (02-loading)"].verdict == EXCEEDED
-    assert told["force (02-loading)"].source == "rig shen-rig"
+    reported = {check.what: check for check in pieces.checks}
+    assert reported["shear strain (02-loading)"].verdict == EXCEEDED
+    assert reported["force (02-loading)"].source == "rig shen-rig"
     assert any("02-loading: shen-lhdr-specimen: strain 300 %" in text for text in pieces.validity)
     assert not any("tested" in text for text in pieces.warnings)
 

@@ -91,7 +91,7 @@ def test_unusable_target(
     assert inputs.content(tmp_path) == before
 
 
-def test_unusable_target_is_told_before_the_run(
+def test_unusable_target_is_reported_before_the_run(
     case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(thermobearing.cyclic.history, "march", lambda *_: pytest.fail("it was run"))
@@ -378,15 +378,15 @@ def again(raw: bytes) -> bytes:
     ],
     ids=["bit", "last byte", "half", "byte lost", "empty", "text", "rewritten"],
 )
-def test_damaged_result_is_told_before_it_is_read(
+def test_damaged_result_is_reported_before_it_is_read(
     damage: Callable[[bytes], bytes], piece: str, saved: Path, tmp_path: Path
 ) -> None:
     result = tmp_path / "out"
     result.mkdir()
     (result / "result.nc").write_bytes(damage((saved / "result.nc").read_bytes()))
-    inputs.told(lambda: tb.load_result(result), str(result / "result.nc"), piece)
+    inputs.assert_refused(lambda: tb.load_result(result), str(result / "result.nc"), piece)
     case = inputs.quick_case(tmp_path / "case.toml", initial_result="out")
-    inputs.told(lambda: tb.load_case(case), "initial_result", piece)
+    inputs.assert_refused(lambda: tb.load_case(case), "initial_result", piece)
     done = inputs.command("cyclic", case, "-o", tmp_path / "new", "-q")
     assert done.exit_code == 2
     assert not (tmp_path / "new").exists()
@@ -402,7 +402,7 @@ def test_undamaged_result_starts_another(saved: Path, tmp_path: Path) -> None:
     assert tb.load_result(tmp_path / "new" / "result.nc").outcome == "completed"
 
 
-def test_damaged_resolved_case_is_told(saved: Path, tmp_path: Path) -> None:
+def test_damaged_resolved_case_is_reported(saved: Path, tmp_path: Path) -> None:
     text = inputs.content(saved)["case.resolved.toml"]
     for damaged in (text[:-40], b"", text.replace(b"[test]", b"[tset]"), text[::-1]):
         path = tmp_path / "case.toml"

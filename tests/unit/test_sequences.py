@@ -157,11 +157,11 @@ def test_a_rig_in_a_test_and_in_a_study() -> None:
     lab = {"mode": "pd", "speed": "10 mm/s"}
     study = {"command": "hybrid", "rig": {"speed": "9 mm/s"}, "laboratory": lab}
     case = make_earthquake_case(study, "case", ambient=[23.0], duration=1.0)
-    told = run_earthquake(case)
-    assert [row["limit"] for row in told.summary()["rig"]] == ["speed", "speed"]
-    assert told.rig["passed"].all()
-    assert list(told.table["beyond_rig"]) == ["speed", "speed"]
-    assert any("limit of the rig is 9 mm/s" in text for text in told.warnings)
+    reported = run_earthquake(case)
+    assert [row["limit"] for row in reported.summary()["rig"]] == ["speed", "speed"]
+    assert reported.rig["passed"].all()
+    assert list(reported.table["beyond_rig"]) == ["speed", "speed"]
+    assert any("limit of the rig is 9 mm/s" in text for text in reported.warnings)
 
 
 def test_a_rig_by_name_in_python_and_on_the_command_line(tmp_path: Path) -> None:
@@ -169,8 +169,8 @@ def test_a_rig_by_name_in_python_and_on_the_command_line(tmp_path: Path) -> None
     (tmp_path / "small.toml").write_text('name = "small"\nforce = "1 kN"\n')
     small = tmp_path / "small.toml"
     test = tb.cyclic_test(strain=[0.5], cycles=1, rest=None)
-    told = tb.run("shen-hdr-specimen", test, rig=small).summary()["warnings"]
-    assert any("limit of small is 1 kN" in text for text in told)
+    reported = tb.run("shen-hdr-specimen", test, rig=small).summary()["warnings"]
+    assert any("limit of small is 1 kN" in text for text in reported)
     quick = ["--rig", small, "--no-figures", "--ambient", "0", "--bearing", "shen-hdr-specimen"]
     for name, more in (("cyclic", ["--dt", "1"]), ("hybrid", ["--duration", "1"])):
         done = command(name, *quick, *more, "-o", tmp_path / name)

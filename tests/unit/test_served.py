@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
+from tests.unit import inputs
 from tests.verification.structures import follow
 from thermobearing.commands.check import check_file
 from thermobearing.core.types import Floats
@@ -501,11 +502,10 @@ def test_a_case_is_served_again_until_the_last_element_has_left(tmp_path: Path) 
 )
 def test_a_command_that_cannot_serve(words: list[str], running: Running, tmp_path: Path) -> None:
     words = [word.format(used=running.port) for word in words]
-    one = command("shen-hdr-bridge", *words, "-o", str(tmp_path / "out"))
-    _, text = one.communicate(timeout=LIMIT)
-    assert one.returncode == 2
-    assert words[-1] in text
-    assert len(text.splitlines()) == 1
+    done = inputs.command("serve", "shen-hdr-bridge", *words, "-o", tmp_path / "out")
+    assert done.exit_code == 2
+    assert words[-1] in done.stderr
+    assert len(done.stderr.splitlines()) == 1
     assert not (tmp_path / "out").exists()
 
 

@@ -13,7 +13,7 @@ from thermobearing.earthquake import run
 from thermobearing.earthquake.case import make_earthquake_case
 
 WEATHER = tb.generate_weather("cold-town", years=1, seed=2)
-LOOKED_AT = 800
+LOOKED_AT = 400
 UNSETTLED = ("LHDR, half-space", "LHDR, published")
 OPTIONS = {
     "HDR": ("shen-hdr-bridge", {}),
@@ -24,7 +24,7 @@ OPTIONS = {
 }
 
 
-def device_of(name: str, **analysis: object) -> run.Device:
+def make_device(name: str, **analysis: object) -> run.Device:
     case = make_earthquake_case(
         {"command": "bridge", "bearings": [name], "analysis": analysis}, "test"
     )
@@ -34,7 +34,7 @@ def device_of(name: str, **analysis: object) -> run.Device:
 @pytest.mark.parametrize("kind", list(OPTIONS))
 def test_pass_is_the_rests_of_all_hours_in_a_row(kind: str) -> None:
     name, analysis = OPTIONS[kind]
-    device = device_of(name, **analysis)
+    device = make_device(name, **analysis)
     rests = CyclicTest(dt=10.0, steps=[{"step": "rest", "duration": HOUR}] * LOOKED_AT)
     air = WEATHER.before(LOOKED_AT, LOOKED_AT)
     uniform = np.full(len(device.constants.cells.capacity), air.temperature[0])
@@ -49,7 +49,7 @@ def test_pass_is_the_rests_of_all_hours_in_a_row(kind: str) -> None:
 @pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge"])
 def test_same_as_soaking_from_far_enough_back(name: str) -> None:
     """That takes steps of 600 s, in which lead lags behind."""
-    device = device_of(name)
+    device = make_device(name)
     hours = np.array([5000, 1500, 4000])
     found = run.soaked_hours(device, WEATHER, hours)
     for place, hour in enumerate(hours):
@@ -61,7 +61,7 @@ def test_same_as_soaking_from_far_enough_back(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge"])
 def test_weights_of_a_history_are_its_hours_in_a_row(name: str) -> None:
-    device, hours = device_of(name), 12
+    device, hours = make_device(name), 12
     air = WEATHER.temperature[: hours + 1]
     weights = run.history_weights(device.constants, hours)
     temperature, lead = run.soaked_history(device.constants, weights, air)
@@ -72,7 +72,7 @@ def test_weights_of_a_history_are_its_hours_in_a_row(name: str) -> None:
 
 
 def test_some_hours_are_those_of_all() -> None:
-    device = device_of("shen-lhdr-bridge")
+    device = make_device("shen-lhdr-bridge")
     every = run.soaked_hours(device, WEATHER)
     some = run.soaked_hours(device, WEATHER, np.array([300, 0, 300, 7]))
     assert_array_equal(some.temperature, every.temperature[[300, 0, 300, 7]])
@@ -81,7 +81,7 @@ def test_some_hours_are_those_of_all() -> None:
 
 
 def test_typical_year_has_had_the_days_before() -> None:
-    device = device_of("shen-hdr-bridge")
+    device = make_device("shen-hdr-bridge")
     year = tb.Hourly(WEATHER.temperature[:2000], recurs=True)
     twice = tb.Hourly(np.tile(WEATHER.temperature[:2000], 2))
     assert run.SPIN_UP < 2000
@@ -91,7 +91,7 @@ def test_typical_year_has_had_the_days_before() -> None:
 
 
 def test_bilinear_has_no_temperature() -> None:
-    found = run.soaked_hours(device_of("shen-bilinear-bridge"), WEATHER, np.array([1, 2]))
+    found = run.soaked_hours(make_device("shen-bilinear-bridge"), WEATHER, np.array([1, 2]))
     assert found.temperature.shape == (2, 1)
     assert found.at(1)[1] is None
     with pytest.raises(tb.InputError, match="has no temperature"):
@@ -101,4 +101,4 @@ def test_bilinear_has_no_temperature() -> None:
 @pytest.mark.parametrize("hours", [[0, len(WEATHER)], [-1, 5]])
 def test_hours_that_the_weather_does_not_have(hours: list[int]) -> None:
     with pytest.raises(tb.InputError, match=f"0 to {len(WEATHER) - 1}"):
-        run.soaked_hours(device_of("shen-hdr-bridge"), WEATHER, np.array(hours))
+        run.soaked_hours(make_device("shen-hdr-bridge"), WEATHER, np.array(hours))

@@ -140,7 +140,7 @@ def test_a_served_bearing_gives_the_histories_of_the_calculated_one(
     assert server.log[-2][1:] == (server.commands[-1], 0.0)
 
 
-@pytest.mark.parametrize("mode", ["rt", "pd"])
+@pytest.mark.parametrize("mode", ["rt", pytest.param("pd", marks=pytest.mark.thorough)])
 def test_a_bearing_served_by_another_process(mode: str) -> None:
     """What is served to OpenSees is a specimen too; its own histories are those of the test."""
     calculated = run_hybrid(duration=1.0, laboratory={"mode": mode})

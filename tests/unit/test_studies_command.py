@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -42,9 +43,9 @@ def last(words: list[str]) -> dict[str, object]:
 
 def test_a_study_again_does_nothing(done: Path) -> None:
     files = {path: path.read_bytes() for path in (done / "out" / "shards").iterdir()}
-    told = last(["study", str(done / "small.toml"), "-o", str(done / "out"), "--jobs", "1"])
-    assert (told["outcome"], told["runs"], told["done"]) == ("completed", 8, 8)
-    assert "seconds" not in told  # nothing was computed
+    reported = last(["study", str(done / "small.toml"), "-o", str(done / "out"), "--jobs", "1"])
+    assert (reported["outcome"], reported["runs"], reported["done"]) == ("completed", 8, 8)
+    assert "seconds" not in reported  # nothing was computed
     assert {path: path.read_bytes() for path in files} == files
 
 
@@ -58,11 +59,28 @@ def test_a_start_reports_time_and_memory(done: Path) -> None:
 
 def test_a_dry_run_writes_nothing(done: Path) -> None:
     before = sorted(done.iterdir())
-    told = last(["study", str(done / "small.toml"), "--dry-run", "--jobs", "3"])
-    assert (told["outcome"], told["runs"], told["jobs"]) == ("dry_run", 8, 3)
-    assert told["seconds"] == pytest.approx(8 / 3 * float(str(told["seconds_a_run"])))
-    assert 8 * 30 * 8 < int(float(str(told["bytes"]))) < 8 * 100 * 8
+    reported = last(["study", str(done / "small.toml"), "--dry-run", "--jobs", "3"])
+    assert (reported["outcome"], reported["runs"], reported["jobs"]) == ("dry_run", 8, 3)
+    assert reported["seconds"] == pytest.approx(8 / 3 * float(str(reported["seconds_a_run"])))
+    assert 8 * 30 * 8 < int(float(str(reported["bytes"]))) < 8 * 100 * 8
     assert sorted(done.iterdir()) == before
+
+
+def test_a_study_notes_that_one_component_of_a_pair_acts(tmp_path: Path) -> None:
+    """The note of `bridge`, before and after the runs; a study of records has none."""
+    pair = '{ name = "jra-ii-i-1", across = "jra-ii-i-2" }'
+    table = FILE.replace('motion = "jra-ii-i-1"', f'motion = ["jra-i-i-1", {pair}]')
+    study = [str(tmp_path / "pairs.toml"), "--jobs", "1"]
+    (tmp_path / "pairs.toml").write_text(table.replace("2 s", "0.2 s"))
+    (note,) = last(["study", *study, "--dry-run", "-q"])["notes"]
+    assert "1 of 2 motions" in note
+    said = CliRunner().invoke(app, ["study", *study, "--dry-run"]).stdout
+    assert note in " ".join(said.split())
+    assert last(["study", *study, "-o", str(tmp_path / "out"), "-q"])["exit_status"] == 0
+    assert tb.load_result(tmp_path / "out").warnings == [note]
+    motions: list[Any] = ["jra-i-i-1", {"name": "jra-ii-i-1", "across": "jra-ii-i-2"}]
+    bridge = tb.bridge("shen-bilinear-bridge", motions, ambient=23, duration=0.2)
+    assert note in bridge.warnings
 
 
 def test_status_and_table(done: Path) -> None:
@@ -74,13 +92,13 @@ def test_status_and_table(done: Path) -> None:
     pd.testing.assert_frame_equal(text, book, check_dtype=False)
     assert text["ambient_degC"].tolist() == [-20.0, 23.0] * 4
     words = ["study", "table", str(done / "out"), "-o"]
-    for name, told in (("runs.csv", "--overwrite"), ("runs.ods", ".csv or .xlsx")):
+    for name, reported in (("runs.csv", "--overwrite"), ("runs.ods", ".csv or .xlsx")):
         found = CliRunner().invoke(app, [*words, str(done / name)])
         assert found.exit_code == 2
-        assert told in found.stderr
+        assert reported in found.stderr
 
 
-def test_what_is_no_study_is_told(done: Path) -> None:
+def test_what_is_no_study_is_reported(done: Path) -> None:
     found = CliRunner().invoke(app, ["study", str(done / "none.toml")])
     assert (found.exit_code, "no such file" in found.stderr) == (2, True)
     found = CliRunner().invoke(app, ["study", "status", str(done)])

@@ -220,7 +220,7 @@ NATURAL = {"compound": "natural-rubber"}
 DRAWN = {"kind": "sobol", "samples": 8}
 
 
-def told(table: dict[str, Any], folder: Path = Path()) -> str:
+def reported(table: dict[str, Any], folder: Path = Path()) -> str:
     whole = {"kind": "study", "name": "bad"} | table
     with pytest.raises(InputError) as caught:
         designs.plan(make_study(whole, "study.toml", folder))
@@ -235,7 +235,7 @@ FACTORS: list[tuple[dict[str, Any], str]] = [
     ({"motion": ["jra-ii-i-9999"]}, "factors.motion.levels[0]"),
     ({"structure": ["pier-p2"]}, "factors.structure.levels[0]"),
     ({"structure": ["five-span-bridge"]}, "takes pairs, which act together"),
-    ({"structure": ["five-span-bridge", "pier-p1"]}, "are two studies"),
+    ({"structure": ["five-span-bridge", "pier-p1"]}, "require separate studies"),
     (
         {"motion": {"levels": [{"name": "jra-ii-i-1", "across": "jra-ii-i-2"}], "matched": "II-I"}},
         "single records can be matched",
@@ -290,7 +290,7 @@ def test_a_bad_factor_is_reported(tmp_path: Path, factors: dict[str, Any], word:
     whole = {key: value for key, value in (ONE | factors).items() if value is not None}
     drawn = any("distribution" in str(value) or "climate" in str(value) for value in whole.values())
     design = {"design": DRAWN} if drawn or "posterior" in str(whole) else {}
-    text = told({"factors": whole} | design, tmp_path)
+    text = reported({"factors": whole} | design, tmp_path)
     assert text.startswith("study.toml: ") or "factors" in text
     assert word in text
 
@@ -321,15 +321,15 @@ def test_a_bad_factor_is_reported(tmp_path: Path, factors: dict[str, Any], word:
         ({"case": [], "factors": 3}, ["case: must be a table", "factors: must be a table"]),
     ],
 )
-def test_a_bad_study_is_told(table: dict[str, Any], words: list[str]) -> None:
+def test_a_bad_study_is_reported(table: dict[str, Any], words: list[str]) -> None:
     whole = {"factors": ONE} | table
-    text = told({key: value for key, value in whole.items() if value is not None})
+    text = reported({key: value for key, value in whole.items() if value is not None})
     for word in words:
         assert word in text, text
 
 
 def test_every_fault_is_in_one_message() -> None:
-    text = told({"factors": ONE | {"ambient": [23], "scale": ["x"], "hour": 3}, "nme": 1})
+    text = reported({"factors": ONE | {"ambient": [23], "scale": ["x"], "hour": 3}, "nme": 1})
     for word in ("problems", 'unknown key "nme"', 'unknown factor "hour"', "has no unit"):
         assert word in text
 
@@ -481,7 +481,7 @@ def test_a_history_before_the_earthquake(heat: bool) -> None:
         ("triangular", {"low": 0.0, "mode": 1.0, "high": 2.0}, 1.0, 1.0 / 6.0**0.5),
     ],
 )
-def test_distributions_have_the_moments_that_are_told(
+def test_distributions_have_the_moments_that_are_reported(
     kind: str, words: dict[str, float], mean: float, deviation: float
 ) -> None:
     made = study(

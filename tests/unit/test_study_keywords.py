@@ -41,14 +41,14 @@ VALUES: dict[str, Any] = {
 
 
 @pytest.fixture
-def case_of(monkeypatch: pytest.MonkeyPatch) -> Callable[..., EarthquakeCase]:
-    def case_of(call: Callable[..., Any], *args: Any, **options: Any) -> EarthquakeCase:
+def make_case(monkeypatch: pytest.MonkeyPatch) -> Callable[..., EarthquakeCase]:
+    def make_case(call: Callable[..., Any], *args: Any, **options: Any) -> EarthquakeCase:
         found: list[EarthquakeCase] = []
         monkeypatch.setattr(study, "run_earthquake", lambda case, **_: found.append(case))
         call(*args, **options)
         return found[0]
 
-    return case_of
+    return make_case
 
 
 def test_keywords_are_the_fields_of_the_records() -> None:
@@ -70,24 +70,24 @@ def test_named_arguments_are_few(call: Callable[..., Any]) -> None:
 @pytest.mark.parametrize("call", BOTH)
 @pytest.mark.parametrize("name", VALUES)
 def test_an_argument_reaches_the_case(
-    call: Callable[..., Any], name: str, case_of: Callable[..., EarthquakeCase]
+    call: Callable[..., Any], name: str, make_case: Callable[..., EarthquakeCase]
 ) -> None:
-    case = case_of(call, "shen-hdr-bridge", "jra-ii-i-1", -20, **{name: VALUES[name]})
+    case = make_case(call, "shen-hdr-bridge", "jra-ii-i-1", -20, **{name: VALUES[name]})
     holder = case.analysis if name in EarthquakeAnalysis.model_fields else case
     assert getattr(holder, name) == VALUES[name]
-    default = case_of(call, "shen-hdr-bridge", "jra-ii-i-1", -20)
+    default = make_case(call, "shen-hdr-bridge", "jra-ii-i-1", -20)
     holder = default.analysis if name in EarthquakeAnalysis.model_fields else default
     assert getattr(holder, name) != VALUES[name]
 
 
 @pytest.mark.parametrize("call", BOTH)
 def test_what_is_named_reaches_the_case(
-    call: Callable[..., Any], case_of: Callable[..., EarthquakeCase], tmp_path: Path
+    call: Callable[..., Any], make_case: Callable[..., EarthquakeCase], tmp_path: Path
 ) -> None:
     weather = tmp_path / "night.csv"
     weather.write_text("time_s,temperature_degC\n0,5\n3600,-5\n")
     lab = {"mode": "pd", "speed": "5 mm/s"}
-    case = case_of(
+    case = make_case(
         call,
         ["shen-hdr-bridge", "shen-bilinear-bridge"],
         {"name": "jra-ii-i-2", "factor": 2.0},
@@ -121,7 +121,7 @@ def test_what_is_named_reaches_the_case(
         ({"keep": Keep(every=0)}, ["keep_every"]),
     ],
 )
-def test_bad_arguments_are_told(
+def test_bad_arguments_are_reported(
     call: Callable[..., Any], options: dict[str, Any], pieces: list[str]
 ) -> None:
     with pytest.raises(InputError) as caught:
@@ -132,7 +132,7 @@ def test_bad_arguments_are_told(
 
 
 def test_executor_and_progress_are_used() -> None:
-    told: list[tuple[int, int]] = []
+    reported: list[tuple[int, int]] = []
     with ThreadPoolExecutor(1) as pool:
         study.bridge(
             "shen-bilinear-bridge",
@@ -140,6 +140,6 @@ def test_executor_and_progress_are_used() -> None:
             [23.0, 0.0],
             duration=0.1,
             executor=pool,
-            progress=lambda done, total: told.append((done, total)),
+            progress=lambda done, total: reported.append((done, total)),
         )
-    assert told == [(1, 2), (2, 2)]
+    assert reported == [(1, 2), (2, 2)]

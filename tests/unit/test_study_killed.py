@@ -38,8 +38,8 @@ def in_child(action: Callable[[], Any]) -> tuple[bool, str]:
             os._exit(0)
     os.close(writer)
     with os.fdopen(reader) as pipe:
-        told = pipe.read()
-    return os.WIFSIGNALED(os.waitpid(child, 0)[1]), told
+        reported = pipe.read()
+    return os.WIFSIGNALED(os.waitpid(child, 0)[1]), reported
 
 
 @needs_fork
@@ -76,14 +76,14 @@ def test_killed_at_any_event(
     for moment in (1, 3, 5, 8, 13, 18, 21, 26, 1000):
         done = study_status(out).done if (out / "manifest.json").exists() else 0
         before = len((tmp_path / "runs").read_text()) if (tmp_path / "runs").exists() else 0
-        killed, told = in_child(lambda moment=moment: until(moment))  # type: ignore[misc]
-        assert not told
+        killed, reported = in_child(lambda moment=moment: until(moment))  # type: ignore[misc]
+        assert not reported
         kills += killed
         after = study_status(out).done if (out / "manifest.json").exists() else 0
         computed = len((tmp_path / "runs").read_text()) - before if after else 0
         assert after >= done  # nothing is lost
         assert computed <= after - done + 1  # nothing is done twice but what had no file
-        last = (told, after)
+        last = (reported, after)
     assert kills >= 6
     assert last == ("", 8)
     assert kept(out) == small_files
@@ -124,10 +124,10 @@ def test_full_disk(tmp_path: Path, small_files: dict[str, bytes]) -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (5_000, 5_000))
         run_study(small_study(), out, jobs=1, size=1)
 
-    killed, told = in_child(full)
+    killed, reported = in_child(full)
     assert not killed
-    assert "OutputError" in told
-    assert os.strerror(27) in told
+    assert "OutputError" in reported
+    assert os.strerror(27) in reported
     assert kept(out) == before
     assert run_study(small_study(), out, jobs=1).outcome == "completed"
     assert kept(out) == small_files
@@ -178,7 +178,7 @@ def test_a_process_that_is_killed_is_replaced(
     assert kept(tmp_path / "out") == small_files
 
 
-def test_processes_that_always_die_are_told(
+def test_processes_that_always_die_are_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # What a process does first breaks there, and the process with it.

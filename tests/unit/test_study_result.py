@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
 import thermobearing as tb
+from tests.unit.inputs import assert_refused
 from thermobearing.border.errors import InputError
 from thermobearing.commands.study import studies as app
 from thermobearing.earthquake.run import run_task
@@ -109,12 +111,12 @@ def test_a_few_runs_are_shown_and_saved(tmp_path: Path, capsys: pytest.CaptureFi
     assert len(saved.tables["table"]) == 6  # type: ignore[union-attr]
 
 
-def test_very_many_motions_and_numbers_are_told_in_short() -> None:
+def test_very_many_motions_and_numbers_are_reported_in_short() -> None:
     whole = made_up()
     runs = np.arange(whole.runs)
     table = whole.table.assign(motion=[f"m{k % 40}" for k in runs], scale=1.0 + runs % 20)
-    told = _input_tables(StudyResult(table, whole.study, {}))["factors"]
-    rows = {row[0]: row[2] for row in told.rows}
+    reported = _input_tables(StudyResult(table, whole.study, {}))["factors"]
+    rows = {row[0]: row[2] for row in reported.rows}
     assert rows["motion"].endswith("m10, m11 and 28 more")
     assert rows["scale"] == "1 to 20, 20 values"
 
@@ -198,6 +200,29 @@ def test_every_figure_reports_failed_runs() -> None:
     assert list(made_up().plot.draw_all()) == without
     with pytest.raises(InputError):
         ask(made_up(), hazard=HAZARD).plot.draw_all()
+
+
+def test_temperatures_are_apart_in_figures_of_fragility() -> None:
+    """Each has its panel of IDA curves, and its marks beside those of the others."""
+    part = ask(made_up(), capacity=1.0).parts()["shen-hdr-bridge"]
+    panels = [ax for ax in part.plot.ida().axes if ax.get_visible()]
+    titles = [f"{at} °C, 6 curves" for at in ("−20", "0", "23")]
+    assert [ax.get_title(loc="left") for ax in panels] == titles
+    cold = part.select(ambient_degC=-20.0).ida().fractiles()
+    (median,) = [line for line in panels[0].lines if line.get_label() == "50 % fractile"]
+    shown = cold[cold["curves"] == 6]["0.5"].to_numpy()
+    assert_allclose(np.asarray(median.get_xdata())[1:], shown[np.isfinite(shown)])
+    (ax,) = part.plot.fragility().axes
+    marks = [np.asarray(line.get_xdata()) for line in ax.lines if line.get_marker() == "o"]
+    assert len(np.unique(np.concatenate(marks))) == sum(map(len, marks)) > 0
+
+
+def test_a_median_is_stated_in_g_too() -> None:
+    table = result_tables(ask(made_up(), capacity=1.0))["fragility-shen-hdr-bridge"]
+    titles = [column.title for column in table.columns]
+    both = [titles.index(f"Median PGA [{unit}]") for unit in ("m/s²", "g")]
+    for row in table.rows:
+        assert row[both[0]] == pytest.approx(9.80665 * row[both[1]])
 
 
 @cache
@@ -336,9 +361,7 @@ def test_a_question_is_kept_and_read_back(directory: Path) -> None:
     ],
 )
 def test_bad_questions(table: dict[str, Any], said: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError) as caught:
-        _make_question(table, "question.toml", tmp_path)
-    assert said in str(caught.value)
+    assert_refused(lambda: _make_question(table, "question.toml", tmp_path), said)
 
 
 def test_a_document_answers(directory: Path) -> None:
@@ -363,13 +386,24 @@ def test_figures_by_the_command(directory: Path) -> None:
     words = ["figures", directory, "--demand", "bearing_strain_max", "--capacity", CAPACITY]
     status, said = run([*words, "--hazard", directory.parent / "site.csv", "--json"])
     assert status == 0, said
-    told = json.loads(said.splitlines()[-1])
-    names = [Path(name).stem for name in told["files"]]
+    reported = json.loads(said.splitlines()[-1])
+    names = [Path(name).stem for name in reported["files"]]
     assert {"demand", "variance", "ida-shen-hdr-bridge", "rates-shen-hdr-bridge"} <= set(names)
     assert "Annual rates, shen-hdr-bridge" in said
     assert load_question(directory).capacity == CAPACITY
     status, said = run(["figures", directory, "--capacity", "-1"])
     assert status == 2
+
+
+def test_figures_of_a_paper_by_the_command(directory: Path) -> None:
+    style = ["--figure-format", "svg", "--figure-width", "single-column", "--no-titles", "-q"]
+    assert run(["figures", directory, *style]) == (0, "")
+    text = (directory / "figures" / "demand.svg").read_text()
+    assert 'width="255.1' in text  # 90 mm in points
+    assert "against" not in text  # the title
+    status, said = run(["figures", directory, "--figure-width", "3"])
+    assert status == 2
+    assert "figure-width" in said
 
 
 def test_worst_and_repeat_by_the_command(directory: Path, tmp_path: Path) -> None:

@@ -77,12 +77,12 @@ def test_every_column_says_what_it_is(tmp_path: Path) -> None:
     study = small_study(**{"bearing.K_r": {"distribution": "uniform", "low": 0.9, "high": 1.1}})
     study = study.model_copy(update={"design": study.design.model_copy(update={"samples": 1})})
     run_study(study, tmp_path / "out", jobs=1)
-    told = _read_labels(tmp_path / "out" / "shards" / "00000.parquet")
-    assert all(meaning for _, meaning in told.values())
-    assert told["bearing_force_max_kN"] == ("kN", "largest force of one bearing")
-    assert told["bearing.K_r"] == ("1", "factor of bearing.K_r")
-    assert told["ambient_degC"][0] == "degC"
-    assert tuple(told)[-len(RESULT_COLUMNS) :] == RESULT_COLUMNS
+    reported = _read_labels(tmp_path / "out" / "shards" / "00000.parquet")
+    assert all(meaning for _, meaning in reported.values())
+    assert reported["bearing_force_max_kN"] == ("kN", "largest force of one bearing")
+    assert reported["bearing.K_r"] == ("1", "factor of bearing.K_r")
+    assert reported["ambient_degC"][0] == "degC"
+    assert tuple(reported)[-len(RESULT_COLUMNS) :] == RESULT_COLUMNS
 
 
 def test_a_second_start_does_what_is_missing_and_nothing_else(
@@ -173,7 +173,7 @@ def test_directories_of_others_are_left_alone(tmp_path: Path) -> None:
     assert sorted(kept(tmp_path)) == ["manifest.json", "thesis.tex"]
 
 
-def test_failed_runs_are_told_with_their_reason(
+def test_failed_runs_are_reported_with_their_reason(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One that tears its bearing, one that cannot be prepared, one that breaks this program."""
@@ -194,12 +194,12 @@ def test_failed_runs_are_told_with_their_reason(
     monkeypatch.setattr(peaks, "run_task", broken)
     done = run_study(study, tmp_path / "out", jobs=1)
     assert (done.outcome, done.done, done.failed) == ("some_failed", 4, 3)
-    told = done.failures.set_index("outcome")
-    assert told.loc["bad_input", "sentence"] == "bearing: K_r must be positive"
-    assert told.loc["broken", "sentence"].endswith("ZeroDivisionError: float division")
-    (third,) = set(told.index) - {"bad_input", "broken"}
-    assert "Try" in told.loc[third, "sentence"] or "try" in told.loc[third, "sentence"]
-    assert told[["runs", "share"]].values.tolist() == [[1, 0.25]] * 3
+    reported = done.failures.set_index("outcome")
+    assert reported.loc["bad_input", "sentence"] == "bearing: K_r must be positive"
+    assert reported.loc["broken", "sentence"].endswith("ZeroDivisionError: float division")
+    (third,) = set(reported.index) - {"bad_input", "broken"}
+    assert "Try" in reported.loc[third, "sentence"] or "try" in reported.loc[third, "sentence"]
+    assert reported[["runs", "share"]].values.tolist() == [[1, 0.25]] * 3
     table = Store(tmp_path / "out").table()
     assert table["outcome"].tolist() == ["completed", "bad_input", "broken", third]
     assert np.isnan(table["bearing_force_max_kN"][1])
@@ -292,7 +292,7 @@ def test_a_part_counts_and_clears_away_its_own(tmp_path: Path) -> None:
     assert [path.exists() for path in left] == [False, True]
 
 
-def test_a_part_that_cannot_be_marked_as_taken_is_told(tmp_path: Path) -> None:
+def test_a_part_that_cannot_be_marked_as_taken_is_reported(tmp_path: Path) -> None:
     (tmp_path / ".part-1-of-3").symlink_to(tmp_path / "nowhere" / "file")
     with pytest.raises(OutputError, match="cannot be written"), _only_writer(tmp_path, "1-of-3"):
         pass
@@ -334,7 +334,7 @@ def test_equal_tables_make_equal_files(tmp_path: Path) -> None:
     assert_array_equal(pd.read_parquet(tmp_path / "one")["x"], table["x"])
 
 
-def test_pace_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pace_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
     monkeypatch.setattr("thermobearing.studies.run.engine.time.monotonic", lambda: now[0])
     pace = Pace(20, 100)

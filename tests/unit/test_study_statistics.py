@@ -16,7 +16,13 @@ from thermobearing.studies.statistics.fragility import (
     fragility_curves,
     ida_curves,
 )
-from thermobearing.studies.statistics.likelihood import MOST_STRIPES, _classes, _fit_curves, cloud
+from thermobearing.studies.statistics.likelihood import (
+    MOST_STRIPES,
+    _classes,
+    _fit_curves,
+    cloud,
+    stripes,
+)
 from thermobearing.studies.statistics.variance import sobol_table, variance_shares
 
 HAZARD = hazard.Hazard(np.array([0.1, 1.0, 10.0]), np.array([1.0, 1e-2, 1e-4]))
@@ -34,7 +40,7 @@ def two_levels(first: list[float], second: list[float]) -> pd.DataFrame:
     )
 
 
-def test_failed_runs_are_told_and_count_only_when_asked() -> None:
+def test_failed_runs_are_reported_and_count_only_when_asked() -> None:
     table = two_levels([0.1, 0.1, 0.1, 3.0], [0.1, np.nan, 3.0, np.nan])
     table["outcome"] = ["completed"] * 5 + ["not_converged", "completed", "broken"]
     out = fragility_curve(table, "drift", 1.0, "im", samples=5)
@@ -85,7 +91,23 @@ def test_one_mixed_intensity_is_passed_on_the_side_of_the_half() -> None:
     assert_allclose(np.exp(found.place), [np.sqrt(8.0), 2.0, np.sqrt(2.0), 4.0])
     table = two_levels([0.1, 0.1, 0.1, 3.0], [3.0] * 4)
     said = fragility_curve(table, "drift", 1.0, "im", samples=20).estimate.sentence
-    assert "below 1, 1 of 4 at 1" in said
+    assert "only at 1 do some runs exceed the capacity and others not (1 of 4 do)" in said
+
+
+@pytest.mark.parametrize(
+    ("beyond", "advice"),
+    [
+        ([0, 0, 1], "add larger intensities"),
+        ([1, 4, 4], "add smaller intensities"),
+        ([0, 1, 4], "add intensities close to it"),
+        ([1], "add smaller and larger intensities"),
+    ],
+)
+def test_one_mixed_intensity_names_the_side_that_lacks_runs(beyond: list[int], advice: str) -> None:
+    at = np.repeat(np.arange(1.0, len(beyond) + 1.0), 4)
+    above = np.concatenate([np.arange(4) < count for count in beyond])
+    found = stripes(at, above, Draw.of_labels(None, len(at), 5))
+    assert (found.outcome, found.sentence.split("; ")[1]) == ("apart", advice)
 
 
 def test_a_curve_that_hardly_rises_has_no_upper_end() -> None:
@@ -203,13 +225,11 @@ FAULTS: list[tuple[Any, str]] = [
     (lambda t: fragility_curves(t.assign(im=1.0), "drift", 1.0, "im", "motion"), "motion = 0"),
     (lambda t: sobol_table(t, "drift"), 'no column "matrix"'),
     (lambda t: variance_shares(t.assign(drift=1.0), "drift", ["im"]), "at least 8"),
-    (lambda t: variance_shares(t, "drift", ["im"], failed="collapse"), "no variance"),
     (lambda t: hazard.Hazard([1.0, 2.0], [1.0, 2.0]), "rate of a hazard curve must decrease"),
     (lambda t: hazard.Hazard([1.0, 1.0], [2.0, 1.0]), "from 1 to 1"),
     (lambda t: hazard.Hazard([1.0], [2.0]), "2 numbers or more"),
     (lambda t: hazard.Hazard(["a", "b"], [2.0, 1.0]), "list of numbers"),
     (lambda t: hazard.Hazard([0.0, 1.0], [2.0, 1.0]), "intensity of a hazard curve"),
-    (lambda t: hazard.load_hazard("x.csv", "CAV"), 'unit of "CAV"'),
     (lambda t: hazard.shares_of_time([0.0], [np.nan]), "without gaps"),
     (lambda t: hazard.shares_of_time([0.0, 0.0], [1.0]), "twice"),
     (lambda t: combine_curves({}, np.ones(1)), "must be 1"),

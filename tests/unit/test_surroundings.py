@@ -31,7 +31,7 @@ def night(tmp_path: Path) -> str:
     return str(tmp_path / "night.csv")
 
 
-def case_of(**given: Any) -> EarthquakeCase:
+def make_case(**given: Any) -> EarthquakeCase:
     table = {"command": "bridge", "bearings": ["shen-lhdr-bridge"], "duration": "0.05 s"}
     return make_earthquake_case(table | {"motions": ["jra-ii-i-1"]} | given, "test")
 
@@ -40,7 +40,7 @@ def exchange(case: EarthquakeCase) -> tuple[Any, ...]:
     return case.analysis.upper_face, case.analysis.lower_face, case.analysis.side
 
 
-def study_of(ambient: Any, **case: Any) -> Any:
+def make_weather_study(ambient: Any, **case: Any) -> Any:
     factors = {"bearing": "shen-hdr-bridge", "motion": "jra-ii-i-1", "ambient": ambient}
     table = {"kind": "study", "name": "s", "case": case, "factors": factors}
     table["design"] = {"kind": "monte-carlo", "samples": 2} if isinstance(ambient, dict) else {}
@@ -48,19 +48,19 @@ def study_of(ambient: Any, **case: Any) -> Any:
 
 
 def test_weather_brings_films_and_cover(night: str) -> None:
-    assert exchange(case_of(weather=night)) == OPEN
-    assert exchange(case_of()) == LABORATORY
+    assert exchange(make_case(weather=night)) == OPEN
+    assert exchange(make_case()) == LABORATORY
     line = [{"line": "G1-G5", "weather": night}]
-    assert exchange(case_of(lines=line)) == OPEN
-    assert exchange(study_of(TOWN).case) == OPEN
-    assert exchange(study_of("0 degC").case) == LABORATORY
+    assert exchange(make_case(lines=line)) == OPEN
+    assert exchange(make_weather_study(TOWN).case) == OPEN
+    assert exchange(make_weather_study("0 degC").case) == LABORATORY
 
 
 def test_keys_of_the_user_count(night: str) -> None:
     given = {"upper_face": {"eta": 2.0}, "side": {"film": "25 W/(m^2 K)"}}
     expected = (EndFace(eta=2.0), FILM, Side(film=25.0))
-    assert exchange(case_of(weather=night, analysis=given)) == expected
-    assert exchange(study_of(TOWN, analysis=given).case) == expected
+    assert exchange(make_case(weather=night, analysis=given)) == expected
+    assert exchange(make_weather_study(TOWN, analysis=given).case) == expected
     windy = {name: EndFace(film=25.0) for name in ("upper_face", "lower_face")}
     sheltered, wind = (
         tb.bearing_weather("shen-hdr-bridge", tb.Hourly([0.0, -9.0, -9.0]), **more)
@@ -72,7 +72,7 @@ def test_keys_of_the_user_count(night: str) -> None:
 def test_resolved_case_reads_back(night: str) -> None:
     import tomllib
 
-    case = case_of(weather=night, analysis={"side": {"film": "25 W/(m^2 K)", "cover": "5 mm"}})
+    case = make_case(weather=night, analysis={"side": {"film": "25 W/(m^2 K)", "cover": "5 mm"}})
     again = make_earthquake_case(tomllib.loads(case.to_toml()), "again")
     assert exchange(again) == exchange(case)
 
@@ -142,7 +142,7 @@ def test_books_close_with_masses_and_cover() -> None:
 
 
 @pytest.mark.parametrize(
-    ("faulty", "told"),
+    ("faulty", "reported"),
     [
         ({"upper_face": {"eta": 2.0, "heat_capacity": "9 kJ/(m^2 K)"}}, "combined with film"),
         ({"side": {"cover": "10 mm"}}, "side.film"),
@@ -157,14 +157,15 @@ def test_books_close_with_masses_and_cover() -> None:
         ),
     ],
 )
-def test_what_does_not_go_together(faulty: dict[str, Any], told: str, night: str) -> None:
-    with pytest.raises(tb.InputError, match=told):
-        case_of(weather=night, analysis=faulty)
+def test_what_does_not_go_together(faulty: dict[str, Any], reported: str, night: str) -> None:
+    with pytest.raises(tb.InputError, match=reported):
+        make_case(weather=night, analysis=faulty)
 
 
 def test_side_is_part_of_how_a_bearing_takes_on_warmth(night: str) -> None:
     cases = [
-        case_of(weather=night, analysis={"side": {"film": f"{film} W/(m^2 K)"}}) for film in (5, 6)
+        make_case(weather=night, analysis={"side": {"film": f"{film} W/(m^2 K)"}})
+        for film in (5, 6)
     ]
     keys = [_thermal_key(build_device(case, case.bearings[0]), case) for case in cases]
     assert keys[0] != keys[1]

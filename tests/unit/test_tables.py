@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests import tolerances as tol
-from tests.unit.inputs import QUICK_CASE, assert_told, by_name, refusal, steps_case, write_toml
+from tests.unit.inputs import QUICK_CASE, assert_mentions, by_name, refusal, steps_case, write_toml
 from thermobearing.cli import app
 from thermobearing.identify.records.record import load_test
 from thermobearing.tables import columns
@@ -223,7 +223,7 @@ def test_a_degree_sign_of_windows_is_found(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("sidecar", "told"),
+    ("sidecar", "reported"),
     [
         ('separator = "|"', "separator = '|': must be one of"),
         ('decimal = ";"', "decimal = ';': must be one of"),
@@ -232,8 +232,8 @@ def test_a_degree_sign_of_windows_is_found(tmp_path: Path) -> None:
         ("blocks = [{ file = 't.csv', part = 0 }]", "part"),
     ],
 )
-def test_faults_of_a_sidecar(tmp_path: Path, sidecar: str, told: str) -> None:
-    with pytest.raises(tb.InputError, match=told):
+def test_faults_of_a_sidecar(tmp_path: Path, sidecar: str, reported: str) -> None:
+    with pytest.raises(tb.InputError, match=reported):
         load_test(lies(tmp_path, PLAIN, sidecar=sidecar))
 
 
@@ -256,7 +256,7 @@ def test_a_head_of_words_and_numbers_is_no_table(tmp_path: Path) -> None:
 WANTED = {"time": "s", "displacement": "mm"}
 
 
-def columns_of(
+def write_and_read(
     tmp_path: Path, text: str | bytes, wanted: dict[str, str] = WANTED
 ) -> dict[str, list]:
     path = tmp_path / "table.csv"
@@ -268,13 +268,13 @@ def columns_of(
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "cp932"])
 def test_encodings_and_line_ends(tmp_path: Path, encoding: str, end: str) -> None:
     lines = ["time_s,備考,displacement_mm", "0,初期,0", "", "1,載荷,5", ""]
-    data = columns_of(tmp_path, end.join(lines).encode(encoding))
+    data = write_and_read(tmp_path, end.join(lines).encode(encoding))
     assert data == {"time": [0.0, 1.0], "displacement": [0.0, 5.0]}
 
 
 def test_column_in_the_wanted_unit_comes_first(tmp_path: Path) -> None:
     """Converted twice by the laboratory, rounded once: the column that needs no conversion."""
-    data = columns_of(tmp_path, "force_tonf,force_kN\n1,9.8\n2,19.6\n", {"force": "kN"})
+    data = write_and_read(tmp_path, "force_tonf,force_kN\n1,9.8\n2,19.6\n", {"force": "kN"})
     assert data == {"force": [9.8, 19.6]}
 
 
@@ -286,18 +286,18 @@ def test_temperatures_are_converted_with_their_offset(
     tmp_path: Path, unit: str, cells: tuple[float, float]
 ) -> None:
     text = f"temperature [{unit}]\n{cells[0]}\n{cells[1]}\n"
-    data = columns_of(tmp_path, text, {"temperature": "degC"})
+    data = write_and_read(tmp_path, text, {"temperature": "degC"})
     assert_allclose(data["temperature"], [0, 100], rtol=tol.CONVERSION, atol=tol.ZERO_DEGREES)
 
 
 def test_many_rows_keep_their_bits(tmp_path: Path) -> None:
     values = np.random.default_rng(1).normal(size=(5000, 2))
     rows = "\n".join(f"{a!r},{b!r}" for a, b in values.tolist())
-    data = columns_of(tmp_path, "time_s,displacement_mm\n" + rows)
+    data = write_and_read(tmp_path, "time_s,displacement_mm\n" + rows)
     assert_array_equal(np.column_stack([data["time"], data["displacement"]]), values)
 
 
-def test_faults_are_told_with_the_line_of_the_file(tmp_path: Path) -> None:
+def test_faults_are_reported_with_the_line_of_the_file(tmp_path: Path) -> None:
     text = "laboratory\nnumber 7\ntime_s,force_kN\n[s],[kN]\n0,1\n1,lost\n2,3\n"
     path = lies(tmp_path, text)
     layout = columns.Layout(lines_before=2, lines_after=1)
@@ -345,14 +345,14 @@ def test_broken_recording(tmp_path: Path, content: bytes | str, pieces: list[str
     csv = lies(tmp_path, content, "moved.csv")
     path = steps_case(tmp_path / "case.toml", {"step": "recorded", "file": "moved.csv"})
     message = refusal(path, tb.load_case)
-    assert_told(message, [f"{path}: ", "test.steps[0]: ", str(csv), *pieces])
+    assert_mentions(message, [f"{path}: ", "test.steps[0]: ", str(csv), *pieces])
 
 
-def test_every_broken_recording_of_a_test_is_told(tmp_path: Path) -> None:
+def test_every_broken_recording_of_a_test_is_reported(tmp_path: Path) -> None:
     given = [{"step": "recorded", "file": name} for name in ("one.csv", "two.csv", ".")]
     path = steps_case(tmp_path / "case.toml", *given)
-    told = ["3 problems", "one.csv: no such file", "two.csv: no such file", "is a directory"]
-    assert_told(refusal(path, tb.load_case), told)
+    reported = ["3 problems", "one.csv: no such file", "two.csv: no such file", "is a directory"]
+    assert_mentions(refusal(path, tb.load_case), reported)
 
 
 SERIES: list[tuple[str, str, list[str]]] = [
@@ -369,7 +369,7 @@ def test_broken_ambient_series(tmp_path: Path, content: str, pieces: list[str]) 
     (tmp_path / "night.csv").write_text(content)
     table = {key: value for key, value in QUICK_CASE.items() if key != "ambient"}
     path = write_toml(tmp_path / "case.toml", table | {"ambient_series": "night.csv"})
-    assert_told(refusal(path, tb.load_case), [f"{path}: ", "ambient_series: ", *pieces])
+    assert_mentions(refusal(path, tb.load_case), [f"{path}: ", "ambient_series: ", *pieces])
 
 
 @pytest.mark.parametrize(
@@ -387,7 +387,7 @@ def test_broken_measurement(tmp_path: Path, content: str, pieces: list[str]) -> 
     done = CliRunner().invoke(app, ["measure", str(csv), "--bearing", "shen-hdr-specimen"])
     assert done.exit_code == 2
     assert not done.stdout
-    assert_told(done.stderr, [str(csv), *pieces])
+    assert_mentions(done.stderr, [str(csv), *pieces])
 
 
 BEARING = "shen-hdr-specimen"

@@ -11,9 +11,8 @@ import pandas as pd
 import pytest
 
 import thermobearing as tb
-from tests.unit.inputs import SPECIMEN, changed_table, specimen_table, write_toml
+from tests.unit.inputs import SPECIMEN, assert_refused, changed_table, specimen_table, write_toml
 from thermobearing.bearing.bilinear import load_bilinear
-from thermobearing.border.errors import InputError
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.earthquake.dataset import _reached
@@ -49,7 +48,7 @@ def test_an_untested_bearing_has_none() -> None:
 @pytest.mark.parametrize(
     ("table", "said"),
     [
-        ({}, "give one of strain, strain_rate, ambient, cycles, lead_temperature at least"),
+        ({}, "give at least one of strain, strain_rate, ambient, cycles, lead_temperature"),
         ({"strain": [2.5, 0.5]}, "strain: 2.5 is above 0.5; write [lowest, highest]"),
         ({"ambient": [-20, 23]}, 'has no unit; write "-20 degC"'),
         ({"strain": [0.5]}, "tested_range.strain = [0.5]: must have at least 2 entr"),
@@ -60,9 +59,7 @@ def test_bad_ranges(table: dict[str, object], said: str, tmp_path: Path) -> None
     file = write_toml(
         tmp_path / "mine.toml", changed_table(specimen_table(), {"tested_range": table})
     )
-    with pytest.raises(InputError) as caught:
-        tb.load_bearing(file)
-    assert said in str(caught.value)
+    assert_refused(lambda: tb.load_bearing(file), said)
 
 
 def history(strain: float = 1.0, speed: float = 30.0) -> tb.CyclicTest:
@@ -146,8 +143,8 @@ def test_a_rest_asks_nothing_of_the_rubber() -> None:
 
 def test_a_range_that_is_not_given_is_said_once() -> None:
     result = tb.run("lrb-example", history(), [23.0, 0.0])
-    told = [text for text in result.warnings if "range not given" in text]
-    assert told == [
+    reported = [text for text in result.warnings if "range not given" in text]
+    assert reported == [
         "lrb-example: calibration range not given (tested_range in its file), so validity "
         "cannot be checked"
     ]
@@ -241,9 +238,11 @@ def test_a_validation_says_what_a_bearing_was_not_tested_at(tmp_path: Path) -> N
 def test_factors_and_bounds_say_what_they_leave(tmp_path: Path) -> None:
     bearing = "shen-hdr-bridge"
     report = run_factors([bearing], temperatures=[-40.0], strains=[1.0])
-    told = report.table.drop_duplicates("ambient_degC").set_index("ambient_degC")["beyond_tested"]
-    assert told[-40.0] == "strain_rate ambient"
-    assert told[23.0] == "strain_rate"
+    reported = report.table.drop_duplicates("ambient_degC").set_index("ambient_degC")[
+        "beyond_tested"
+    ]
+    assert reported[-40.0] == "strain_rate ambient"
+    assert reported[23.0] == "strain_rate"
     assert any("ambient -40 degC, below the -20 degC tested" in w for w in report.warnings)
     *panels, free = report.plot.factors().axes
     assert not any(ax.texts for ax in panels)  # the legend states what the shades mean

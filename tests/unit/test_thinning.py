@@ -11,6 +11,7 @@ from pandas.testing import assert_frame_equal
 import thermobearing as tb
 from thermobearing.cyclic.case import make_case
 from thermobearing.cyclic.dataset import POINTS, _rows_worth, expected_size, written_part
+from thermobearing.results.drawing import thin_loops
 from thermobearing.results.metrics import find_cycles
 
 STEPS = 1200  # of a cycle of 4 s
@@ -153,3 +154,10 @@ def test_the_size_is_known_before(folder: Path, result: tb.Result) -> None:
         update={"analysis": case.analysis.model_copy(update={"histories": "complete"})}
     )
     assert expected_size(whole) > result.dataset.nbytes
+
+
+def test_thinned_loops_keep_their_corners() -> None:
+    x = 1.0 - np.abs(np.linspace(-1.0, 1.0, 101))
+    kept = thin_loops(x, x, 1.0, 1.0, most=5)
+    assert len(kept) < 10
+    assert x[kept].max() == 1.0

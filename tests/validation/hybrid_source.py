@@ -133,7 +133,7 @@ class Criterion:
     hard: bool = False
 
 
-def told(values: Floats, form: str = ".2f") -> str:
+def format_values(values: Floats, form: str = ".2f") -> str:
     return " ".join(format(value, form) for value in np.atleast_1d(values))
 
 
@@ -154,7 +154,7 @@ def colder(values: Floats) -> bool:
 
 
 def pair(quantity: Callable[[str], Floats], form: str = ".2f") -> str:
-    return f"{told(quantity(HDR), form)}; {told(quantity(LHDR), form)}"
+    return f"{format_values(quantity(HDR), form)}; {format_values(quantity(LHDR), form)}"
 
 
 PERIOD, STRESS, STRAIN = 1.30, 6.0, 2.5  # Table 3.5 [s], 3.2.2 [MPa], largest of Table 3.4
@@ -167,7 +167,7 @@ def in_rig(bearing: str, mode: str, name: str) -> Criterion:
     return Criterion(
         f"{name}, {mode.upper()}: force of the specimen [kN]",
         f"rig {RIG:g} (Table 3.2)",
-        lambda e: told(e.force(bearing, mode), ".0f"),
+        lambda e: format_values(e.force(bearing, mode), ".0f"),
         lambda e: bool(e.force(bearing, mode).max() <= RIG),
         hard=True,
     )
@@ -238,25 +238,25 @@ SOFT = [
     Criterion(
         "HDR: force RT/PD",
         "below 1 at 0, -20 (3.4.3)",
-        lambda e: told(e.ratio(HDR, FORCE), ".3f"),
+        lambda e: format_values(e.ratio(HDR, FORCE), ".3f"),
         lambda e: bool(np.all(e.ratio(HDR, FORCE)[1:] < 1.0)),
     ),
     Criterion(
         "LHDR: force RT/PD",
         "above 1 at 0, -20 (3.4.3)",
-        lambda e: told(e.ratio(LHDR, FORCE), ".3f"),
+        lambda e: format_values(e.ratio(LHDR, FORCE), ".3f"),
         lambda e: bool(np.all(e.ratio(LHDR, FORCE)[1:] > 1.0)),
     ),
     Criterion(
         "HDR at -20: strain RT/PD",
         "below 1 (3.5)",
-        lambda e: told(e.ratio(HDR, "bearing_strain_max")[2:], ".3f"),
+        lambda e: format_values(e.ratio(HDR, "bearing_strain_max")[2:], ".3f"),
         lambda e: bool(e.ratio(HDR, "bearing_strain_max")[2] < 1.0),
     ),
     Criterion(
         "LHDR at -20, RT: first layer at 5, 10, 20 s [degC]",
         "about -15, -5, below 0 (3.4.4)",
-        lambda e: told(e.outer_layer(), ".1f"),
+        lambda e: format_values(e.outer_layer(), ".1f"),
         lambda e: bool(
             np.abs(e.outer_layer()[:2] - [-15.0, -5.0]).max() < NEAR and e.outer_layer()[2] < 0.0
         ),
@@ -264,7 +264,7 @@ SOFT = [
     Criterion(
         "energy LHDR/HDR, RT",
         "about 2 (3.4.5)",
-        lambda e: told(e.energies("rt")),
+        lambda e: format_values(e.energies("rt")),
         lambda e: bool(np.all((e.energies("rt") > ABOUT[0]) & (e.energies("rt") < ABOUT[1]))),
     ),
     Criterion(
@@ -284,13 +284,13 @@ SOFT = [
     Criterion(
         "HDR: pier displacement RT/PD",
         "no difference (3.4.6)",
-        lambda e: told(e.ratio(HDR, DISPLACEMENT)),
+        lambda e: format_values(e.ratio(HDR, DISPLACEMENT)),
         pier_alike,
     ),
     Criterion(
         "LHDR: pier displacement RT/PD",
         "above 1 (3.4.6)",
-        lambda e: told(e.ratio(LHDR, DISPLACEMENT)),
+        lambda e: format_values(e.ratio(LHDR, DISPLACEMENT)),
         lambda e: bool(np.all(e.ratio(LHDR, DISPLACEMENT) > 1.0)),
     ),
 ]

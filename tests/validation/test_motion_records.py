@@ -1,5 +1,7 @@
 """Real records: every format is read, with the sizes that their table tells."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -67,6 +69,11 @@ def test_corrected_record_ends_at_rest(name: str, component: str | None) -> None
 
 
 # Each record and each ground once, and all with all of them where everything is run.
+@cache
+def fit_record(name: str, component: str | None, ground: str) -> GroundMotion:
+    return match_spectrum(record(name, component), "II", ground)
+
+
 FITTED = [
     pytest.param(name, component, ground, marks=[] if first == second else [pytest.mark.thorough])
     for first, (name, component) in enumerate([(KOBE, "NS"), (KOBE, "EW"), (TAKATORI, None)])
@@ -78,7 +85,7 @@ FITTED = [
 def test_kobe_records_fit_type_ii(
     name: str, component: str | None, ground: str, measured: Recorder
 ) -> None:
-    fitted = match_spectrum(record(name, component), "II", ground)
+    fitted = fit_record(name, component, ground)
     error = misfit(fitted, lambda periods: standard_spectrum("II", ground, periods))
     measured("Spectral matching of Kobe records: rms misfit", error, f"{tol.MISFIT:g}")
     assert error <= tol.MISFIT
@@ -106,7 +113,7 @@ def test_long_records_fit_type_i(name: str) -> None:
 def test_same_as_given_motions_of_the_same_phases(
     name: str, component: str | None, ground: str, given: str, measured: Recorder
 ) -> None:
-    fitted = match_spectrum(record(name, component), "II", ground)
+    fitted = fit_record(name, component, ground)
     ours = resampled(fitted, 0.01).acceleration[round(ROOM / 0.01) :]
     theirs = record(given).acceleration
     # The given motion may begin earlier or later than the record, or point the other way; it
@@ -128,14 +135,14 @@ def test_stand_in_grows_as_the_record(measured: Recorder) -> None:
         np.array([significant_interval(motion, 0.0, share)[1] for share in shares])
         for motion in (built_in, raw, fitted)
     ]
-    told = ["; ".join(f"{time:.1f}" for time in some) for some in times]
+    reported = ["; ".join(f"{time:.1f}" for time in some) for some in times]
     measured(
         "jra-ii-ii-1: 5, 25, 50, 75, 95 % of the Arias intensity, s",
-        told[0],
+        reported[0],
         "between the next two, 1 s more at most",
     )
-    measured("Takatori: the same, s", told[1], "PEER, TAK000")
-    measured("Takatori fitted to the spectrum: the same, s", told[2], "the same phases")
+    measured("Takatori: the same, s", reported[1], "PEER, TAK000")
+    measured("Takatori fitted to the spectrum: the same, s", reported[2], "the same phases")
     assert np.all(times[0] > np.minimum(times[1], times[2]) - tol.GROWTH_OF_RECORD)
     assert np.all(times[0] < np.maximum(times[1], times[2]) + tol.GROWTH_OF_RECORD)
     # The fastest ground is in the same pulse, half a period away or less.

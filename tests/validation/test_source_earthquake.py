@@ -57,7 +57,7 @@ def by_temperature(table: pd.DataFrame, bearing: str, column: str) -> np.ndarray
     return np.asarray(rows[column], dtype=float)
 
 
-def told(values: np.ndarray, form: str = "{:.2f}") -> str:
+def reported(values: np.ndarray, form: str = "{:.2f}") -> str:
     return ", ".join(form.format(value) for value in values)
 
 
@@ -95,11 +95,11 @@ def test_trends_on_the_four_motions(motion: str, damping: Any, measured: Recorde
         measured(
             f"pier P1, {bearing}, {motion}, damping {damping}, 23, 0, -20 degC: strain, "
             "ductility, share of the input that is damped",
-            told(by_temperature(table, bearing, "bearing_strain_max"))
+            reported(by_temperature(table, bearing, "bearing_strain_max"))
             + "; "
-            + told(by_temperature(table, bearing, "pier_ductility"))
+            + reported(by_temperature(table, bearing, "pier_ductility"))
             + "; "
-            + told(share),
+            + reported(share),
             "colder: less strain, more force and pier displacement, less energy"
             + (f"; not: {', '.join(wrong)}" if wrong else ""),
         )
@@ -121,9 +121,9 @@ def test_trends_on_real_records(record: str, damping: Any, measured: Recorder) -
         measured(
             f"pier P1, {bearing}, {record}, damping {damping}, 23, 0, -20 degC: strain, energy of "
             "23 degC",
-            told(by_temperature(table, bearing, "bearing_strain_max"))
+            reported(by_temperature(table, bearing, "bearing_strain_max"))
             + "; "
-            + told(by_temperature(table, bearing, "energy_of_warmest")),
+            + reported(by_temperature(table, bearing, "energy_of_warmest")),
             "as above" + (f"; not: {', '.join(wrong)}" if wrong else ""),
         )
         assert not set(wrong) - ALLOWED[damping].get((record, bearing), set())
@@ -143,12 +143,12 @@ def test_energy_and_ductility_compared_with_shen(
     measured(
         f"LHDR, stand-in for II-I-1, {mass} mass, damping {damping}: energy at 0 and -20 degC "
         "against 23 degC",
-        told(drop, "{:+.1f} %"),
+        reported(drop, "{:+.1f} %"),
         "-9.3 %, -56.1 % (6.3.2)",
     )
     measured(
         f"LHDR, stand-in for II-I-1, {mass} mass, damping {damping}: ductility at 23, 0, -20 degC",
-        told(ductility),
+        reported(ductility),
         "about 1, up to 3 (6.3.3)",
     )
     assert drop[1] < drop[0] < 0.0
@@ -179,7 +179,7 @@ def test_first_layer_of_the_hybrid_test(count: int, measured: Recorder) -> None:
     found = first_layer(motion, count)
     measured(
         f"hybrid test, LHDR, -20 degC, {count} bearings: outer layer at 5, 10, 15, 20 s",
-        told(found, "{:.1f}") + " degC",
+        reported(found, "{:.1f}") + " degC",
         PRINTED_LAYER,
     )
     if count == 2:
@@ -196,7 +196,7 @@ def test_first_layer_on_the_built_in_motion(measured: Recorder) -> None:
     for name, found in (("jra-ii-ii-1", built_in), ("Takatori's phases", given)):
         measured(
             f"hybrid test, LHDR, -20 degC, 2 bearings, {name}: outer layer at 5, 10, 15, 20 s",
-            told(found, "{:.1f}") + " degC",
+            reported(found, "{:.1f}") + " degC",
             PRINTED_LAYER,
         )
     assert np.abs(built_in[:2] - [-15.0, -5.0]).max() < tol.BUILT_IN_LAYER
@@ -231,18 +231,18 @@ def test_real_time_against_pseudo_dynamic(phases: str, measured: Recorder) -> No
     measured(
         f"hybrid test, LHDR, 2 bearings, {phases}, 23, 0, -20 degC: peak force in real time over "
         "pseudo-dynamic",
-        told(force["rt"] / force["pd"], "{:.3f}"),
+        reported(force["rt"] / force["pd"], "{:.3f}"),
         "above 1 (3.4.3)",
     )
     measured(
         f"hybrid test, LHDR, 2 bearings, {phases}: largest rate-dependent force over peak force, "
         "real time; pd",
-        told(share["rt"], "{:.3f}") + "; " + told(share["pd"], "{:.3f}"),
+        reported(share["rt"], "{:.3f}") + "; " + reported(share["pd"], "{:.3f}"),
         "larger in real time, smaller when colder (5.4.2.1)",
     )
     measured(
         f"hybrid test, LHDR, 2 bearings, {phases}: energy at 0 and -20 degC of that at 23 degC",
-        told(energy[1:]),
+        reported(energy[1:]),
         "grows in the cold (Fig. 3.25)",
     )
     assert force["rt"][0] > force["pd"][0]
@@ -282,7 +282,7 @@ def test_what_explains_the_ductility(measured: Recorder) -> None:
         energy = by_temperature(table, "shen-lhdr-bridge", "energy_of_warmest")
         measured(
             f"LHDR, stand-in for II-I-1, {name}: ductility; energy of 23 degC",
-            f"{told(found[name])}; {told(energy)}",
+            f"{reported(found[name])}; {reported(energy)}",
             "about 1, up to 3; 0.91, 0.44 (6.3.2, 6.3.3)",
         )
     assert found["rocking spring ten times as stiff, damping source"][-1] > 2.5

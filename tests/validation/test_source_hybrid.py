@@ -28,10 +28,10 @@ from tests.validation.hybrid_source import (
     damping_ratios,
     energy_signs,
     evidence,
+    format_values,
     pair,
     score,
     structure_with,
-    told,
 )
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.structure.model import load_structure
@@ -91,7 +91,7 @@ def test_energy_of_both_kinds_in_the_hybrid_test(
     for e in (two, eight):
         measured(
             f"hybrid test, {e.count} bearings, energy of LHDR over HDR at 23, 0, -20 degC: rt; pd",
-            f"{told(e.energies('rt'))}; {told(e.energies('pd'))}",
+            f"{format_values(e.energies('rt'))}; {format_values(e.energies('pd'))}",
             "about 2 (3.4.5)",
         )
         assert np.all(e.energies("rt") > 1.1)
@@ -129,7 +129,7 @@ def test_rate_dependent_share(eight: Evidence, two: Evidence, measured: Recorder
         measured(
             f"hybrid test, {e.count} bearings, LHDR, pseudo-dynamic, first 2 s: largest share of "
             "the rate-dependent force at 23, 0, -20 degC",
-            f"{told(np.array(share))}; {printed:.2f} at the start",
+            f"{format_values(np.array(share))}; {printed:.2f} at the start",
             "over 0.75 (5.4.2.1)",
         )
         assert printed < max(share) < 0.2
@@ -146,7 +146,7 @@ def test_rate_dependent_share(eight: Evidence, two: Evidence, measured: Recorder
         measured(
             f"hybrid test, {e.count} bearings, LHDR: largest rate-dependent force over peak "
             "force, real time; pd",
-            f"{told(peaks['rt'], '.3f')}; {told(peaks['pd'], '.3f')}",
+            f"{format_values(peaks['rt'], '.3f')}; {format_values(peaks['pd'], '.3f')}",
             "larger in real time, smaller when colder (5.4.2.1)",
         )
         assert np.all(peaks["rt"] > 5.0 * peaks["pd"])
@@ -166,7 +166,7 @@ def test_damping_ratio_in_the_cold(measured: Recorder) -> None:
         rises[bearing] = ratios[1:] / ratios[0]
         measured(
             f"{bearing}, 175 %, third cycle: h_eq at 0 and -20 over 23 degC",
-            told(rises[bearing]),
+            format_values(rises[bearing]),
             "above 1 (3.5, 6.1)",
         )
     assert np.all(np.diff([1.0, *rises[HDR]]) > 0.0)
@@ -189,4 +189,4 @@ def test_the_table_in_the_docs_has_these_numbers(eight: Evidence, two: Evidence)
             cell = rows[criterion.what][column]
             assert ("**no**" not in cell) == criterion.holds(e), criterion.what
             ours = numbers(criterion.numbers(e))
-            assert_allclose(numbers(cell), ours, rtol=tol.TOLD, atol=tol.TOLD)
+            assert_allclose(numbers(cell), ours, rtol=tol.LAST_DIGIT, atol=tol.LAST_DIGIT)

@@ -19,7 +19,7 @@ AMBIENT = -20.0
 NEVER = 1e9  # kN: strength of a bearing that stays linear
 
 
-def ground_of(name: str, dt: float, duration: float | None = None) -> Floats:
+def read_ground(name: str, dt: float, duration: float | None = None) -> Floats:
     """A built-in motion at steps of dt [s], starting from zero [mm/s2]."""
     motion = load_motion(name)
     last = motion.duration if duration is None else duration

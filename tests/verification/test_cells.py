@@ -19,7 +19,7 @@ DATA = Path(tb.__file__).parent / "data" / "bearings"
 SPECIMENS = ("shen-hdr-specimen", "shen-lhdr-specimen")
 
 
-def error_of(bearing: Bearing) -> CellsError:
+def estimate(bearing: Bearing) -> CellsError:
     found = cells_error(bearing)
     assert found is not None
     return found
@@ -30,25 +30,28 @@ def test_estimate_falls_with_the_square_of_the_cells(name: str, measured: Record
     """Of second order: twice as many cells leave a quarter, and the true rise stays the same."""
     two = tb.load_bearing(name)
     four, eight = (changed(two, cells={"rubber": n, "shim": n // 2}) for n in (4, 8))
-    told = [error_of(bearing) for bearing in (two, four, eight)]
-    for found in told:
+    reported = [estimate(bearing) for bearing in (two, four, eight)]
+    for found in reported:
         text = f"{100.0 * found.stiffness:+.2f} %, {100.0 * found.energy:+.2f} %, "
         text += f"{found.warming:+.2f} of {found.rise:.1f} K"
         measured(f"{name}, {found.cells} cells a layer: G, energy, warming", text, "reported")
-    for coarse, fine in ((told[0], told[1]), (told[1], told[2])):  # second order: a quarter
+    for coarse, fine in (
+        (reported[0], reported[1]),
+        (reported[1], reported[2]),
+    ):  # second order: a quarter
         assert fine.stiffness == pytest.approx(coarse.stiffness / 4.0, rel=CELLS_ESTIMATE)
         assert fine.energy == pytest.approx(coarse.energy / 4.0, rel=CELLS_ESTIMATE)
         assert fine.warming == pytest.approx(coarse.warming / 4.0, rel=CELLS_ESTIMATE)
         assert fine.rise == pytest.approx(coarse.rise, rel=CELLS_ENOUGH)
-    assert [found.worst <= TOLERABLE for found in told] == [False, True, True]
-    assert told[0].advised == 4
+    assert [found.worst <= TOLERABLE for found in reported] == [False, True, True]
+    assert reported[0].advised == 4
 
 
 @pytest.mark.parametrize("name", SPECIMENS)
 def test_default_cells_are_enough(name: str, measured: Recorder) -> None:
     """Thin layers in a slow test, the worst that bearings have; and the source keeps its two."""
     assert tb.load_bearing(name).cells.rubber == 2
-    found = error_of(tb.load_bearing(name).model_copy(update={"cells": Cells()}))
+    found = estimate(tb.load_bearing(name).model_copy(update={"cells": Cells()}))
     assert found.worst <= TOLERABLE
     text = (
         f"{100.0 * found.stiffness:+.2f} %, {100.0 * found.energy:+.2f} %, {found.warming:+.2f} K"
@@ -78,7 +81,7 @@ def test_check_says_when_the_error_is_not_known(tmp_path: Path) -> None:
     assert facts["error of cells"].startswith("unknown: 5 sine cycles of 175 %")
 
 
-def test_linear_rubber_and_a_thousand_cells_are_told_too(tmp_path: Path) -> None:
+def test_linear_rubber_and_a_thousand_cells_are_reported_too(tmp_path: Path) -> None:
     table = read_toml(DATA / "shen-hdr-specimen.toml")
     table["hysteresis"] |= {"post_yield_ratio": 1.0}
     facts = cells_facts(write_toml(tmp_path / "linear.toml", table))

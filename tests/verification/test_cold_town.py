@@ -56,9 +56,9 @@ def test_hours_with_their_weather_are_as_the_levels_of_the_temperature(measured:
     assert np.ptp(at) > 20.0
     worst = 0.0
     for demand in DEMANDS:
-        told = np.interp(at, air, levels[demand])
-        assert np.ptp(told) > 0.05 * np.mean(told)  # the temperature matters
-        worst = max(worst, float(np.abs(np.array(found[demand]) / told - 1.0).max()))
+        reported = np.interp(at, air, levels[demand])
+        assert np.ptp(reported) > 0.05 * np.mean(reported)  # the temperature matters
+        worst = max(worst, float(np.abs(np.array(found[demand]) / reported - 1.0).max()))
     measured(
         "Cold town: peaks at 12 hours of weather against bearings that are as warm all through",
         worst,

@@ -11,7 +11,15 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from tests.unit.inputs import Row, assert_told, by_name, command, summary, write_toml
+from tests.unit.inputs import (
+    Row,
+    assert_mentions,
+    assert_refused,
+    by_name,
+    command,
+    summary,
+    write_toml,
+)
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.design.bounds import DEMANDS, _verdict, bounds_study
@@ -77,7 +85,7 @@ def test_curves_are_sensible_over_their_range(kind: Any) -> None:
     assert np.all(np.diff(stiffer) > 0.0)
 
 
-def loop_of(parameters: Any, u: float) -> tuple[float, float]:
+def loop_properties(parameters: Any, u: float) -> tuple[float, float]:
     element = BearingElement.from_constants(bilinear_constants(parameters), 0.0)
     path = u * np.concatenate(
         [np.linspace(0, 1, 50), np.linspace(1, -1, 4001)[1:], np.linspace(-1, 1, 4001)[1:]]
@@ -103,7 +111,7 @@ def test_bilinear_model_has_the_stiffness_and_damping(
 ) -> None:
     model = equivalent_bilinear(stiffness, damping, u, ratio)
     assert_allclose(model.post_yield / model.initial, ratio, rtol=tol.LOOP)
-    peak, area = loop_of(model, u)
+    peak, area = loop_properties(model, u)
     assert_allclose(peak, stiffness * u, rtol=tol.BACKBONE)
     assert_allclose(area, 2.0 * math.pi * damping * stiffness * u**2, rtol=tol.BACKBONE)
 
@@ -113,7 +121,7 @@ def test_fat_loops_get_a_stiffer_first_branch() -> None:
     for damping in (0.1, 0.27, 0.35, 0.45):
         energy = 2.0 * math.pi * damping * 2.0 * 100.0**2
         model = backbone(2.0, energy, 100.0)
-        assert_allclose(loop_of(model, 100.0), (200.0, energy), rtol=tol.BACKBONE)
+        assert_allclose(loop_properties(model, 100.0), (200.0, energy), rtol=tol.BACKBONE)
         assert (model.initial / model.post_yield > 6.6) == (damping > 0.28)
     with pytest.raises(tb.InputError, match="no bilinear loop"):
         backbone(2.0, 2.0 * math.pi * 0.7 * 2.0 * 100.0**2, 100.0)
@@ -146,6 +154,7 @@ def test_size_of_the_source() -> None:
     assert sum(check.unverified for check in checks.values()) == 2
 
 
+@pytest.mark.thorough  # other starts converge in tests/unit/test_design_parts.py
 def test_loop_forgets_its_start(measured: Recorder) -> None:
     """From 50 to 400 mm: the same bearing, the same displacement within 2 %."""
     designs = {s: run_design(make_design_case({}, "test", start=s)) for s in (50, 100, 200, 400)}
@@ -266,7 +275,7 @@ def test_bad_design(tmp_path: Path, changes: dict[str, Any], pieces: list[str]) 
     path = write_toml(tmp_path / "case.toml", changes)
     done = command("design", path, "-o", tmp_path / "out")
     assert done.exit_code == 2, done.output
-    assert_told(done.output, pieces)
+    assert_mentions(done.output, pieces)
     assert not (tmp_path / "out").exists()
 
 
@@ -280,18 +289,14 @@ def test_bad_design(tmp_path: Path, changes: dict[str, Any], pieces: list[str]) 
             lambda: equivalent_bilinear(2.0, 0.35, 100.0, 0.19),
             ["damping ratio of 0.35", "smaller ratio"],
         ),
-        (lambda: equivalent_bilinear(-2.0, 0.1, 100.0, 0.19), ["stiffness = -2"]),
-        (lambda: equivalent_bilinear(2.0, 0.1, 100.0, 1.0), ["stiffness_ratio = 1"]),
         (lambda: size_bearing(0.0, 100.0, SizingRules()), ["0 mm"]),
-        (lambda: size_bearing(3000.0, 100.0, SizingRules()), ["123 layers", "at most 60"]),
+        (lambda: size_bearing(3000.0, 100.0, SizingRules()), ["123 layers", "limit is 60"]),
         (lambda: equal_bearing(tb.load_bearing("lrb-example"), 2.0, 100.0), ["square plans"]),
         (lambda: equal_bearing(tb.load_bearing("shen-lhdr-bridge"), 1e6, 100.0), ["no plan"]),
     ],
 )
 def test_bad_arguments_of_design(call: Any, pieces: list[str]) -> None:
-    with pytest.raises(tb.InputError) as caught:
-        call()
-    assert_told(str(caught.value), pieces)
+    assert_refused(call, *pieces)
 
 
 def test_the_smallest_weight_is_accepted() -> None:

@@ -26,7 +26,7 @@ def cycles(strain: float, cycle_count: int = 5, dt: float = 5e-3) -> Floats:
     return models.sine(models.specimen(), strain=strain, period=4.0, cycles=cycle_count, dt=dt)
 
 
-def run_of(face: str, half: bool, x: Floats, **options: str) -> models.Run:
+def compute_run(face: str, half: bool, x: Floats, **options: str) -> models.Run:
     upper, lower = FACES[face]
     constants = models.assembled(models.specimen(), half=half, upper=upper, lower=lower, **options)
     return models.marched(constants, x, 5e-3, START, AMBIENT)
@@ -53,7 +53,7 @@ CASES = [
 def test_conservative_books_close(
     face: str, half: bool, source: str, strain: float, measured: Recorder
 ) -> None:
-    run = run_of(face, half, cycles(strain), heat_source=source)
+    run = compute_run(face, half, cycles(strain), heat_source=source)
     books = run.books
     work = books["work_in"][-1]
     assert work > 1e4
@@ -77,7 +77,7 @@ def test_books_close_over_random_motion_and_a_long_rest() -> None:
     x = models.smooth_history(np.random.default_rng(31), 75.0, 4000)
     x = np.concatenate([x, np.full(40000, x[-1])])
     for source in ("work", "dissipation"):
-        run = run_of("unlike", False, x, heat_source=source)
+        run = compute_run("unlike", False, x, heat_source=source)
         books, work = run.books[-1], run.books["work_in"][-1]
         lost = books.heat_lost_ends + books.heat_lost_sides
         assert lost > 0.1 * work
@@ -91,7 +91,7 @@ def test_recoverable_energy_is_that_of_the_two_springs(half: bool) -> None:
     """Sum over layers of ke d^2 / 2 + (1 + b (d/t_r)^2) kh Z^2 / 2, written out here (P3)."""
     bearing = models.specimen()
     h, t_r = bearing.hysteresis, bearing.geometry.rubber_thickness
-    run = run_of("film", half, cycles(1.5), heat_source="dissipation")
+    run = compute_run("film", half, cycles(1.5), heat_source="dissipation")
     warmer = (run.layer_start - 23.0) / 100.0
     ke = np.exp(h.elastic_temperature_coefficient * warmer) * h.post_yield_ratio
     kh = np.exp(h.hysteretic_temperature_coefficient * warmer) * (1.0 - h.post_yield_ratio)
@@ -127,7 +127,7 @@ def test_recoverable_energy_is_the_same_after_every_closed_cycle() -> None:
 def test_losses_are_those_of_the_face_and_side_temperatures(half: bool) -> None:
     """Both loss books against film laws written out here: Eq. 4.4 at the side, Eq. 4.15 above."""
     bearing, dt, fold = models.specimen(), 5e-3, 2.0 if half else 1.0
-    run = run_of("eta", half, cycles(1.5))
+    run = compute_run("eta", half, cycles(1.5))
     stack = build_stack(bearing, half=half)
     before = np.vstack([np.full_like(run.cells[:1], START), run.cells[:-1]])
     above = 0.5 * (before + run.cells) - AMBIENT

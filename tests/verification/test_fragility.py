@@ -301,7 +301,7 @@ def test_kinked_hazard_is_integrated_piece_by_piece() -> None:
     assert found.rate == pytest.approx(exact, rel=tolerances.HAZARD)
 
 
-def test_ends_of_the_hazard_curve_are_told() -> None:
+def test_ends_of_the_hazard_curve_are_reported() -> None:
     early = annual_rate(lognormal(2.0, 0.4), power_law(2.0, (1e-3, 2.0)))
     late = annual_rate(lognormal(2.0, 0.4), power_law(2.0, (1.5, 1e3)))
     assert "ends at 2" in early.notes[0]

@@ -37,7 +37,7 @@ BRANCHES = ("rubber_force", "lead_force", "viscous_force", "lead_temperature")
 VIRGIN = {"amplitude": 1.5, "strain": 0.3, "mullins_amplitude": 0.25}
 
 
-def bearing_of(name: str) -> tb.Bearing:
+def select_bearing(name: str) -> tb.Bearing:
     if name != "virgin":
         return tb.load_bearing(name)
     table = tb.load_bearing("shen-hdr-specimen").model_dump()
@@ -70,7 +70,7 @@ IN_PLANE = [f"{name} in a plane" for name in BEARINGS if name not in ("monotone"
 @pytest.fixture(scope="module", params=[*BEARINGS, *IN_PLANE])
 def runs(request: Any) -> tuple[Result, Result, Result, dict[str, Any]]:
     name, options = BEARINGS[request.param.removesuffix(" in a plane")]
-    bearing = bearing_of(name)
+    bearing = select_bearing(name)
     before, after = FIRST, SECOND
     if request.param in IN_PLANE:
         before, after = [CURVE], [HELD, BACK, TURN]
@@ -105,7 +105,7 @@ def test_the_books_of_each_part_close(runs: tuple[Result, Result, Result, Any]) 
 
 def test_a_directory_hands_over_the_same(tmp_path: Path) -> None:
     """From result.nc, and from the resolved case of the second part alone: the same bits."""
-    bearing = bearing_of("virgin")
+    bearing = select_bearing("virgin")
     first = tb.run(bearing, made(FIRST), -20.0)
     second = tb.run(bearing, made(SECOND), -20.0, initial=first)
     saved = first.save(tmp_path / "first", figures=False)
@@ -119,7 +119,7 @@ def test_a_directory_hands_over_the_same(tmp_path: Path) -> None:
 
 def test_a_line_in_a_plane_is_along_x() -> None:
     """A test in a plane continues one on a line; a line cannot continue a plane."""
-    bearing = bearing_of("virgin")
+    bearing = select_bearing("virgin")
     line = tb.run(bearing, made(FIRST), -20.0)
     second = tb.run(bearing, made([HELD, BACK, TURN]), -20.0, initial=line)
     whole = tb.run(bearing, made([*FIRST, HELD, BACK, TURN]), -20.0)
@@ -183,7 +183,7 @@ def test_a_state_that_does_not_fit_is_refused(change: str) -> None:
         tb.run("shen-hdr-specimen", made([CYCLES]), -20.0, initial=first)
 
 
-def test_a_damaged_state_in_a_case_is_told(tmp_path: Path) -> None:
+def test_a_damaged_state_in_a_case_is_reported(tmp_path: Path) -> None:
     first = tb.run("shen-lhdr-specimen", made([LOADED]), -20.0)
     second = tb.run("shen-lhdr-specimen", made([HELD]), -20.0, initial=first)
     table = tomllib.loads(second.dataset.attrs["case"])
@@ -243,8 +243,8 @@ def test_what_no_test_can_go_on_from(study: tb.EarthquakeResult, tmp_path: Path)
             'is a test of "shen-hdr-specimen"',
         ),
         (lambda: tb.run(HDR, SHORT, 5.0, initial=study), r"has 2 runs, at \[-20.   0.\] degC"),
-        (lambda: tb.hybrid([HDR, LHDR], initial=study), "is of one bearing"),
-        (lambda: tb.bridge("shen-bilinear-bridge", initial=study), "none that is bilinear"),
+        (lambda: tb.hybrid([HDR, LHDR], initial=study), "a single, layered bearing"),
+        (lambda: tb.bridge("shen-bilinear-bridge", initial=study), "single, layered"),
         (lambda: tb.hybrid(HDR, ambient=0, initial=tmp_path), "initial_result: .*no result"),
         (lambda: tb.hybrid(HDR, ambient=0, initial=3), "an earlier result"),  # type: ignore[arg-type]
     ):
@@ -252,7 +252,7 @@ def test_what_no_test_can_go_on_from(study: tb.EarthquakeResult, tmp_path: Path)
             call()
     cold = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 0, duration=1)
     assert not [name for name in cold.dataset if str(name).startswith(PREFIX)]
-    with pytest.raises(tb.InputError, match="holds no ends"):
+    with pytest.raises(tb.InputError, match="contains no final state"):
         tb.run(HDR, SHORT, 0.0, initial=cold)
 
 
@@ -275,7 +275,7 @@ HYBRID = {"part": "hybrid", "duration": "6 s", "motion": {"name": "jra-ii-ii-1",
 DT = "30 ms"
 
 
-def case_of(*parts: dict[str, Any], **table: Any) -> SequenceCase:
+def sequence_case(*parts: dict[str, Any], **table: Any) -> SequenceCase:
     usual = {"bearing": "shen-lhdr-specimen", "ambient": "-20 degC", "between": "as-left"}
     return make_sequence_case({**usual, **table, "parts": list(parts)}, "test")
 
@@ -291,12 +291,12 @@ def the_same_end(found: Any, wanted: Any) -> None:
 
 def test_cyclic_parts_are_one_test() -> None:
     rest = {"step": "rest", "duration": "20 s"}
-    whole = run_sequence(case_of(cyclic(SINE, LOAD, rest, UNLOAD, SINE)))
+    whole = run_sequence(sequence_case(cyclic(SINE, LOAD, rest, UNLOAD, SINE)))
     rest_part = {"part": "rest", "duration": "20 s"}
     # A part of rest has its own longest step; the default of a test is what both have here.
-    parts = run_sequence(case_of(cyclic(SINE, LOAD), cyclic(rest), cyclic(UNLOAD, SINE)))
+    parts = run_sequence(sequence_case(cyclic(SINE, LOAD), cyclic(rest), cyclic(UNLOAD, SINE)))
     the_same_end(parts[2], whole[0])
-    assert run_sequence(case_of(cyclic(LOAD), rest_part))[1].outcome == "completed"
+    assert run_sequence(sequence_case(cyclic(LOAD), rest_part))[1].outcome == "completed"
     assert_allclose(
         parts.table["energy_kN_mm"].sum(), whole.table["energy_kN_mm"].sum(), rtol=tol.CUT
     )
@@ -304,10 +304,10 @@ def test_cyclic_parts_are_one_test() -> None:
 
 def test_a_hybrid_part_is_the_history_that_it_imposed(tmp_path: Path) -> None:
     """Its displacements recorded, and imposed on the same specimen together with what follows."""
-    case = case_of(cyclic(SINE), HYBRID, cyclic(UNLOAD, SINE))
+    case = sequence_case(cyclic(SINE), HYBRID, cyclic(UNLOAD, SINE))
     found = run_sequence(case)
     hybrid = case.whole_part(1, None).model_copy(
-        update={"initial_state": _state_after(case_of(cyclic(SINE)))}
+        update={"initial_state": _state_after(sequence_case(cyclic(SINE)))}
     )
     (task,) = build_tasks(hybrid)  # type: ignore[arg-type]
     books = run_task(task).rows.bearings[:, 0]
@@ -317,7 +317,7 @@ def test_a_hybrid_part_is_the_history_that_it_imposed(tmp_path: Path) -> None:
     file.write_text("time_s,displacement_mm\n" + text)
     assert np.abs(books["displacement"]).max() > 15.0
     recorded = {"step": "recorded", "file": str(file)}
-    whole = run_sequence(case_of(cyclic(SINE, recorded, UNLOAD, SINE)))
+    whole = run_sequence(sequence_case(cyclic(SINE, recorded, UNLOAD, SINE)))
     the_same_end(found[2], whole[0])
 
 
@@ -332,11 +332,11 @@ def test_the_force_at_rest_moves_no_structure(method: str) -> None:
     """It is in balance when the hybrid part begins; and the books of all parts close."""
     still = {**HYBRID, "motion": {"name": "jra-ii-ii-1", "factor": 1e-6}, "method": method}
     cooled = {"part": "rest", "duration": "24 h"}  # the rate branch has relaxed
-    found = run_sequence(case_of(cyclic(LOAD), cooled, still))
+    found = run_sequence(sequence_case(cyclic(LOAD), cooled, still))
     history = found.history(2)
     assert history["force_kN"].iloc[0] > 100.0
     assert_allclose(history["displacement_mm"], 24.0, atol=tol.STILL)
-    shaken = run_sequence(case_of(cyclic(LOAD), {**HYBRID, "method": method}))
+    shaken = run_sequence(sequence_case(cyclic(LOAD), {**HYBRID, "method": method}))
     energy = shaken[1].energy.iloc[0]
     assert abs(energy["mechanical_residual"]) < tol.ENERGY_BOOKS
     assert abs(energy["thermal_residual"]) < tol.ENERGY_BOOKS
@@ -345,7 +345,7 @@ def test_the_force_at_rest_moves_no_structure(method: str) -> None:
 
 
 def test_unloaded_specimens_start_from_zero() -> None:
-    case = case_of(cyclic(LOAD), cyclic(SINE), between="unloaded")
+    case = sequence_case(cyclic(LOAD), cyclic(SINE), between="unloaded")
     found = run_sequence(case)
     table = found.table
     assert abs(table["force_start_kN"][1]) < tol.UNLOADED
@@ -358,7 +358,7 @@ def test_unloaded_specimens_start_from_zero() -> None:
     loop = found.history(1)
     assert loop["displacement_mm"].max() == pytest.approx(45.0)
     assert loop["force_kN"].max() > -loop["force_kN"].min()
-    left = run_sequence(case_of(cyclic(LOAD), cyclic(UNLOAD, SINE)))
+    left = run_sequence(sequence_case(cyclic(LOAD), cyclic(UNLOAD, SINE)))
     assert abs(left.table["force_start_kN"][1]) > 100.0
 
 
@@ -370,7 +370,7 @@ def test_a_second_hybrid_test_is_that_of_a_specimen_without_force() -> None:
     first = {"part": "hybrid", "duration": "20 s"}
     for between, ratio, start in (("unloaded", 0.996, 0.0), ("as-left", 1.05, 56.0)):
         parts = (first, rest, cyclic(*steps, dt="5 ms"), rest, first)
-        table = run_sequence(case_of(*parts, between=between)).table
+        table = run_sequence(sequence_case(*parts, between=between)).table
         peaks = np.maximum(table["force_max_kN"], -table["force_min_kN"])
         assert peaks.iloc[-1] / peaks.iloc[0] == pytest.approx(ratio, abs=0.01)
         assert table["force_start_kN"].iloc[-1] == pytest.approx(start, abs=0.5)

@@ -150,7 +150,10 @@ def test_what_the_tests_cannot_tell_is_said() -> None:
     assert "hysteresis.elastic_temperature_coefficient" not in held.uncertainty.estimates
 
 
-@pytest.mark.parametrize("method", ["krill-herd", "differential-evolution"])
+METHODS = ["krill-herd", pytest.param("differential-evolution", marks=pytest.mark.thorough)]
+
+
+@pytest.mark.parametrize("method", METHODS)
 def test_other_methods_end_at_the_same_place(method: str) -> None:
     test = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=None)
     record = synthetic_record(HDR, 23.0, test, sampling=25.0)
@@ -301,7 +304,7 @@ def intervals_with_a_file_that_is_off(bearing: tb.Bearing, seed: int) -> list[bo
         ("layers", "number or thickness of the rubber layers"),
     ],
 )
-def test_slips_are_told_with_their_likely_cause(slip: str, words: str) -> None:
+def test_slips_are_reported_with_their_likely_cause(slip: str, words: str) -> None:
     test = tb.cyclic_test(**SHORT)
     records = [synthetic_record(HDR, at, test, seed=i) for i, at in enumerate((-20.0, 23.0))]
     bearing = HDR

@@ -39,7 +39,7 @@ from thermobearing.model.stack import EndFace, Stack, build_stack
 SPECIMEN = "shen-lhdr-specimen"
 
 
-def constants_of(name: str = SPECIMEN, **lead: object) -> types.Constants:
+def make_constants(name: str = SPECIMEN, **lead: object) -> types.Constants:
     bearing = tb.load_bearing(name)
     if lead:
         changed = bearing.lead.model_copy(update=lead)  # type: ignore[union-attr]
@@ -87,7 +87,7 @@ def test_means_over_a_step(start: float, end: float) -> None:
 
 def core(softening: float) -> types.Lead:
     """One core of the specimen that is stiff, so that all of its path is plastic."""
-    lead = constants_of(softening=softening).lead
+    lead = make_constants(softening=softening).lead
     return lead._replace(stiffness=1e6, reference_temperature=0.0)
 
 
@@ -119,7 +119,7 @@ def test_adiabatic_core_with_falling_strength_is_exact(measured: Recorder) -> No
 
 def test_exchange_is_that_of_two_bodies(measured: Recorder) -> None:
     """Lead, heated or not, and the touched cell: the exact exponential at any step, heat kept."""
-    constants = constants_of()
+    constants = make_constants()
     rates, touched = constants.cells, constants.lead_cells[0].cell
     temperature = np.linspace(-20.0, 5.0, len(rates.capacity))
     capacity = np.array([constants.lead.cores * constants.lead.capacity, rates.capacity[touched]])
@@ -176,7 +176,7 @@ def cooling(constants: types.Constants, dt: float, steps: int) -> tuple[float, n
 
 def test_cooling_agrees_with_an_ode_solver(measured: Recorder) -> None:
     """Lead and all 29 cells from 50 K above, 20 s, against scipy with the same F(t+)."""
-    constants = constants_of()
+    constants = make_constants()
     rates, cell = constants.cells, constants.lead_cells[0].cell
     n = len(rates.capacity)
     lead_capacity = constants.lead.cores * constants.lead.capacity
@@ -208,7 +208,7 @@ def test_cooling_agrees_with_an_ode_solver(measured: Recorder) -> None:
 
 
 def test_clock_starts_again_after_a_long_pause_only() -> None:
-    constants = constants_of()
+    constants = make_constants()
     recovery = 1.0 / constants.lead.clock_rate
     for pause, restarted in ((0.5 * recovery, False), (1.1 * recovery, True)):
         state = types.new_state(constants, np.zeros(len(constants.cells.capacity)))
@@ -222,7 +222,7 @@ def test_clock_starts_again_after_a_long_pause_only() -> None:
 @pytest.mark.parametrize("dt", [1e-5, 5e-3, 5e-2])
 @pytest.mark.parametrize("name", [SPECIMEN, "lrb-example"])
 def test_first_steps_are_finite_and_heat_flows_downhill(name: str, dt: float) -> None:
-    lead, cells = cooling(constants_of(name), dt, 5)
+    lead, cells = cooling(make_constants(name), dt, 5)
     assert 0.0 < lead < 50.0
     assert (cells >= 0.0).all()
     assert cells.max() > 0.0

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tests import tolerances as tol
 from tests.reference.lockstep import march_lanes
 from tests.verification.models import assembled, changed
-from tests.verification.structures import ground_of, real_bearing
+from tests.verification.structures import read_ground, real_bearing
 from tests.verification.test_structures_in_plan import eccentric_deck
 from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing, Scragging, TemperatureLaw
@@ -162,7 +162,7 @@ STRUCTURE = "pier-p1"  # in lockstep it is compiled for more than a minute: thor
 def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
     """Runs of two shapes: three bearings, temperatures, scales; some hinges yield."""
     prepared = prepare_structure(load_structure(STRUCTURE))
-    ground = ground_of("jra-ii-i-1", dt, duration)
+    ground = read_ground("jra-ii-i-1", dt, duration)
     bearings = [
         real_bearing("shen-lhdr-bridge"),
         bilinear_constants(BilinearParameters(154.8, 2.0, 15.0)),
@@ -200,7 +200,7 @@ SCALES = {  # what the end of a run is a part of
 def in_plan(run: Run) -> Run:
     """The same with a second motion across, and a mass next to the bearings: it twists."""
     prepared = prepare_structure(eccentric_deck())
-    other = 0.8 * ground_of("jra-ii-i-2", run.dt, run.dt * (len(run.ground) - 1))
+    other = 0.8 * read_ground("jra-ii-i-2", run.dt, run.dt * (len(run.ground) - 1))
     ground = 0.5 * np.stack([run.ground, other], axis=-1)
     return dataclasses.replace(run, prepared=prepared, lines=[*run.lines] * 4, ground=ground)
 
@@ -279,7 +279,7 @@ def test_a_run_that_ends_early_has_the_numbers_of_its_last_whole_step() -> None:
     prepared = prepare_structure(load_structure(STRUCTURE))
     constants, air = real_bearing("shen-lhdr-bridge"), 60.0
     line = Line(constants, np.full(len(constants.cells.capacity), air))
-    run = Run(prepared, [line], 10.0 * ground_of("jra-ii-i-1", 0.01, 10.0), 0.01, air)
+    run = Run(prepared, [line], 10.0 * read_ground("jra-ii-i-1", 0.01, 10.0), 0.01, air)
     found, history = run_peaks(run), with_rows(run)
     assert (found.outcome, found.steps) == (history.outcome, history.steps)
     assert found.outcome == "temperature_runaway"
@@ -337,7 +337,7 @@ def test_bearings_of_another_heat_are_in_another_lockstep() -> None:
 def test_what_leaves_the_lockstep_is_run_alone() -> None:
     """Steps that are cut, and numbers that end a run, together with one that goes through."""
     prepared = prepare_structure(load_structure(STRUCTURE))
-    ground = ground_of("jra-ii-i-1", 0.05, 10.0)
+    ground = read_ground("jra-ii-i-1", 0.05, 10.0)
     constants = real_bearing("shen-lhdr-bridge")
     spoilt = ground.copy()
     spoilt[100] = np.nan

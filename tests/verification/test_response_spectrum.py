@@ -15,7 +15,7 @@ from thermobearing.motions.spectrum import ANGLES, DAMPING, response_spectrum, r
 from thermobearing.motions.synthesis import ROOM
 
 
-def motion_of(values: object, dt: float = 0.01) -> GroundMotion:
+def make_motion(values: object, dt: float = 0.01) -> GroundMotion:
     return GroundMotion("test", dt, np.asarray(values, dtype=np.float64))
 
 
@@ -23,7 +23,7 @@ def motion_of(values: object, dt: float = 0.01) -> GroundMotion:
 def test_sudden_load_overshoots_as_the_closed_form(damping: float) -> None:
     """u_max = a / w^2 (1 + exp(-pi zeta / sqrt(1 - zeta^2))), at half a damped period."""
     period = 1.0 * np.sqrt(1.0 - damping**2)  # so that the peak is on a sample
-    found = response_spectrum(motion_of(np.full(301, 1000.0)), [period], damping)
+    found = response_spectrum(make_motion(np.full(301, 1000.0)), [period], damping)
     over = 1.0 + np.exp(-np.pi * damping / np.sqrt(1.0 - damping**2))
     exact = 1000.0 * (period / (2.0 * np.pi)) ** 2 * over
     assert found.displacement[0] == pytest.approx(exact, rel=tol.EXACT_OSCILLATOR)
@@ -37,7 +37,7 @@ def test_linear_acceleration_is_followed_exactly() -> None:
     """Undamped under a = s t: u = -s (t - sin(w t) / w) / w^2, whatever the time step."""
     slope, w = 500.0, 2.0 * np.pi / 0.8
     end = 2.0
-    found = response_spectrum(motion_of([0.0, slope * end], end), [0.8], 0.0, steps_per_period=1)
+    found = response_spectrum(make_motion([0.0, slope * end], end), [0.8], 0.0, steps_per_period=1)
     exact = slope * (end - np.sin(w * end) / w) / w**2
     assert found.displacement[0] == pytest.approx(exact, rel=tol.EXACT_OSCILLATOR)
 
@@ -46,7 +46,7 @@ def test_linear_acceleration_is_followed_exactly() -> None:
 def test_steady_vibration_under_a_sine(ratio: float) -> None:
     damping, period = 0.05, 1.0
     time = np.arange(0.0, 60.0, 0.005)
-    motion = motion_of(100.0 * np.sin(2.0 * np.pi * ratio * time), 0.005)
+    motion = make_motion(100.0 * np.sin(2.0 * np.pi * ratio * time), 0.005)
     quiet = 8000  # the free vibration has died away after 40 s
     w = 2.0 * np.pi / period
     system = signal.lti([-2.0 * damping * w, -(w**2)], [1.0, 2.0 * damping * w, w**2])
@@ -143,7 +143,7 @@ def test_motion_along_a_line_has_the_rotation_measures_of_a_cosine(angle: float)
     """Along an axis at an angle a the response is |cos a| times its own: median cos 45 deg."""
     motion = PAIR.first
     x, y = make_pair(motion, angle=angle).rotated().T
-    found = rotated_spectrum(MotionPair(motion_of(x), motion_of(y)), PERIODS)
+    found = rotated_spectrum(MotionPair(make_motion(x), make_motion(y)), PERIODS)
     own = response_spectrum(motion, PERIODS)
     for name in QUANTITIES:
         rotd50, rotd100 = rotation_measures(getattr(found, name), ANGLES.tolist())
@@ -154,7 +154,7 @@ def test_motion_along_a_line_has_the_rotation_measures_of_a_cosine(angle: float)
 @pytest.mark.parametrize("angle", [0, 17, 90, 151])
 def test_rotated_responses_are_those_to_rotated_records(angle: int) -> None:
     found = rotated_spectrum(PAIR, PERIODS, 0.1)
-    turned = response_spectrum(motion_of(PAIR.rotated(float(angle))[:, 0]), PERIODS, 0.1)
+    turned = response_spectrum(make_motion(PAIR.rotated(float(angle))[:, 0]), PERIODS, 0.1)
     for name in QUANTITIES:
         assert_allclose(
             getattr(found, name)[angle], getattr(turned, name), rtol=tol.ROTATED, atol=0.0
@@ -163,7 +163,7 @@ def test_rotated_responses_are_those_to_rotated_records(angle: int) -> None:
 
 def test_rotation_measures_do_not_depend_on_the_axes_of_the_records() -> None:
     x, y = PAIR.rotated(41.0).T
-    turned = rotated_spectrum(MotionPair(motion_of(x), motion_of(y)), PERIODS)
+    turned = rotated_spectrum(MotionPair(make_motion(x), make_motion(y)), PERIODS)
     found = rotated_spectrum(PAIR, PERIODS)
     for name in QUANTITIES:
         for one, other in zip(

@@ -12,8 +12,8 @@ from tests.conftest import Recorder
 from tests.verification.structures import (
     energy_residual,
     exact_linear,
-    ground_of,
     linear_bearing,
+    read_ground,
     real_bearing,
     shaken,
 )
@@ -30,7 +30,7 @@ BEARINGS = ["shen-hdr-bridge", "shen-lhdr-bridge"]
 def pair(duration: float, scale: float = 1.0) -> Floats:
     """Two standard motions, one in each direction [steps + 1, 2]."""
     names = ("jra-ii-i-1", "jra-ii-i-2")
-    return scale * np.stack([ground_of(name, DT, duration) for name in names], axis=-1)
+    return scale * np.stack([read_ground(name, DT, duration) for name in names], axis=-1)
 
 
 def pier_in_plan() -> Structure:
@@ -47,7 +47,7 @@ def test_a_plan_in_one_direction_is_the_line(
     Iterations go on further than usual: the last one moves as much as the usual tolerance says.
     """
     monkeypatch.setattr(run, "TOLERANCE", 1e-12)
-    constants, ground = real_bearing(name), ground_of("jra-ii-i-1", DT, 12.0)
+    constants, ground = real_bearing(name), read_ground("jra-ii-i-1", DT, 12.0)
     _, line = shaken("pier-p1", constants, ground, DT, damping="element")
     worst = 0.0
     for axis, way in enumerate(DIRECTIONS):

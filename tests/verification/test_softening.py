@@ -133,7 +133,7 @@ def test_the_coldest_case_converges_with_the_time_step() -> None:
 
 
 @pytest.mark.parametrize(("name", "temperature", "strain"), COLD)
-def test_mismatch_is_told_as_it_is(
+def test_mismatch_is_reported_as_it_is(
     name: str, temperature: float, strain: float, measured: Recorder
 ) -> None:
     """In softened steps too, the reported mismatch is the distance from the printed law."""

@@ -155,6 +155,7 @@ def test_finer_bands_fit_where_coarse_ones_cannot(poor: tuple[GroundMotion, Matc
     assert fine.misfit < tol.POOR_PHASES
 
 
+@pytest.mark.thorough  # golden cases keep the misfit of motions that are made
 def test_matched_reports_the_misfit_of_its_history(poor: tuple[GroundMotion, Matched]) -> None:
     record, fit = poor
     again = misfit(GroundMotion("again", record.dt, fit.acceleration), softest)

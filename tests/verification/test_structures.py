@@ -11,8 +11,8 @@ from tests.verification.structures import (
     AMBIENT,
     energy_residual,
     exact_linear,
-    ground_of,
     linear_bearing,
+    read_ground,
     real_bearing,
     shaken,
 )
@@ -100,7 +100,7 @@ def test_linear_structure_against_the_exact_solution(method: Method, measured: R
 def test_energy_books(name: str, method: Method, measured: Recorder) -> None:
     """Input = kinetic + damping + springs + hinge + bearings; a strong motion that yields the
     pier. The work of the bearings comes from the bearings' own books."""
-    ground = 2.0 * ground_of("jra-ii-i-1", DT)
+    ground = 2.0 * read_ground("jra-ii-i-1", DT)
     prepared, history = shaken("pier-p1", real_bearing(name), ground, DT, method=method)
     assert history.outcome == "completed"
     yielded = prepared.structure.hinges[0].yield_rotation
@@ -120,7 +120,7 @@ def test_energy_books(name: str, method: Method, measured: Recorder) -> None:
 
 def test_bearing_force_and_stretch_are_those_of_the_coordinates() -> None:
     """Equilibrium of the deck, looked at from outside: m a_abs + C v + 5 F = 0."""
-    ground = ground_of("jra-ii-i-1", DT)
+    ground = read_ground("jra-ii-i-1", DT)
     prepared, history = shaken("pier-p1", real_bearing("shen-lhdr-bridge"), ground, DT)
     bearing = history.bearing()
     stretch = history.rows.q @ prepared.matrices.line_rows[0]
@@ -147,7 +147,7 @@ def test_halving_the_step(
     constants = real_bearing(name)
     peaks = []
     for dt in (0.01, 0.005, 0.0025):
-        ground = ground_of("jra-ii-i-1", dt)
+        ground = read_ground("jra-ii-i-1", dt)
         _, history = shaken(
             "pier-p1", constants, ground, dt, ambient=ambient, method=method, damping=damping
         )
@@ -168,7 +168,7 @@ def test_halving_the_step(
 
 
 def test_symmetric_input_symmetric_output() -> None:
-    ground = 1.5 * ground_of("jra-ii-i-1", DT, 15.0)
+    ground = 1.5 * read_ground("jra-ii-i-1", DT, 15.0)
     constants = real_bearing("shen-lhdr-bridge")
     (_, one), (_, other) = (shaken("pier-p1", constants, s * ground, DT) for s in (1.0, -1.0))
     for there, back in (
@@ -185,7 +185,7 @@ def test_similitude_of_the_specimen() -> None:
     line = structure.bearings[0].model_copy(update={"scale": 1.0})
     full = structure.model_copy(update={"bearings": [line]})
     small = linear_bearing(188.0 / 6.0)
-    ground = ground_of("jra-ii-ii-1", DT, 10.0)
+    ground = read_ground("jra-ii-ii-1", DT, 10.0)
     (_, one), (_, two) = (
         shaken(structure, small, ground, DT),
         shaken(full, linear_bearing(188.0), ground, DT),
@@ -202,7 +202,7 @@ def test_similitude_of_the_specimen() -> None:
 def test_pseudo_dynamic_specimen_has_its_own_clock() -> None:
     """It moves at 10 mm/s: its time is the way it went, over the speed."""
     constants = real_bearing("shen-hdr-specimen")
-    ground = ground_of("jra-ii-ii-1", DT, 20.0)
+    ground = read_ground("jra-ii-ii-1", DT, 20.0)
     _, slow = shaken("hybrid-pier", constants, ground, DT, method="predictor-corrector", speed=10.0)
     bearing = slow.bearing()
     way = np.abs(np.diff(bearing["displacement"])).sum()
@@ -220,7 +220,7 @@ def test_delay_and_noise() -> None:
     On two bearings: with eight one peak may fall while others rise.
     """
     constants = real_bearing("shen-hdr-specimen")
-    ground = ground_of("jra-ii-ii-1", DT, 20.0)
+    ground = read_ground("jra-ii-ii-1", DT, 20.0)
     method: Method = "predictor-corrector"
     _, plain = shaken("hybrid-pier-two-bearings", constants, ground, DT, method=method)
     peaks = {}
@@ -242,7 +242,7 @@ def test_delay_and_noise() -> None:
 
 def test_a_step_without_equilibrium_is_cut() -> None:
     """Huge steps on the hardest case: substeps are taken, the books still close."""
-    ground = 2.0 * ground_of("jra-ii-i-1", 0.05)
+    ground = 2.0 * read_ground("jra-ii-i-1", 0.05)
     _, history = shaken("pier-p1", real_bearing("shen-hdr-bridge"), ground, 0.05, ambient=-40.0)
     assert history.outcome == "completed"
     assert history.substeps > 0
@@ -251,7 +251,7 @@ def test_a_step_without_equilibrium_is_cut() -> None:
 
 def test_failure_is_a_typed_outcome() -> None:
     """Linear acceleration far beyond its stable step runs away: said, not raised."""
-    ground = ground_of("jra-ii-i-1", 0.1)
+    ground = read_ground("jra-ii-i-1", 0.1)
     constants = real_bearing("shen-hdr-bridge")
     _, history = shaken("pier-p1", constants, ground, 0.1, method="predictor-corrector")
     assert history.outcome in ("diverged", "no_equilibrium", "not_finite", "temperature_runaway")
@@ -264,7 +264,7 @@ def test_bearing_is_the_same_as_in_a_cyclic_test() -> None:
     """One step function: the stretch of a structure, imposed in a test, gives the same force."""
     from thermobearing.model.element import BearingElement
 
-    ground = ground_of("jra-ii-i-1", DT, 10.0)
+    ground = read_ground("jra-ii-i-1", DT, 10.0)
     constants = real_bearing("shen-lhdr-bridge")
     _, history = shaken("pier-p1", constants, ground, DT)
     bearing = history.bearing()

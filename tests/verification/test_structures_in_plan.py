@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from tests.verification.structures import ground_of, real_bearing, shaken
+from tests.verification.structures import read_ground, real_bearing, shaken
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import to_table
@@ -131,7 +131,7 @@ def turned(twist: float, arm: tuple[float, float]) -> Floats:
     return np.array([[cos - 1.0, -sin], [sin, cos - 1.0]]) @ arm
 
 
-def point_of(name: str, q: dict[str, float], x: float, y: float, height: float) -> Floats:
+def point_motion(name: str, q: dict[str, float], x: float, y: float, height: float) -> Floats:
     """Displacement of a point of a body of `footing_and_pier` from geometry, for rocking small."""
     if name == "deck":
         own = np.array([q["deck x"], q["deck y"]])
@@ -141,7 +141,7 @@ def point_of(name: str, q: dict[str, float], x: float, y: float, height: float) 
     if name == "footing":
         arm = (x - 3e3, y - 2e3)
         return np.asarray(foot + (height + 2e3) * np.sin(leans) + turned(q["footing twist"], arm))
-    hinge = point_of("footing", q, 4e3, 2.5e3, 0.0)
+    hinge = point_motion("footing", q, 4e3, 2.5e3, 0.0)
     leans = np.array([q["pier rotation x"], q["pier rotation y"]])
     arm = (x - 4e3, y - 2.5e3)
     return np.asarray(hinge + height * np.sin(leans) + turned(q["footing twist"], arm))
@@ -159,7 +159,7 @@ def test_mass_matrix_is_the_kinetic_energy_of_points() -> None:
     places = [dict(zip(names, sign * step * rates, strict=True)) for sign in (1.0, -1.0)]
     energy, momentum = np.zeros(()), np.zeros(2)
     for item in structure.masses:
-        ends = [point_of(item.body, q, *structure.point(item), item.height) for q in places]
+        ends = [point_motion(item.body, q, *structure.point(item), item.height) for q in places]
         speed = (ends[0] - ends[1]) / (2.0 * step)
         energy += 0.5 * item.mass * speed @ speed
         momentum += item.mass * speed
@@ -178,8 +178,8 @@ def test_stretches_and_hinges_in_plan() -> None:
     named = dict(zip(matrices.coordinates, q, strict=True))
     for b, (x, y) in enumerate(((4e3, 2.5e3), (40e3, -1e3))):
         wanted = [
-            point_of("deck", named, x, y, 10e3)[k]
-            - (0.0 if b else point_of("pier", named, x, y, height)[k])
+            point_motion("deck", named, x, y, 10e3)[k]
+            - (0.0 if b else point_motion("pier", named, x, y, height)[k])
             for k, height in enumerate((10e3, 12.5e3))
         ]
         assert_allclose(np.tensordot(q, matrices.line_rows[b], 1), wanted, rtol=1e-6)
@@ -268,7 +268,7 @@ def test_a_mechanism_names_what_meets_no_stiffness() -> None:
     assert '"footing x"' not in str(error.value)
 
 
-def test_the_whole_bridge_moves_like_pier_p1(measured: Recorder) -> None:
+def test_the_bridge_in_plan_moves_like_pier_p1(measured: Recorder) -> None:
     """Without its abutments and end spans, the deck moves along as that of pier P1 does.
 
     Periods and modal damping of pier P1 are those of the bridge then, and a motion along it moves
@@ -284,7 +284,7 @@ def test_the_whole_bridge_moves_like_pier_p1(measured: Recorder) -> None:
     nearest = np.abs(whole.modes.periods[:, None] / own.modes.periods - 1.0).argmin(axis=0)
     assert_allclose(whole.modes.periods[nearest], own.modes.periods, rtol=tol.LOOP)
     assert_allclose(whole.ratios[nearest[0]], own.ratios[0], rtol=1e-9)
-    constants, ground = real_bearing("shen-lhdr-bridge"), ground_of("jra-ii-i-1", 0.005, 9.0)
+    constants, ground = real_bearing("shen-lhdr-bridge"), read_ground("jra-ii-i-1", 0.005, 9.0)
     _, one = shaken(pier, constants, ground, 0.005)
     _, all_piers = shaken(alone, constants, ground, 0.005)
     worst = 0.0
@@ -295,7 +295,7 @@ def test_the_whole_bridge_moves_like_pier_p1(measured: Recorder) -> None:
         ):
             worst = max(worst, float(np.abs(found - wanted).max() / np.abs(wanted).max()))
     measured(
-        "piers of the whole bridge and pier P1, without abutments",
+        "piers of the bridge in plan and pier P1, without abutments",
         f"{worst:.1e}",
         f"{tol.SAME_MOTION:g}",
     )
@@ -304,7 +304,7 @@ def test_the_whole_bridge_moves_like_pier_p1(measured: Recorder) -> None:
     first = {way: table.loc[table[f"effective_mass_{way}"].idxmax()] for way in ("x", "y", "twist")}
     periods = {way: float(row["period_s"]) for way, row in first.items()}
     measured(
-        "first periods of the whole bridge along, across, in twist; of pier P1",
+        "first periods of the bridge in plan along, across, in twist; of pier P1",
         ", ".join(f"{period:.3f} s" for period in (*periods.values(), own.modes.periods[0])),
         "no limit",
     )

@@ -112,7 +112,7 @@ def test_parameters_of_a_fit_leave_the_table_alone() -> None:
         ({"temperatures": [0.0, 1.0], "elastic": [1.0, 0.0], "hysteretic": [1.0, 1.0]}, "0.001"),
     ],
 )
-def test_a_broken_law_is_told(given: dict[str, Any], said: str) -> None:
+def test_a_broken_law_is_reported(given: dict[str, Any], said: str) -> None:
     with pytest.raises(tb.InputError, match=said):
         TemperatureLaw(**given)
 

@@ -25,7 +25,7 @@ FILM, COVER = 12.0, 10.0  # as data/surroundings/outdoors.toml
 BEHIND = "1000 kJ/(m^2 K)"  # some half a metre of concrete
 
 
-def bearing_of(name: str) -> tb.Bearing:
+def select_bearing(name: str) -> tb.Bearing:
     """One of the library, or a round one of 900 mm without lead, 20 layers of 10 mm."""
     if name != "round 900 mm":
         return tb.load_bearing(name)
@@ -43,7 +43,7 @@ def in_the_weather(bearing: tb.Bearing, **analysis: Any) -> Device:
     return build_device(case, case.bearings[0])
 
 
-def time_of(hours: Any, mean: Any, level: float) -> float:
+def time_at_level(hours: Any, mean: Any, level: float) -> float:
     """When a falling temperature is at a level, between samples as an exponential [h]."""
     return float(np.interp(-np.log(level), -np.log(mean), hours))
 
@@ -66,16 +66,16 @@ def test_bearing_follows_the_air_as_finite_elements_do(
 ) -> None:
     from tests.reference.fe_heat import FiniteElements, mean_rubber, weather_problem
 
-    bearing = bearing_of(name)
+    bearing = select_bearing(name)
     problem = weather_problem(bearing, FILM, COVER, behind)
     elements = FiniteElements(problem)
     history = elements.march([(900.0, 4 * 30)], start=np.ones(elements.basis.N))
     level = np.exp(-1.0)
-    fine = time_of(history.time[1:] / HOUR, mean_rubber(problem, history)[1:], level)
+    fine = time_at_level(history.time[1:] / HOUR, mean_rubber(problem, history)[1:], level)
     face = {"film": f"{FILM} W/(m^2 K)", "heat_capacity": BEHIND}
     changed = {"upper_face": face, "lower_face": face} if behind else {}
     hours = fine * np.array([0.8, 0.9, 1.0, 1.1, 1.2])
-    ours = time_of(hours, cooling(in_the_weather(bearing, **changed), hours), level)
+    ours = time_at_level(hours, cooling(in_the_weather(bearing, **changed), hours), level)
     label = f"{name}{', girder and pier top behind the faces' if behind else ''}"
     measured(
         f"Weather, {label}: rubber to 1/e, against finite elements",
@@ -88,11 +88,11 @@ def test_bearing_follows_the_air_as_finite_elements_do(
 def test_faces_held_at_the_air_are_three_times_too_fast(measured: Recorder) -> None:
     """The exchange of laboratory tests (eta_B = 2, no cover), once the default of weather too."""
     for name, least in (("shen-hdr-bridge", 2.8), ("shen-lhdr-bridge", 2.2)):
-        bearing = bearing_of(name)
+        bearing = select_bearing(name)
         hours = np.arange(0.5, 9.0, 0.5)
         held = make_earthquake_case({"command": "bridge", "bearings": [bearing]}, "test")
         found = [
-            time_of(hours, cooling(device, hours), np.exp(-1.0))
+            time_at_level(hours, cooling(device, hours), np.exp(-1.0))
             for device in (build_device(held, bearing), in_the_weather(bearing))
         ]
         assert found[1] / found[0] > least
@@ -156,7 +156,7 @@ def test_other_rests_keep_their_steps() -> None:
     np.testing.assert_allclose(np.cumsum(cut.dt)[ends], np.cumsum(segment.dt), rtol=1e-12)
     moving = cut_rests(constants, segment, keep, 1.0)  # its first step comes from elsewhere
     assert moving[0].dt[0] == segment.dt[0]
-    told: list[int] = []
+    reported: list[int] = []
     uniform = np.ones(len(constants.cells.capacity))
-    run_segments(constants, [segment], Ambient.constant(0.0), uniform, progress=told.append)
-    assert sum(told) == len(segment.x)
+    run_segments(constants, [segment], Ambient.constant(0.0), uniform, progress=reported.append)
+    assert sum(reported) == len(segment.x)

@@ -1,6 +1,6 @@
 """Bearings by name or file: the TOML library of the package, and user files."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -191,6 +191,6 @@ def _put_in(table: dict[str, Any], changes: Mapping[str, Any], above: str) -> di
     return sources
 
 
-def _within(key: str, changed: Mapping[str, str]) -> bool:
+def _within(key: str, changed: Iterable[str]) -> bool:
     """Return whether a key, or a table that contains it, was changed."""
     return any(key == one or key.startswith(f"{one}.") for one in changed)

@@ -20,7 +20,7 @@ from thermobearing.laws import BUILT_IN, find_law, laws_to_apply
 
 LawCelsius = Annotated[float, in_unit("degC"), Field(ge=-150, le=300)]
 Factor = Annotated[float, Field(ge=1e-3, le=1e3)]
-LawNumber = Annotated[float, Field(ge=-1e12, le=1e12)]  # has the limits of its law besides
+LawNumber = Annotated[float, Field(strict=True, ge=-1e12, le=1e12)]  # and the limits of its law
 Factors = Annotated[list[Factor], Field(min_length=2, max_length=100)]
 
 
@@ -177,7 +177,7 @@ class Validity(Strict):
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         if set(given) & set(cls.model_fields):
             return []
-        return [f"give one of {', '.join(cls.model_fields)} at least, as [lowest, highest]"]
+        return [f"give at least one of {', '.join(cls.model_fields)}, as [lowest, highest]"]
 
     def model_post_init(self, context: Any) -> None:
         """Compare values after conversion of units."""
@@ -492,7 +492,8 @@ class Bearing(Sourced):
             raise ValueError('kind "HDR" has no lead; use "LHDR" or "LRB"')
         if self.lead_area >= self.area:
             raise ValueError(
-                f"the lead cores take {self.lead_area:g} mm2 of a plan of {self.area:g} mm2"
+                f"the lead cores have an area of {self.lead_area:g} mm2, the plan only "
+                f"{self.area:g} mm2"
             )
         return self
 
@@ -502,14 +503,14 @@ class Bearing(Sourced):
         yielding = self.hysteresis.yield_displacement / self.geometry.rubber_thickness
         if not EARLIEST <= yielding <= LATEST:
             raise ValueError(
-                f"hysteresis.yield_displacement and geometry.rubber_thickness make a yield strain "
-                f"of {yielding:.3g}: must be {EARLIEST:g} to {LATEST:g}"
+                "hysteresis.yield_displacement and geometry.rubber_thickness give a yield "
+                f"strain of {yielding:.3g}: must be {EARLIEST:g} to {LATEST:g}"
             )
         modulus = self.hysteresis.layer_stiffness * self.geometry.rubber_thickness / self.area
         modulus *= NEWTON_PER_KILONEWTON
         if not SOFTEST <= modulus <= HARDEST:
             raise ValueError(
-                f"hysteresis.layer_stiffness, plan and rubber_thickness make a shear modulus "
+                "hysteresis.layer_stiffness, plan and rubber_thickness give a shear modulus "
                 f"K_r t_r / A of {modulus:.3g} MPa: must be {SOFTEST:g} to {HARDEST:g} MPa"
             )
         return self

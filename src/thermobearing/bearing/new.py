@@ -2,15 +2,13 @@
 
 import re
 from pathlib import Path
-from typing import Annotated, Any
-
-from pydantic import Field
+from typing import Any
 
 from thermobearing.bearing.compound import Compound, as_compound
-from thermobearing.bearing.model import Bearing, Cells, Geometry, Plan, PlanSize, Thickness
+from thermobearing.bearing.model import Bearing, Cells, Geometry
 from thermobearing.bearing.scaling import RULES, Cores, build_bearing, extract_compound
 from thermobearing.border.errors import InputError
-from thermobearing.border.schema import Strict, in_unit, validated
+from thermobearing.border.schema import Strict, validated
 from thermobearing.border.units import parse_quantity
 
 END_PLATE = 30.0  # [mm], default; usual are 20 to 50
@@ -22,16 +20,8 @@ GIVEN = {"lead.cores", "lead.diameter", "lead.confined", "lead.end_spreading"}
 class Drawing(Strict):
     """The dimensions of a drawing, validated."""
 
-    plan: Plan
-    rubber_layers: Annotated[int, Field(ge=1, le=200)]
-    rubber_thickness: Thickness
-    shim: Thickness
-    end_plate: Thickness
-    sealing_plate: Annotated[float, in_unit("mm"), Field(ge=0, le=1e3)]
-    lead: PlanSize | None
-    cores: Annotated[int, Field(ge=1, le=1000)]
-    confined: bool
-    end_spreading: Annotated[float, Field(ge=1e-3, le=1)]
+    geometry: Geometry
+    lead: Cores | None
 
 
 def new_bearing(
@@ -89,39 +79,21 @@ def new_bearing(
         raise InputError(f"name = {name!r}: must be a valid file name without blanks")
     source = as_compound(compound)
     of = extract_compound(source) if isinstance(source, Bearing) else source
-    given = {
+    size = {
         "plan": _plan(plan, diameter),
         **_layers(layers),
-        "shim": shim,
-        "end_plate": END_PLATE if end_plate is None else end_plate,
-        "sealing_plate": sealing_plate,
-        "lead": lead,
-        "cores": cores,
-        "confined": confined,
-        "end_spreading": end_spreading,
+        "shim_thickness": shim,
+        "end_plate_thickness": END_PLATE if end_plate is None else end_plate,
+        "sealing_plate_thickness": sealing_plate,
     }
+    held = {"cores": cores, "diameter": lead, "confined": confined, "end_spreading": end_spreading}
+    given = {"geometry": size, "lead": None if lead is None else held}
     drawing = validated(Drawing, given, f'new bearing "{name}"', from_file=False)
-    geometry = Geometry(
-        plan=drawing.plan,
-        rubber_layers=drawing.rubber_layers,
-        rubber_thickness=drawing.rubber_thickness,
-        shim_thickness=drawing.shim,
-        end_plate_thickness=drawing.end_plate,
-        sealing_plate_thickness=drawing.sealing_plate,
-    )
-    held = None
-    if drawing.lead is not None:
-        held = Cores(
-            cores=drawing.cores,
-            diameter=drawing.lead,
-            confined=drawing.confined,
-            end_spreading=drawing.end_spreading,
-        )
     made = build_bearing(
         of,
         name,
-        geometry,
-        held,
+        drawing.geometry,
+        drawing.lead,
         cells=Cells(),
         description=description or f"{layers} of {of.name}",
         citation=f"derived from compound {of.name}" + (f": {of.citation}" if of.citation else ""),

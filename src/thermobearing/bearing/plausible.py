@@ -17,21 +17,12 @@ from thermobearing.border.units import NEWTON_PER_KILONEWTON
 
 
 class Usual(Strict):
-    """Usual values of one number of a bearing, and where they are from.
+    """Usual values of one number of a bearing, and where they are from."""
 
-    Attributes
-    ----------
-    key : of a bearing's file, or the name of a derived number.
-    lowest, largest : as text, with their unit.
-    kinds : kinds of bearings that it applies to; all if empty.
-    source, note : origin of the range.
-    slip : the usual cause of a value outside.
-    """
-
-    key: str
-    lowest: str
+    key: str  # of a bearing's file, or the name of a derived number
+    lowest: str  # with its unit
     largest: str
-    kinds: list[str] = []  # noqa: RUF012 (pydantic copies it)
+    kinds: tuple[str, ...] = ()  # of bearings that it applies to; all if empty
     source: Annotated[str, Field(min_length=1)]
     note: Annotated[str, Field(min_length=1)]
     slip: Annotated[str, Field(min_length=1)]  # the usual cause of a value outside
@@ -101,13 +92,13 @@ def sentence(what: str, value: float, usual: Usual) -> str:
 
     `what`: label of the parameter; `value`: in the unit of the range.
 
-    >>> sentence("layer", 200.0, usual_values()[0])[:46]
-    'layer = 200 mm: usual are 1.5 to 40 mm (assume'
+    >>> sentence("layer", 200.0, usual_values()[0])[:47]
+    'layer = 200 mm: the usual range is 1.5 to 40 mm'
     """
     low, high = usual.ends
     unit = f" {usual.unit}" if usual.unit else ""
     return (
-        f"{what} = {value:.4g}{unit}: usual are {low:g} to {high:g}{unit} "
+        f"{what} = {value:.4g}{unit}: the usual range is {low:g} to {high:g}{unit} "
         f"({usual.source}: {usual.note}). Usual cause: {usual.slip}"
     )
 

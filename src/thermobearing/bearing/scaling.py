@@ -24,16 +24,8 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
 
-WITHOUT_SIZE = (
-    "post_yield_ratio",
-    "shape",
-    "hardening",
-    "elastic_temperature_coefficient",
-    "hysteretic_temperature_coefficient",
-    "reference_temperature",
-    "small_loops",
-)
-OF_LEAD = ("yield_stress", "softening", "reference_temperature", "surface_ratio", "clock")
+WITHOUT_SIZE = [key for key in CompoundRubber.model_fields if key in RubberHysteresis.model_fields]
+OF_LEAD = [key for key in CompoundLead.model_fields if key in LeadCores.model_fields]
 COPIED = ("materials", "temperature_law", "hysteresis_law", "tested_range", "scragging")
 RULES = {  # key of a bearing: key of its compound, rule that divides the size out, and back
     "hysteresis.layer_stiffness": ("rubber.shear_modulus", "K_r t_r/A", "K_r = G_r A/t_r"),
@@ -143,7 +135,8 @@ def split_parts(compound: Compound, geometry: Geometry, cores: Cores | None) -> 
     net = geometry.plan.area - lead_area
     if net <= 0.0:
         raise InputError(
-            f"the lead cores take {lead_area:g} mm2 of a plan of {geometry.plan.area:g} mm2"
+            f"the lead cores have an area of {lead_area:g} mm2, the plan only "
+            f"{geometry.plan.area:g} mm2"
         )
     layer = rubber.shear_modulus * net / geometry.rubber_thickness / NEWTON_PER_KILONEWTON
     hysteresis = RubberHysteresis(

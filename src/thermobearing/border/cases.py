@@ -1,7 +1,7 @@
 """Cases of analyses as tables: load names and files in them, then validate all keys at once."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -17,8 +17,6 @@ def load_things(
     key: str,
     load: Callable[[Any], Any],
     folder: Path = Path(),
-    *,
-    known: Iterable[str] = (),
     before: str = "",
 ) -> list[str]:
     """Replace a name or file in a table, or each one in a list, by the object that `load` returns.
@@ -32,9 +30,8 @@ def load_things(
     several = isinstance(given, list | tuple)
     for number, item in enumerate(given if several else [given]):
         if isinstance(item, str | Path):
-            own = str(item).endswith(".toml") and str(item) not in known
             try:
-                item = load(folder / item if own else item)
+                item = load(folder / item if str(item).endswith(".toml") else item)
             except InputError as error:
                 faults += error.lines(before + (f"{key}[{number}]" if several else key))
         loaded.append(item)
@@ -95,7 +92,7 @@ def made_case(
     if not isinstance(given, model):
         raise InputError(f"needs a file, a table or a {model.__name__}", where)
     if overrides:
-        raise InputError("a finished case accepts no further values", where)
+        raise InputError("a complete case accepts no further values", where)
     return given
 
 

@@ -1,7 +1,7 @@
 """Exceptions whose messages name the fault and the valid input."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from itertools import islice
 from pathlib import Path
@@ -10,6 +10,7 @@ from unicodedata import category
 HIDDEN = ("Cc", "Cf", "Cs")  # control characters, marks without a shape, lone surrogates
 LONGEST_NAME = 500  # characters of a path that a message shows
 MOST_BESIDE = 2000  # files of a folder that are searched for a similar name
+ALIKE, STEMS_ALIKE = 0.6, 0.75  # least similarity of names, and of files without their suffix
 
 
 class ThermobearingError(Exception):
@@ -65,8 +66,10 @@ def read_bytes(path: Path, most: int) -> bytes:
         raise
     except FileNotFoundError:
         with suppress(OSError, ValueError):  # name a file of nearly that name
-            names = [item.name for item in islice(path.parent.iterdir(), MOST_BESIDE)]
-            hint = closest(path.name, names)
+            beside = sorted(islice(path.parent.iterdir(), MOST_BESIDE))
+            beside.sort(key=lambda item: item.suffix == path.suffix)  # the last of a stem counts
+            names = {item.stem: item.name for item in beside}
+            hint = _suggestion(path.stem, names, STEMS_ALIKE)
         raise InputError(f"no such file{hint}", shown) from None
     except IsADirectoryError:
         raise InputError("is a directory, not a file", shown) from None
@@ -97,8 +100,13 @@ def is_folder(path: Path) -> bool:
 
 def closest(name: str, known: Iterable[str]) -> str:
     """Return a clause '; did you mean "..."?' with the closest known name, or nothing."""
-    close = difflib.get_close_matches(str(name), sorted(known), n=1, cutoff=0.6)
-    return f'; did you mean "{close[0]}"?' if close else ""
+    return _suggestion(name, {one: one for one in known}, ALIKE)
+
+
+def _suggestion(name: str, shown: Mapping[str, str], cutoff: float) -> str:
+    """Return the clause with the value of the closest key, if that is similar enough."""
+    close = difflib.get_close_matches(str(name), sorted(shown), n=1, cutoff=cutoff)
+    return f'; did you mean "{shown[close[0]]}"?' if close else ""
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

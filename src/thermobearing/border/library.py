@@ -10,7 +10,7 @@ from typing import Any, Self, TypeVar
 
 from pydantic import PrivateAttr
 
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError, is_folder, nearest
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import flat, read_toml, split_sources, to_table
 
@@ -45,7 +45,9 @@ def is_path(name_or_path: str | Path) -> bool:
 
 
 def unknown_name(what: str, name: str, known: Iterable[str]) -> InputError:
-    """Return the error for an unknown name, with the nearest known one."""
+    """Return the error for an unknown name, with the nearest known one, or for a directory."""
+    if name and is_folder(Path(name)):
+        return InputError("is a directory, not a file", name)
     return InputError(f'no {what} is named "{name}"{nearest(name, known)}')
 
 

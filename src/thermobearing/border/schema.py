@@ -1,6 +1,7 @@
 """Strict schemas with units: TOML tables become validated objects, errors become sentences."""
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, NamedTuple, TypeVar, get_args
@@ -27,7 +28,7 @@ from thermobearing.border.units import HUGEST, parse_quantity, with_unit
 M = TypeVar("M", bound="Strict")
 LONGEST_NAME = 200  # characters of the name of a thing
 SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source = ...}
-UNION = ("float", "int", "str", "bool", "none", "list", "tuple", "function-", "constrained-")
+UNION = ("float", "int", "str", "bool", "none", "list", "tuple", "function", "constrained")
 TAGS = ("shape", "step", "kind", "part")  # keys that state which of several tables one is
 MOST_FAULTS = 50  # of a file that a message holds
 # Messages by the type of pydantic's error; "own" and "conflict" are types of errors raised here.
@@ -251,7 +252,8 @@ def _resolve(
         if isinstance(part, int):
             keys[-1:] = [f"{keys[-1]}[{part}]" if keys else f"[{part}]"]
             continue
-        if not models and keys and part.startswith(UNION):  # a member of a union, which is no key
+        if not models and keys:  # a member of a union, or a key of a dictionary of plain values
+            keys += [] if re.split(r"\W", part)[0] in UNION else [part]
             continue
         tagged = [m for m in models if part in _tags(m)] if len(models) > 1 else []
         if tagged:
@@ -396,6 +398,6 @@ def overridden(
 def check_workers(where: str, executor: Any = None, progress: Any = None) -> None:
     """Refuse an executor or a callback that cannot be one, before anything is computed."""
     if executor is not None and not callable(getattr(executor, "submit", None)):
-        raise InputError("executor: must be one of concurrent.futures, or like it", where)
+        raise InputError("executor: must be like an executor of concurrent.futures", where)
     if progress is not None and not callable(progress):
         raise InputError("progress: must be a function of two numbers", where)

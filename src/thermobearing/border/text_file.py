@@ -57,8 +57,8 @@ def file_names(names: Iterable[str]) -> list[str]:
     return found
 
 
-def write_file(target: Path, content: str | bytes, *, overwrite: bool) -> None:
-    """Write a file atomically; OutputError if it exists (without `overwrite`) or on failure."""
+def check_file(target: Path, *, overwrite: bool) -> None:
+    """Refuse a file that exists (without `overwrite`), and a directory in its place."""
     try:
         if target.is_dir():
             raise OutputError(f"{target}: is a directory; name a file (-o FILE for a command)")
@@ -67,7 +67,19 @@ def write_file(target: Path, content: str | bytes, *, overwrite: bool) -> None:
                 f"{target}: exists; give --overwrite (in Python overwrite=True) to replace it, or "
                 "choose another file"
             )
+    except (OSError, ValueError) as error:  # a name too long, a null byte in it
+        raise _unwritten(target, error) from None
+
+
+def write_file(target: Path, content: str | bytes, *, overwrite: bool) -> None:
+    """Write a file atomically; OutputError if it exists (without `overwrite`) or on failure."""
+    check_file(target, overwrite=overwrite)
+    try:
         write_whole(target, content.encode("utf-8") if isinstance(content, str) else content)
-    except (OSError, ValueError) as error:  # no such directory, a null byte in the name
-        reason = getattr(error, "strerror", None) or error
-        raise OutputError(f"{target}: cannot be written: {reason}") from None
+    except (OSError, ValueError) as error:  # no such directory, a full disk
+        raise _unwritten(target, error) from None
+
+
+def _unwritten(target: Path, error: Exception) -> OutputError:
+    """Return the error for a file that the system does not write."""
+    return OutputError(f"{target}: cannot be written: {getattr(error, 'strerror', None) or error}")

@@ -83,7 +83,7 @@ def _converted(unit: str, target: str) -> tuple[float, float]:
         angular = "radian" in str(given.to_root_units().units)
     except pint.DimensionalityError:
         raise InputError(f'unit "{unit}" cannot be converted to {target}') from None
-    except (pint.PintError, ArithmeticError, AssertionError, AttributeError):
+    except (pint.PintError, ArithmeticError, AssertionError, AttributeError, LookupError):
         raise unknown from None
     except (RecursionError, SyntaxError, TypeError, ValueError, tokenize.TokenError):
         raise unknown from None

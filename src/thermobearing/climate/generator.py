@@ -85,12 +85,7 @@ class Climate(Strict):
 CLIMATES = Library("climate", "climates")
 
 
-def list_climates() -> list[str]:
-    """Return the names of the built-in climates."""
-    return CLIMATES.names()
-
-
-def _load_climate(name_or_path: str | Path) -> Climate:
+def load_climate(name_or_path: str | Path) -> Climate:
     """Return a climate of the library by name, or from your own TOML file."""
     table, where = CLIMATES.read(name_or_path)
     return validated(Climate, table, where)
@@ -115,7 +110,7 @@ def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int =
     >>> len(weather), bool(weather.temperature.min() < -15.0)
     (17520, True)
     """
-    known = climate if isinstance(climate, Climate) else _load_climate(climate)
+    known = climate if isinstance(climate, Climate) else load_climate(climate)
     hours = _hours(years)
     if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
         raise InputError(f"seed = {seed!r}: must be an integer of 0 or more", known.name)

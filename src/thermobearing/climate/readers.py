@@ -61,8 +61,8 @@ def read_weather(path: str | Path) -> Hourly:
     if not (gaps > 0.0).all():
         k = int(np.argmin(gaps > 0.0))
         raise InputError(
-            f"time does not increase from reading {k + 1} to {k + 2}; give it in one zone, without "
-            "summer time",
+            f"time does not increase from reading {k + 1} to {k + 2}; use one time zone, "
+            "without daylight saving time",
             str(path),
         )
     if gaps.max() > LONGEST_GAP * HOUR:
@@ -155,7 +155,7 @@ def _dates(lines: list[_Line]) -> tuple[Dates, list[str]]:
         dates = np.array([_date(line, year) for line, year in zip(lines, years, strict=True)])
         follows = np.diff(dates) == hour
         if follows.all():
-            note = "its months are of several years; dates are those of a typical year"
+            note = "its months are from several years; the dates of a typical year are used"
             return dates, [] if years is stated else [note]
     k = int(np.argmin(follows))
     one, two = lines[k], lines[k + 1]

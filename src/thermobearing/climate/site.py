@@ -12,14 +12,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from thermobearing.border.errors import InputError, is_file, nearest
-from thermobearing.climate.generator import generate_weather, list_climates
+from thermobearing.border.errors import InputError, is_file, is_folder, nearest
+from thermobearing.climate.generator import CLIMATES, generate_weather
 from thermobearing.climate.hourly import DAY, Hourly
 from thermobearing.climate.readers import read_weather
 from thermobearing.core.records import Floats, Ints
 
 YEAR = 365  # days of a winter year, at least
-PERIODS = (2, 10, 50)  # return periods [year]
+RETURN_PERIOD = 50  # of the design temperature [year]
+PERIODS = (2, 10, RETURN_PERIOD)
 FEWEST = 10  # winters for return periods
 LIMITS = tuple(range(0, -41, -5))  # of cold days [degC]
 SAMPLES, ENDS = 1000, (0.05, 0.95)  # of the bootstrap
@@ -31,10 +32,10 @@ def as_weather(weather: str | Path | Hourly) -> Hourly:
     if isinstance(weather, Hourly):
         return weather
     name = str(weather)
-    if name in list_climates() or name.endswith(".toml"):
+    if name in CLIMATES.names() or name.endswith(".toml"):
         return generate_weather(name)
-    if not is_file(Path(name)):
-        raise InputError(f'no file "{name}", and no climate{nearest(name, list_climates())}')
+    if not (is_file(Path(name)) or is_folder(Path(name))):
+        raise InputError(f'no file "{name}", and no climate{nearest(name, CLIMATES.names())}')
     return read_weather(name)
 
 
@@ -54,7 +55,7 @@ class Site:
     cold_days: pd.DataFrame  # number and longest run of days below temperatures
 
 
-def find_cold(weather: str | Path | Hourly, return_period: int = 50) -> Site:
+def find_cold(weather: str | Path | Hourly, return_period: int = RETURN_PERIOD) -> Site:
     """Return the cold of a site: for instantaneous stiffening, and for crystallization.
 
     The coldest daily mean of each winter follows a Gumbel distribution (L-moments; interval from
@@ -150,14 +151,14 @@ def _cold_days(winters: list[Floats]) -> pd.DataFrame:
     rows = []
     for limit in LIMITS:
         counts = np.array([int((winter < limit).sum()) for winter in means])
-        runs, whole = (
+        runs, all_day = (
             np.array([_longest_run(winter < limit) for winter in each]) for each in (means, highest)
         )
         if counts.any():
             row = {"limit_degC": float(limit), "days_per_year": float(counts.mean())}
             row |= {"run_mean_days": float(runs.mean()), "run_10_years_days": _once_in(runs, 10)}
             row |= {"run_50_years_days": _once_in(runs, 50), "run_longest_days": int(runs.max())}
-            rows.append(row | {"run_all_day_days": int(whole.max())})
+            rows.append(row | {"run_all_day_days": int(all_day.max())})
     return pd.DataFrame(rows)
 
 

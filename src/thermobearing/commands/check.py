@@ -8,24 +8,17 @@ from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
 from thermobearing.bearing.compound import COMPOUNDS, Compound, load_compound
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing, TemperatureLaw, Validity
-from thermobearing.bearing.plausible import Usuals, implausible
+from thermobearing.bearing.plausible import implausible
 from thermobearing.border.errors import InputError, is_file
 from thermobearing.border.library import data_path
-from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml, split_sources
-from thermobearing.climate.generator import Climate
+from thermobearing.climate.generator import Climate, load_climate
 from thermobearing.cyclic.case import LIMITS, Case, Rig, load_case, load_rig
 from thermobearing.cyclic.comparison import REFERENCE, TOLERABLE, cells_error
 from thermobearing.cyclic.history import build_segments
 from thermobearing.design.case import DesignCase, bearing_weight, load_design_case
-from thermobearing.design.codes import Published
-from thermobearing.design.peaks import Rules
-from thermobearing.design.sizing import Curves
 from thermobearing.earthquake.case import EarthquakeCase, OnLine, load_earthquake_case
-from thermobearing.identify.fit.parameters import Kinds
-from thermobearing.identify.records.record import ChamberNumbers, TestRecord, load_test
-from thermobearing.identify.uncertainty.covariance import Groups
-from thermobearing.model.outcomes import TemperatureLimits
+from thermobearing.identify.records.record import TestRecord, load_test
 from thermobearing.model.stack import build_stack
 from thermobearing.opensees.case import ServedCase, load_served_case
 from thermobearing.results.ranges import TESTED
@@ -39,22 +32,7 @@ from thermobearing.studies.definition.motions import with_stand_ins
 from thermobearing.studies.definition.record import Posterior, Study
 from thermobearing.tables.laboratory import Sidecar
 
-# Kind: keys that identify it, and its record.
-DATA: dict[str, tuple[set[str], type[Strict]]] = {
-    "rubber curves": ({"compounds", "smallest_strain"}, Curves),
-    "published factors": ({"tables"}, Published),
-    "assumed uncertainties": ({"groups"}, Groups),
-    "parameters of calibrations": ({"remedies"}, Kinds),
-    "ambient temperature of tests": ({"ambient_drift"}, ChamberNumbers),
-    "usual values": ({"usual"}, Usuals),
-    "climate": ({"monthly_mean", "daily_range"}, Climate),
-    "temperature limits": ({"absolute_zero"}, TemperatureLimits),
-    "rules of peaks": ({"rules"}, Rules),
-}
-SHIPPED = "data of the package"  # read key by key
-LIBRARIES = {"bearings", "bilinear", "compounds", "rigs", "structures", "studies"}  # of things
-
-
+LIBRARIES = {"bearings", "bilinear", "climates", "compounds", "rigs", "structures", "studies"}
 # Keys of one kind of file only, to recognise files that do not state what they are.
 DESIGNS = set(DesignCase.model_fields) - set(EarthquakeCase.model_fields)
 DESIGNS -= set(Sidecar.model_fields)
@@ -79,11 +57,6 @@ def check_file(path: Path) -> Checked:
     """
     table, _ = split_sources(read_toml(path))
     kind = _find_kind(table, path)
-    if kind not in KINDS:  # data of the package
-        if kind in DATA:
-            validated(DATA[kind][1], table, str(path))
-        entries = ", ".join(str(key) for key in table if key != "citation")
-        return Checked(kind, {"entries": entries}, [])
     load, facts, parts = KINDS[kind]
     thing = load(path)
     found = parts(thing)
@@ -108,9 +81,8 @@ def _find_kind(table: dict[str, Any], path: Path) -> str:
     for kind, library in (("structure", STRUCTURES), ("compound", COMPOUNDS)):
         if table.get("based_on") in library.names():
             return kind
-    data = ((kind, its) for kind, (its, _) in DATA.items())
     if path.parent.name not in LIBRARIES and path.absolute().is_relative_to(data_path()):
-        return next((kind for kind, its in data if its & keys), SHIPPED)
+        raise InputError("is data of the package, not input of an analysis", str(path))
     if table.get("command") == "serve":
         return "served case"
     for kind, its in (
@@ -118,7 +90,7 @@ def _find_kind(table: dict[str, Any], path: Path) -> str:
         ("sequence case", {"parts"}),
         ("earthquake case", {"command"}),
         ("bearing", {"geometry", "hysteresis", "materials", "kind", "based_on"}),
-        *data,
+        ("climate", {"monthly_mean", "daily_range"}),
         ("design case", DESIGNS),
         ("earthquake case", EARTHQUAKES),
         ("test record", TESTS),
@@ -254,7 +226,7 @@ def _served_facts(case: ServedCase) -> dict[str, str]:
     return {
         "bearing": f"{case.bearing.name} ({case.bearing.description})",
         "ambient": f"{case.ambient:g} degC",
-        "element": f"{case.count} side by side, in {case.units}-s",
+        "element": f"{case.count} in parallel, in {case.units}-s",
     }
 
 
@@ -328,9 +300,10 @@ def _tested(tested: Validity | None) -> str:
     """Return the calibration range of a bearing or a compound."""
     if tested is None:
         return "range not given (tested_range)"
-    shown = [(*TESTED[name][1:4], *ends) for name, ends in tested.ranges().items()]
+    shown = [(*TESTED[name][1:4], ends) for name, ends in tested.ranges().items()]
     return ", ".join(
-        f"{what} {k * low:g} to {k * high:g}{unit}" for what, k, unit, low, high in shown
+        f"{what} {' to '.join(dict.fromkeys(f'{k * end:g}{unit}' for end in ends))}"
+        for what, k, unit, ends in shown
     )
 
 
@@ -349,6 +322,12 @@ def _rig_facts(rig: Rig) -> dict[str, str]:
     return {"name": rig.name, "description": rig.description, **text}
 
 
+def _climate_facts(climate: Climate) -> dict[str, str]:
+    coldest, warmest = min(climate.monthly_mean), max(climate.monthly_mean)
+    monthly = f"{coldest:g} to {warmest:g} degC"
+    return {"name": climate.name, "description": climate.description, "monthly means": monthly}
+
+
 def _levels(study: Study) -> list[Any]:
     """Return bearings and structures of a study, those that are levels."""
     bearings = [one for one in study.factors.bearing.levels if not isinstance(one, Posterior)]
@@ -364,6 +343,7 @@ KINDS: dict[
     "compound": (load_compound, _compound_facts, lambda _: []),
     "structure": (load_structure, _structure_facts, lambda structure: [structure]),
     "rig": (lambda path: load_rig(path.absolute()), _rig_facts, lambda _: []),
+    "climate": (load_climate, _climate_facts, lambda _: []),
     "test record": (load_test, _record_facts, lambda _: []),
     "earthquake case": (
         load_earthquake_case,

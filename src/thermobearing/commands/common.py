@@ -30,7 +30,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
-from thermobearing.border.errors import InputError, OutputError, printable
+from thermobearing.border.errors import InputError, OutputError, printable, shortened
 
 if TYPE_CHECKING:
     from thermobearing.report.title import TitleBlock
@@ -60,9 +60,10 @@ RESAMPLE = (
     "|Bring the second record of a pair to the time step of the first, and cut both to one length."
 )
 
+TABLES = {"exposure"}  # keys whose option gives one entry of a table
 FEW_LETTERS = {"dt"}  # no word of a sentence, like those with an underscore
-# Options of the command that runs, and whether each was given.
-RUNNING: ContextVar[dict[str, bool] | None] = ContextVar("running", default=None)
+# Keys of cases that options of the command that runs give, their options, whether each was given.
+RUNNING: ContextVar[dict[str, tuple[str, bool]] | None] = ContextVar("running", default=None)
 
 
 def _as_options(text: str) -> str:
@@ -73,23 +74,28 @@ def _as_options(text: str) -> str:
     in advice ("a larger dt", "give trust_unit") becomes the option of that name, if the command has
     it. The name of a function is omitted. Outside a command the text is unchanged.
 
-    >>> before = RUNNING.set({"--dt": True, "--keep-every": False})
+    >>> before = RUNNING.set({"dt": ("--dt", True), "keep_every": ("--keep-every", False)})
     >>> _as_options("command line: test.dt = '9 s': must be at most 1 s")
     "command line: --dt = '9 s': must be at most 1 s"
     >>> _as_options("case.toml: keep_every = 0: must be at least 1; or a larger dt, keep_every")
     'case.toml: keep_every = 0: must be at least 1; or a larger --dt, --keep-every'
     >>> RUNNING.reset(before)
     """
-    options = RUNNING.get() or {}
-    for flag, given in options.items():
-        key = flag[2:].replace("-", "_")
+    options = RUNNING.get()
+    if options is None:
+        return text
+    text = re.sub(r"^\w+\(\): ", "", text)
+    for key, (flag, given) in options.items():
         if given:  # alone or of a table, one or a list of them
-            plural = "" if f"{flag}s" in options else "s?"
-            said_of = rf"(?<![\w./-])(?:\w+(?:\[\d+\])?\.)?{key}{plural}(?:\[\d+\])?(?= = |: )"
-            text = re.sub(said_of, flag, text)
+            one = key if key.removesuffix("s") in options else key.removesuffix("s")
+            plural = "" if f"{key}s" in options else "s?"
+            said_of = rf"(?<![\w./-])(?:\w+(?:\[\d+\])?\.)?{one}"
+            if key in TABLES:
+                text = re.sub(rf"{said_of}\.(?=\w+(?: = |: |\"))", f"{flag} ", text)
+            text = re.sub(rf"{said_of}{plural}(?:\[\d+\])?(?= = |: )", flag, text)
         if "_" in key or key in FEW_LETTERS:
             text = re.sub(rf"(?<![\w.\"/=-]){key}(?![\w\"/=]| = |: |\.\w)", flag, text)
-    return text
+    return re.sub(r"\b\w+\[\d+\]: (?=--)", "", text)
 
 
 def _fail(message: str, status: int, outcome: str, as_json: bool) -> typer.Exit:
@@ -131,13 +137,10 @@ def reported(command: Callable[..., Answer]) -> Callable[..., None]:
     return _wrapper
 
 
-@dataclass(frozen=True)
-class Printed:
-    """Options of every command: the output directory, and what is printed."""
+@dataclass(frozen=True, kw_only=True)
+class Drawn:
+    """Options of a command that draws figures: their style, and whether anything is printed."""
 
-    output: Path | None = None
-    overwrite: bool = False
-    no_figures: bool = False
     figure_format: str | None = None
     figure_width: str | None = None
     no_titles: bool = False
@@ -152,11 +155,23 @@ class Printed:
 
     @property
     def figures(self) -> dict[str, Any]:
-        """The keywords of figures for `save`; empty without figures."""
-        if self.no_figures:
-            return {}
+        """The keywords of figures for `save_all`."""
         titles = not self.no_titles
         return {"format": self.figure_format or "png", "width": self.figure_width, "titles": titles}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Printed(Drawn):
+    """Options of every command with a result: the output directory, and what is printed."""
+
+    output: Path | None = None
+    overwrite: bool = False
+    no_figures: bool = False
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """The keywords of figures for `save`; empty without figures."""
+        return {} if self.no_figures else super().figures
 
     def target(self, usual: str = "") -> Path:
         """Return the result directory, which is free to be written."""
@@ -205,7 +220,7 @@ class Printed:
         return {"exit_status": 0, **result.summary()}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Ending(Printed):
     """The options of a command that writes a report too."""
 
@@ -260,14 +275,18 @@ class Ending(Printed):
         title = self._block()
         if not self.with_report and title == TitleBlock():
             return []
-        from thermobearing.reporting import Kinds, keep_title, make_documents
+        from thermobearing.reporting import keep_title, make_report
 
         try:
             if not self.with_report:
                 keep_title(target, title)
                 return []
-            kinds = Kinds(self.report, self.report, self.workbook, live=not self.no_live)
-            return make_documents(target, kinds, title=title, template=self.template)
+            kinds: dict[str, Any] = {
+                "html": self.report,
+                "workbook": self.workbook,
+                "live": not self.no_live,
+            }
+            return make_report(target, title=title, template=self.template, **kinds)
         except (InputError, OutputError) as error:
             message = f"the result is in {target}, but its report could not be written: {error}"
             raise type(error)(message) from None
@@ -356,8 +375,6 @@ def _progress_bar(console: Console) -> Progress:
 
 
 WIDTH, MOST = 100, 200  # letters of a line where COLUMNS does not say, and at most
-# Options of earlier versions, and their present names (that which the command has).
-EARLIER_OPTIONS = {"--force": ["--overwrite"], "--beside": ["--compare-with", "--write-sidecars"]}
 
 
 class _WithHelp:
@@ -390,28 +407,63 @@ class _WithHelp:
             formatter.write_text(command.epilog)
 
 
+USAGE_ERROR: Any = typer.BadParameter.__base__  # of click, or of the parser of a later typer
+UNIT = re.compile(r"\[([^\]\d-][^\],]*)\]")  # in the help of an option
+
+
+def _word_fault(error: Any, words: Sequence[str], ctx: Any) -> str:
+    """Return a sentence on a word that is missing or no value of its option; else nothing."""
+    name = getattr(error, "option_name", "")
+    known = (one for one in ctx.command.params if name in one.opts)
+    one: Any = getattr(error, "param", None) or next(known, None)
+    if one is None:
+        return ""
+    help = (getattr(one, "help", "") or "").rstrip(".")
+    option = next((word for word in one.opts if word.startswith("--")), "")
+    pairs = zip(words, [*words, ""][1:], strict=False)
+    parted = [(*word.partition("="), after) for word, after in pairs]
+    given = [value if mark else after for flag, mark, value, after in parted if flag in one.opts]
+    if name:
+        return f"{option} requires a value: {help}"
+    if not given:
+        return f"missing {'option ' + option if option else 'argument ' + one.name}: {help}".rstrip(
+            " :"
+        )
+    kind = int if "INT" in one.get_help_record(ctx)[0].upper() else float
+    for value in given:
+        try:
+            kind(value)
+        except ValueError:
+            number = "an integer" if kind is int else "a number"
+            unit = UNIT.search(help)
+            allowed = f"{number} in {unit[1]}, without its unit" if unit else number
+            return f"{option} = {shortened(value)!r}: must be {allowed}"
+    return f"{option} = {given[-1]}: {error.message.replace('Input should', 'must')}"
+
+
 class Command(_WithHelp, typer.core.TyperCommand):
     """A command whose messages may name its options."""
 
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse, with options of earlier versions by their present names, and a warning."""
-        known = {word for parameter in self.params for word in parameter.opts}
-        for k, word in enumerate(args):
-            present = known.intersection(EARLIER_OPTIONS.get(word, ()))
-            if present:
-                (args[k],) = present
-                typer.echo(f"thermobearing: warning: {word} is deprecated; use {args[k]}", err=True)
-        parsed: list[str] = super().parse_args(ctx, args)
-        return parsed
+    def parse_args(self, ctx: Any, args: Any) -> Any:
+        """Parse the words; a wrong value ends with one sentence."""
+        words = list(args)
+        try:
+            return super().parse_args(ctx, args)
+        except USAGE_ERROR as error:
+            message = _word_fault(error, words, ctx)
+            if not message:
+                raise
+            raise _fail(message, BAD_INPUT, "bad_input", "--json" in words) from None
 
     def invoke(self, ctx: Any) -> Any:
         """Run, its options known to `_as_options`."""
-        found: dict[str, bool] = {}
+        found: dict[str, tuple[str, bool]] = {}
         for parameter in ctx.command.params:
             source = ctx.get_parameter_source(parameter.name)
             given = source is not None and source.name == "COMMANDLINE"
-            words = [word for word in parameter.opts if word.startswith("--")]
-            found |= {word: given for word in words[:1]}
+            for word in [word for word in parameter.opts if word.startswith("--")][:1]:
+                keys = (word[2:].replace("-", "_"), parameter.name)
+                found |= dict.fromkeys(keys, (word, given))
         before = RUNNING.set(found)
         try:
             return super().invoke(ctx)

@@ -39,11 +39,13 @@ SHORT = "strain cycles wave path ratio speed frequency period rest"  # of a test
     "cyclic",
     fields(
         "cyclic.case:Case",
-        "bearing ambient rig axial_force",
+        "bearing ambient initial rig axial_force",
         INPUT,
         axial_force="|Axial force on the bearing [kN], positive in compression; adds checks.",
         bearing="|Bearing: library name or TOML file.",
         ambient="|Ambient temperature [degC], in [-100, 100]; one run for each.",
+        initial="|Temperature of the bearing at the start [degC]; the ambient temperature by "
+        "default.",
         rig="|Test rig (name or file); a warning names the limits that a run exceeds.",
     ),
     fields("cyclic.protocol:cyclic_test", SHORT, TEST),
@@ -90,7 +92,7 @@ def _cyclic(
     if words and "strain" not in words:
         raise InputError(f"--{next(iter(words))} requires --strain")
     if {"wave", "path"} <= set(words):
-        raise InputError("--wave is of cycles on a line; a --path has none")
+        raise InputError("--wave applies to cycles on a line, not to --path")
     given["test"] = cyclic_test(**words) if words else None
     given |= {"exposure": exposure_given(exposure), "histories": "complete" if complete else None}
     loaded = load_case(case, **given) if case else make_case({}, "command line", **given)

@@ -46,7 +46,7 @@ def _design(
         typer.Argument(help="Case file; by default the bridge of section 6.2 of Shen (2023)."),
     ],
     given: dict[str, Any],
-    group: Annotated[
+    line_groups: Annotated[
         list[str] | None,
         option(
             "--group",
@@ -61,7 +61,7 @@ def _design(
     from thermobearing.design.case import load_design_case, make_design_case
     from thermobearing.design.run import run_design
 
-    groups = [{"lines": [name.strip() for name in text.split(",")]} for text in group or []]
+    groups = [{"lines": [name.strip() for name in text.split(",")]} for text in line_groups or []]
     given["line_groups"] = groups or None
     if case is None:
         complete = make_design_case({}, "command line", **given)
@@ -147,13 +147,13 @@ def _lambda(
         option(help="File posterior.csv of `identify`, whose samples give a band.", metavar="FILE"),
     ],
     scale: Annotated[
-        bool, option("--scale", help="Compute the factors at the scales 1/6 and 1 too.")
+        bool, option("--scale", help="Also compute the factors at scales of 1/6 and 1.")
     ],
     end: Ending,
     cycles: Annotated[
         str, option(help="Cycles to average: 3, 1-3, 2-11, all-but-first, or a list such as 2,3,4.")
     ] = "1-3",
-    samples: Annotated[int, option(help="Number of samples taken from the posterior.")] = 20,
+    samples: Annotated[int, option(help="Number of samples taken from the posterior.")] = 200,
 ) -> Answer:
     """Compute temperature factors of K_eq, Q_d, K_d, h_eq and energy, and their bounds."""
     from thermobearing.bearing.library import load_bearing

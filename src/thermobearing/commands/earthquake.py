@@ -44,13 +44,14 @@ VERTICAL = Annotated[
     ),
 ]
 FIXED_BASE = Annotated[
-    bool, option("--fixed-base", help="Leave out the springs of the foundation.", panel=INPUT)
+    bool, option("--fixed-base", help="Omit the foundation springs.", panel=INPUT)
 ]
 ACROSS = Annotated[
     list[str] | None,
     option(
         "--across",
-        help="Second record of a pair, across that of --motion; one for each motion, in order.",
+        help="Second record of a pair, perpendicular to that of --motion; one for each motion, in "
+        "order.",
         metavar="NAME/FILE",
         panel=INPUT,
     ),
@@ -68,8 +69,8 @@ COMPONENTS = Annotated[
     list[int] | None,
     option(
         "--components",
-        help="Horizontal components of the ground motion that act together on a structure in "
-        "plan, 1 or 2; 2 by default there. Given twice, one and two are compared.",
+        help="Number of horizontal components of the ground motion that act together on a "
+        "structure in plan, 1 or 2 (default). Give both to compare them.",
         panel=INPUT,
     ),
 ]
@@ -183,7 +184,7 @@ _add(
         "design.provisions:check_bearings",
         "codes rotation zone",
         "Checks",
-        codes="--checks|Check the bearings after a code: jra or aashto.",
+        codes="--checks|Check the bearings according to a code: jra or aashto.",
         rotation="|Design rotation of the bearings in these checks [rad]; 0 by default.",
         zone="|Seismic zone of AASHTO in these checks, 1 to 4; 4 by default.",
     ),
@@ -229,11 +230,11 @@ def _serve(
     ],
     given: dict[str, Any],
     port: Annotated[
-        int, option("--port", help="TCP port to listen at; 0 takes a free one.", panel=INPUT)
+        int, option("--port", help="TCP port to listen on; 0 selects a free one.", panel=INPUT)
     ],
     address: Annotated[
         str | None,
-        option("--address", help="IP address to listen at; 127.0.0.1 by default.", panel=INPUT),
+        option("--address", help="IP address to listen on; 127.0.0.1 by default.", panel=INPUT),
     ],
     direction: Annotated[
         list[int] | None,
@@ -250,7 +251,7 @@ def _serve(
         option("--pairs", help="Pairs of nodes in each element; 1 by default.", panel=INPUT),
     ],
     once: Annotated[
-        bool, option("--once", help="End when the last element has left.", panel=INPUT)
+        bool, option("--once", help="Stop when the last element has disconnected.", panel=INPUT)
     ],
     end: Ending,
 ) -> Answer:
@@ -280,7 +281,7 @@ def _serve(
     return end.save(served, target)
 
 
-HELP = "List and examine structures."
+HELP = "List, examine, import and export structures."
 structures = typer.Typer(cls=Group, help=HELP, no_args_is_help=True, rich_markup_mode="markdown")
 app.add_typer(structures, name="structures", rich_help_panel=FILES)
 
@@ -331,9 +332,9 @@ def _show(
         "opensees.script:write_structure",
         "bearing ambient motion",
         INPUT,
-        bearing="|Bearing of all lines: bilinear, or layered with its bilinear model; by default "
+        bearing="|Bearing of all lines: bilinear, or layered, with its bilinear model; by default "
         "springs of the equivalent stiffness.|NAME/FILE",
-        ambient="|Temperature at which a layered bearing becomes bilinear [degC].",
+        ambient="|Temperature of the bilinear model of a layered bearing [degC].",
         motion="|Ground motion that the script analyses: library name or file.|NAME/FILE",
     ),
     examples="structures export pier-p1 --bearing shen-bilinear-bridge -o pier.tcl",

@@ -51,8 +51,8 @@ FIT_OPTIONS = (
         free="|Parameters to calibrate, such as K_r,d_y or n_T=2.4*m_T.|KEY,KEY",
         assumed="|Relative standard uncertainty of a parameter that is not calibrated, such as "
         "materials.side_film=0.1 or sigma_Y=0.|KEY=NUMBER",
-        one_temperature="|Calibrate m_T and n_T of --free even if all tests have one temperature.",
-        temperatures="|Calibrate to the measured temperatures too.",
+        one_temperature="|Calibrate m_T and n_T even if all tests have the same temperature.",
+        temperatures="|Also calibrate to the measured temperatures.",
     ),
     fields(
         "identify.records.treatment:request_treatment",
@@ -84,12 +84,12 @@ FIT_OPTIONS = (
         "validate.run:cross_validate",
         "hold_out folds",
         hold_out="|Test that is used for validation only.|FILE",
-        folds="|Number of groups for cross-validation; then all tests are calibrated together.",
+        folds="|Number of groups for cross-validation; the final calibration uses all tests.",
     ),
     fields(
         "identify.case:IdentifyCase",
         "accept_poor",
-        accept_poor="|Write the bearing of a poor calibration (status 4) without a mark.",
+        accept_poor="|Write the bearing of a poor calibration (status 4) as a usable one.",
     ),
 )
 

@@ -36,7 +36,7 @@ def _intake(
         bool,
         option(
             "--write-sidecars",
-            help="Write each sidecar next to its file too; existing ones are never replaced.",
+            help="Also write each sidecar next to its data file; existing ones are never replaced.",
         ),
     ],
     template: Annotated[

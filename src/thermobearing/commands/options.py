@@ -24,8 +24,8 @@ from thermobearing.commands.common import (
     RESULT,
     Answer,
     Command,
+    Drawn,
     Ending,
-    Printed,
     reported,
     values_by_name,
 )
@@ -57,7 +57,7 @@ Template = Annotated[
     Path | None,
     option(
         "--template",
-        help="Markdown file with the order of the report.",
+        help="Markdown template that sets the order of the report.",
         metavar="FILE",
         panel=REPORT,
     ),
@@ -67,7 +67,7 @@ NoLive = Annotated[
     bool,
     option(
         "--no-live",
-        help="Leave the section that computes in the browser out of report.html.",
+        help="Omit the live section, which computes in the browser, from report.html.",
         panel=REPORT,
     ),
 ]
@@ -76,7 +76,7 @@ FIGURE_OPTIONS = {
         str | None,
         option(
             "--figure-format",
-            help="Kind of the figures: png, or pdf or svg with editable text, together with a PNG.",
+            help="Format of the figures: png (default); also pdf or svg, with editable text.",
             metavar="KIND",
             panel=RESULT,
         ),
@@ -118,7 +118,7 @@ COMPARE = Annotated[
     bool,
     option(
         "--compare",
-        help="Compare the result with earlier models; of a path, with a line.",
+        help="Compare the result with earlier models; for a path, with a test on a line.",
         panel=MODEL,
     ),
 ]
@@ -126,8 +126,8 @@ LAW = Annotated[
     list[str] | None,
     option(
         "--law",
-        help="Law that every bearing uses: closed or published (small loops), or a Python file "
-        "that registers a law of your own, which is executed. May be repeated.",
+        help="Law for all bearings: a name of `thermobearing list`, or a Python file that "
+        "registers your own law, for bearings that name none; it is executed. May be repeated.",
         metavar="NAME/FILE.py",
         panel=MODEL,
     ),
@@ -228,13 +228,14 @@ def _whole(
     options = {name: kind for each in made for name, kind in _options_from(each)}
     own = inspect.signature(function).parameters
     kinds: dict[str, Any] = {}
-    ends: dict[str, tuple[type[Printed], list[str]]] = {}
+    ends: dict[str, tuple[type[Drawn], list[str]]] = {}
     for name, one in own.items():
         kind = one.annotation
         if name == "given":
             kinds |= options
-        elif isinstance(kind, type) and issubclass(kind, Printed):
-            taken = RESULT_OPTIONS | (REPORT_OPTIONS if kind is Ending else {})
+        elif isinstance(kind, type) and issubclass(kind, Drawn):
+            every = RESULT_OPTIONS | REPORT_OPTIONS
+            taken = {key: every[key] for key in every if hasattr(kind, key)}
             ends[name] = (kind, list(taken))
             kinds |= taken
         else:
@@ -377,8 +378,8 @@ def _help_text(item: Any, name: str, choices: Sequence[str] = (), default: Any =
 
         unit = find_unit(item, name)
         text += f" [{unit}]" if unit else ""
-    if choices and not all(f'"{choice}"' in text for choice in choices):
-        text += f": {', '.join(choices[:-1])} or {choices[-1]}"
+    if others := [choice for choice in choices if f'"{choice}"' not in text]:
+        text += f": {', '.join(others[:-1])} or {others[-1]}"
     usual = isinstance(default, int | float | str) and not isinstance(default, bool)
     if usual and default != "" and "default" not in text:
         text += f"; {default} by default"

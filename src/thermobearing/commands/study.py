@@ -12,6 +12,7 @@ from thermobearing.commands.common import (
     INTERRUPTED,
     STRUCTURES,
     Answer,
+    Drawn,
     Group,
     Printed,
     announce_compiling,
@@ -182,9 +183,9 @@ def _export(
         method="|Method of the fragility: stripes (default), ida or cloud.",
         failed="|Failed runs: left-out (default), or collapse to count them as collapses.",
     ),
-    examples="study figures p1 --hazard site.csv --capacity 4",
+    examples="study figures p1 --hazard site.csv --capacity 4 --figure-width single-column",
 )
-def _figures(directory: DIRECTORY, given: dict[str, Any], quiet: Quiet) -> Answer:
+def _figures(directory: DIRECTORY, given: dict[str, Any], end: Drawn) -> Answer:
     """Draw demand, IDA curves, fragility, annual rates and variance contributions.
 
     The figures are written into DIR/figures. The settings are stored in DIR/question.toml, which
@@ -200,9 +201,9 @@ def _figures(directory: DIRECTORY, given: dict[str, Any], quiet: Quiet) -> Answe
 
     question = change_question(load_question(directory), given)
     result = study_result(directory, question)
-    files = result.plot.save_all(directory / FIGURES)
+    files = result.plot.save_all(directory / FIGURES, **end.figures)
     save_question(directory, question)
-    if not quiet:
+    if not end.quiet:
         result.show()
         for file in files:
             echo_written(file)
@@ -265,7 +266,7 @@ def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> An
 
 def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
     """Print the expected number of runs, time and size of a study."""
-    from thermobearing.results.screen import print_facts
+    from thermobearing.results.screen import print_facts, say
     from thermobearing.studies.run.engine import forecast, say_duration
 
     announce_compiling(quiet, STRUCTURES)
@@ -284,9 +285,12 @@ def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
         if not found.motions:
             del facts["motions"]
         print_facts(f"{study.name}: nothing is written", facts)
+        for note in study.pair_notes:
+            say(note)
     return {
         "outcome": "dry_run",
         "exit_status": 0,
+        "notes": study.pair_notes,
         "runs": found.runs,
         "seconds_a_run": found.seconds,
         "motions_to_make": found.motions,

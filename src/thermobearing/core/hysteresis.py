@@ -252,17 +252,17 @@ def _decay(p: float, e: float, d_y: float, curvature: float) -> tuple[float, flo
         u, left = select(unloads, nearer, p), select(unloads, rest, e)
         ratio = math.sqrt((1.0 + curvature * u * u) / start)
         ratio = select(unloads, ratio, 1.0)
-    grown, whole = 0.0, 1.0
+    grown, divisor = 0.0, 1.0
     loads = u >= 0.0
     if any_lane(loads):
         lost = math.expm1(-left / d_y)
         both, grown = 1.0 + (1.0 + lost) * (1.0 + lost), -lost * (2.0 + lost)
-        whole = both + u / d_y * grown  # 2 exp(-left/d_y) (cosh + u/d_y sinh)
-        ratio = select(loads, ratio * 2.0 * (1.0 + lost) / whole, ratio)
-        u = select(loads, (u * both + d_y * grown) / whole, u)
+        divisor = both + u / d_y * grown  # 2 exp(-left/d_y) (cosh + u/d_y sinh)
+        ratio = select(loads, ratio * 2.0 * (1.0 + lost) / divisor, ratio)
+        u = select(loads, (u * both + d_y * grown) / divisor, u)
     growth = select(u < 0.0, curvature * u, -u / (d_y * d_y))
     by_unloading = (growth - curvature * p) / start
-    return u, ratio, ratio * select(unloads, by_unloading, -grown / (d_y * whole))
+    return u, ratio, ratio * select(unloads, by_unloading, -grown / (d_y * divisor))
 
 
 @compiled

@@ -269,8 +269,8 @@ def published_exchange(
     """
     lead, touching = constants.lead, constants.lead_cells
     volume = lead.capacity  # c rho V of one core
-    whole = lead.cores * lead.end_conductance * ends * 2.0 + lead.side_conductance * sides
-    loss = dt * whole / volume
+    conductance = lead.cores * lead.end_conductance * ends * 2.0 + lead.side_conductance * sides
+    loss = dt * conductance / volume
     substeps = max(1.0, math.ceil(loss / SUBSTEP))
     keep: float = (1.0 - loss / substeps) ** substeps
     above = state.branches[0].lead_temperature - ambient

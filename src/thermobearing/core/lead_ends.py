@@ -98,10 +98,10 @@ def exchange_at_ends(
         q = lead_modes[k].weight * flow[lead_modes[k].port]
         q += lead_modes[k].other_weight * flow[lead_modes[k].other]
         new.ends[k] += work.lead_modes[k].gain * q
-    whole = dt * lead.fold * lead.cores
+    all_cores = dt * lead.fold * lead.cores
     for e in range(len(lead_cells)):
         i = lead_cells[e].cell
-        gained = whole * lead_cells[e].share * flow[lead_cells[e].port]
+        gained = all_cores * lead_cells[e].share * flow[lead_cells[e].port]
         work.cells.change[i] += gained / constants.cells.capacity[i]
     new.branches[0].lead_temperature = t
 

@@ -357,8 +357,8 @@ def new_state(
     state.layers["virgin"] = 1.0
     state.branches["idle"] = NEVER_MOVED
     if constants.lead.cores > 0.0:
-        beside = constants.cells.beside_lead
-        mean = float(beside @ temperature / beside.sum())
+        height = constants.cells.beside_lead
+        mean = float(height @ temperature / height.sum())
         lead = mean if lead_temperature is None else lead_temperature
         state.branches["lead_temperature"] = state.books["lead_temperature"] = lead
     return state

@@ -6,12 +6,11 @@ case.resolved.toml in every result; running that file again gives the same bits.
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
-import xarray as xr
 from pydantic import AfterValidator, Field
 
 from thermobearing.bearing.library import BEARINGS, as_bearing, load_bearing
@@ -41,7 +40,11 @@ from thermobearing.report.title import case_table
 from thermobearing.results.ranges import Row, compared
 from thermobearing.results.saved import read_dataset
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 PLANE_OPTIONS = "use integrator = exact, small_loops = published, hardening = printed"
+
 TEXTS = ("name", "description", "citation")  # of a bearing: nothing that it does
 
 
@@ -50,7 +53,7 @@ class Earlier(Protocol):
     """A result of any analysis that leaves bearings behind, which stand in its dataset."""
 
     @property
-    def dataset(self) -> xr.Dataset:
+    def dataset(self) -> "xr.Dataset":
         """Histories, ends and the case."""
 
 
@@ -73,14 +76,12 @@ class InitialState:
     result: "Earlier | SpecimenState | str | Path | None" = None
 
     @classmethod
-    def of(cls, value: Any, **fields: Any) -> "InitialState":
+    def of(cls, value: Any) -> "InitialState":
         """Return a record of what may stand for one: a temperature, a result, a directory."""
-        if isinstance(value, Earlier | SpecimenState | str | Path):
-            value = cls(result=value)
-        elif not isinstance(value, InitialState):
-            value = cls(temperature=value)
-        made: InitialState = replace(value, **fields)
-        return made
+        if isinstance(value, InitialState):
+            return value
+        known = isinstance(value, Earlier | SpecimenState | str | Path)
+        return cls(result=value) if known else cls(temperature=value)
 
     def table(self) -> dict[str, Any]:
         """Return the same as keys of a case."""
@@ -113,16 +114,18 @@ class Keep:
     histories: str | None = None
 
     @classmethod
-    def of(cls, value: Any, **fields: Any) -> "Keep":
+    def of(cls, value: Any) -> "Keep":
         """Return a record of what may stand for one: a list of groups, or None."""
-        return replace(value if isinstance(value, Keep) else cls(groups=value), **fields)
+        return value if isinstance(value, Keep) else cls(groups=value)
 
     def table(self) -> dict[str, Any]:
         """Return the same as keys of a case."""
         return {"keep": self.groups, "keep_every": self.every, "histories": self.histories}
 
 
-def settle_start(table: dict[str, Any], ways: Sequence[str]) -> tuple[list[str], xr.Dataset | None]:
+def settle_start(
+    table: dict[str, Any], ways: Sequence[str]
+) -> "tuple[list[str], xr.Dataset | None]":
     """Return faults of the start in a case, and the dataset that `initial_result` stands for."""
     given = [key for key in ways if key in table]
     if len(given) > 1:
@@ -132,14 +135,17 @@ def settle_start(table: dict[str, Any], ways: Sequence[str]) -> tuple[list[str],
         return [], None if result is None else result.dataset
     if not isinstance(result, str | Path) or not str(result):
         return [f"initial_result = {result!r}: must be the path of a result"], None
+
     try:
         return [], read_dataset(result, ("case",))
     except InputError as error:
         return error.lines("initial_result"), None
 
 
-def left_by(data: xr.Dataset, bearing: Bearing, ambient: list[float], where: str) -> SpecimenState:
-    """Where an earlier result left a bearing, in the run at the same ambient temperature."""
+def left_by(
+    data: "xr.Dataset", bearing: Bearing, ambient: list[float], where: str
+) -> SpecimenState:
+    """Return where an earlier result left a bearing, in the run at the same ambient temperature."""
     name, fault = _whose(data, bearing)
     try:
         state = final_state(data, ambient, name)
@@ -186,7 +192,7 @@ def end_state(
     return left_by(data, as_bearing(bearing), known, "end_state()")
 
 
-def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> SpecimenState:
+def final_state(data: "xr.Dataset", ambient: list[float], bearing: str = "") -> SpecimenState:
     """Return where a bearing was at the end of an earlier result, in the run at the same ambient.
 
     `bearing` is the name of one of several in an analysis. Results that hold no memory give
@@ -195,8 +201,8 @@ def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> Sp
     run = _same_run(data, ambient, bearing)
     if "final_temperature" not in data:
         raise InputError(
-            "holds no ends of its bearings: they are bilinear, on several lines of a structure, or "
-            "of a version that did not keep them"
+            "contains no final state of its bearings: they are bilinear or on several lines "
+            "of a structure, or an earlier version wrote the result"
         )
 
     def _read(name: str) -> Any:
@@ -213,7 +219,7 @@ def final_state(data: xr.Dataset, ambient: list[float], bearing: str = "") -> Sp
     return specimen_state(_read("final_temperature"), lead, memory)
 
 
-def _same_run(data: xr.Dataset, ambient: list[float], bearing: str) -> int:
+def _same_run(data: "xr.Dataset", ambient: list[float], bearing: str) -> int:
     """Return the number of the run at an ambient temperature; of the only run, if there is one."""
     runs = np.arange(data["ambient"].size)
     if "bearing" in data.coords:
@@ -223,11 +229,11 @@ def _same_run(data: xr.Dataset, ambient: list[float], bearing: str) -> int:
         return int(runs[0])
     match: Any = runs[ambients == ambient[0]] if len(ambient) == 1 else []
     if len(match) != 1:
-        raise InputError(f"has {len(runs)} runs, at {ambients} degC; start at one of them only")
+        raise InputError(f"has {len(runs)} runs, at {ambients} degC; choose one of them")
     return int(match[0])
 
 
-def _whose(data: xr.Dataset, bearing: Bearing) -> tuple[str, str]:
+def _whose(data: "xr.Dataset", bearing: Bearing) -> tuple[str, str]:
     """Return the name of this bearing in an earlier result, and why it is none of them."""
     case = tomllib.loads(data.attrs["case"])
     theirs = case["bearings"] if "bearings" in case else [case["bearing"]]
@@ -239,8 +245,8 @@ def _whose(data: xr.Dataset, bearing: Bearing) -> tuple[str, str]:
             return table["name"], ""
         faults.append(
             f'is a test of "{table["name"]}", not of this "{bearing.name}" (they differ in '
-            f"{', '.join(differ)}); forces and memory go with the bearing, temperatures alone may "
-            "be given as initial_profile of a cyclic test"
+            f"{', '.join(differ)}); forces and history belong to the bearing; temperatures "
+            "alone may be given as initial_profile of a cyclic test"
         )
     names = [table["name"] for table in theirs]
     return next((n for n in names if n == bearing.name), names[0]), faults[0]
@@ -253,10 +259,6 @@ def initial_temperatures(case: "Case", cells: int, ambient: float) -> Floats:
         given = case.initial_state.temperature
     if given is None:
         return np.full(cells, ambient if case.initial is None else case.initial)
-    if len(given) != cells:
-        raise InputError(
-            f"initial_profile has {len(given)} temperatures, but the stack has {cells} cells"
-        )
     return np.array(given)
 
 
@@ -284,7 +286,7 @@ class Rig(Sourced):
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         if set(given) & set(LIMITS):
             return []
-        return ['give one limit at least: force = "... kN", stroke = "... mm", speed = "... mm/s"']
+        return ['give at least one limit: force = "... kN", stroke = "... mm", speed = "... mm/s"']
 
 
 RIGS = Library("rig", "rigs")

@@ -222,16 +222,16 @@ def _collect_warnings(case: Case, segments: list[Segment], climates: list[Ambien
         )
     if case.initial_state is not None and not case.initial_state.complete:
         found.append(
-            "the earlier result hands over temperatures only (it was written before results held "
-            "the complete state): rubber and lead begin unloaded and virgin, at zero displacement"
+            "the earlier result provides temperatures only (an earlier version wrote it): "
+            "rubber and lead begin unloaded and virgin, at zero displacement"
         )
     increment = float(_way(case, segments).max()) / case.bearing.geometry.rubber_layers
     yielding = case.bearing.hysteresis.yield_displacement
     if increment > yielding:
         found.append(
             f"a step moves each rubber layer by up to {increment:.3g} mm, more than its yield "
-            f"displacement of {yielding:g} mm: work and heat of such steps are coarse; use a "
-            "smaller dt"
+            f"displacement of {yielding:g} mm: work and heat of such steps are inaccurate; "
+            "use a smaller dt"
         )
     return found
 
@@ -306,8 +306,8 @@ def written_part(result: Result) -> Result:
         for name, values in data.data_vars.items():
             if values.dims[:2] == ("ambient", "time"):
                 kept = [values.values[run, mine] for run, mine in enumerate(rows)]
-                whole = stacked(kept, PADDING.get(str(name), np.nan))
-                found[str(name)] = (values.dims, whole, values.attrs)
+                values_kept = stacked(kept, PADDING.get(str(name), np.nan))
+                found[str(name)] = (values.dims, values_kept, values.attrs)
         data = data.drop_vars(list(found)).assign(found)
     measures = {}
     for name in map(str, result.cycles):

@@ -56,7 +56,7 @@ def checked_history(
         if start is not None and distance(displacement[0], start) > START * largest:
             fault = f"starts at {place_text(displacement[0])} mm but the bearing is at "
             fault += f"{place_text(start)} mm; "
-            fault += "put a ramp before it" if other is None else "subtract the offset"
+            fault += "insert a ramp before it" if other is None else "subtract the offset"
     if fault:
         raise InputError(fault, where)
     return gaps, displacement
@@ -90,6 +90,7 @@ REST_START = 0.1  # first step of a rest, at most: what a plate needs to even ou
 REST_STEPS = 100  # no step of a rest is longer than this part of it
 SETTLE_LIMIT = 14 * 24 * 3600.0  # "until within" gives up after two weeks [s]
 MAX_CYCLES, MAX_PARTS = 20_000, 10_000  # of one test: more is surely an error
+Count = Annotated[int, Field(ge=1, le=MAX_CYCLES)]
 LARGEST_STRAIN = 5.0  # more is surely an error in a unit
 TINY = 1e-9
 
@@ -115,7 +116,7 @@ class Cycles(Strict):
     speed: Speed | None = None
     period: Seconds | None = None
     frequency: Annotated[float, in_unit("Hz"), Field(ge=1e-8, le=1e6)] | None = None
-    count: Annotated[int, Field(ge=1, le=MAX_CYCLES)] = 5
+    count: Count = 5
     closing_strain: Strain | None = None
 
     @classmethod
@@ -165,7 +166,7 @@ class PlanePath(Strict):
     speed: Speed | None = None
     period: Seconds | None = None
     frequency: Annotated[float, in_unit("Hz"), Field(ge=1e-8, le=1e6)] | None = None
-    count: Annotated[int, Field(ge=1, le=MAX_CYCLES)] = 5
+    count: Count = 5
     ramp: Seconds | None = None  # duration of each ramp; a quarter of a turn if not given
 
     @classmethod
@@ -389,8 +390,8 @@ def _step_faults(
             steps = float(np.maximum(1.0, gaps / dt).sum())
     if isinstance(step, Cycles | PlanePath) and at is not None and distance(at) > TINY:
         faults.append(
-            f"{step.step} start from zero, but the bearing is at {place_text(at)} mm; "
-            "put a ramp to 0 mm before them"
+            f"{step.step} start from zero, but the bearing is at {place_text(at)} mm; insert "
+            "a ramp to 0 mm before them"
         )
     if peak > LARGEST_STRAIN * rubber * (1.0 + TINY):
         faults.append(
@@ -415,16 +416,23 @@ def survey(
         faults += [f"steps[{number}]: {fault}" for fault in found]
     cycles = sum(step.count for step in test.steps if isinstance(step, Cycles | PlanePath))
     if cycles > MAX_CYCLES:
-        faults.append(f"has {cycles} cycles; at most {MAX_CYCLES} can be done in one test")
+        faults.append(f"has {cycles} cycles; the limit for one test is {MAX_CYCLES}")
     if total > MAX_STEPS:
         faults.append(
-            f"dt = {test.dt:g} s makes {total:.3g} steps; at most {MAX_STEPS} can be done: "
-            "take a larger dt, or look for an error in a speed, period or count"
+            f"dt = {test.dt:g} s gives {total:.3g} steps; the limit is {MAX_STEPS}: use a "
+            "larger dt, or look for an error in a speed, period or count"
         )
     return faults, total
 
 
 SPEED = 30.0  # of Table 3.4, mean [mm/s]
+
+
+class _Repeated(Strict):
+    """Arguments of `cyclic_test` under other names than the keys of its steps."""
+
+    cycles: Count
+    rest: Seconds | None
 
 
 def cyclic_test(
@@ -476,13 +484,15 @@ def cyclic_test(
     levels = np.atleast_1d(np.asarray(strain, dtype=object)).ravel().tolist()
     if not levels:
         raise InputError("strain: give at least one amplitude", "cyclic_test()")
+    repeated = {"cycles": cycles, "rest": rest}
+    validated(_Repeated, repeated, "cyclic_test()", from_file=False)  # even without any rest
     rates = {"speed": speed, "frequency": frequency, "period": period}
     rate = {key: value for key, value in rates.items() if value is not None} or {"speed": SPEED}
     common = {"step": "cycles", "wave": wave, "closing_strain": closing_strain}
     if path is not None:
         common = {"step": "path", "path": path, "ratio": ratio}
     elif ratio is not None:
-        raise InputError("ratio: is that of a path in the plane; give path", "cyclic_test()")
+        raise InputError("ratio: applies only to a path in the plane; give path", "cyclic_test()")
     steps: list[dict[str, object]] = []
     for level in levels:
         if steps and rest is not None:

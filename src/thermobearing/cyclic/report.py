@@ -84,7 +84,7 @@ def words_of_test(test: Case) -> str:
     found = [_alike_words(list(same)) for _, same in groupby(moving, key=_alike)]
     if rests := [step for step in test["steps"] if step["step"] == "rest"]:
         found.append(f"{counted(len(rests), 'rest') if found else 'rest'} ({_course(rests)})")
-    return f"{test.get('name', 'test')}: {joined(found)}"
+    return joined(found)
 
 
 def _alike(step: Step) -> tuple[str, ...]:
@@ -160,7 +160,7 @@ def _question(result: Result, case: Case) -> str:
     return (
         f"This report gives the stiffness, the dissipated energy and the temperatures of "
         f"{bearing_words(case['bearing'])} in a displacement-controlled test at {ambient}. "
-        f"The test is {words_of_test(case['test'])}."
+        f'The test "{case["test"].get("name", "test")}" has {words_of_test(case["test"])}.'
     )
 
 
@@ -213,8 +213,9 @@ def _changes(result: Result, rows: pd.DataFrame) -> str:
         stiffer = float(last["G_eq_MPa"][cold] / last["G_eq_MPa"][warm])
         energy = float(last["energy_kN_mm"][cold] / last["energy_kN_mm"][warm])
         found.append(
-            f"There, {degrees([cold])} compared with {degrees([warm])} makes the modulus "
-            f"{change(stiffer, 'higher', 'lower')} and the energy of a cycle {change(energy)}"
+            f"At {degrees([cold])}, compared with {degrees([warm])}, the modulus is "
+            f"{change(stiffer, 'higher', 'lower')} and the energy of a cycle "
+            f"{change(energy, 'higher', 'lower')}"
         )
     heated = [f"the test itself warms {warmed}"] if (warmed := _warmest(result)) else []
     if (last["cycle"] > first["cycle"]).any():

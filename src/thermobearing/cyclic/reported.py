@@ -19,7 +19,7 @@ from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import BOOKS_CLOSE, RIG, input_table, limit_checks
-from thermobearing.report.pieces import EXCEEDED, NOT_JUDGED, PASSED, Check
+from thermobearing.report.pieces import EXCEEDED, NOT_ASSESSED, PASSED, Check
 from thermobearing.report.words import number, plain, printed_unit, quantity, tidy
 from thermobearing.results.base import Result
 
@@ -59,7 +59,7 @@ def bearing_tables(
     parts = (
         ("geometry", "geometry and materials", BUILD),
         ("parameters", "parameters of the model", rest),
-        ("range", "range that the parameters were identified in", RANGES),
+        ("range", "calibration range of the parameters", RANGES),
     )
     found = {}
     for key, caption, held in parts:
@@ -241,6 +241,9 @@ def governing_checks(rows: pd.DataFrame, *, every_part: bool) -> pd.DataFrame:
     size = rows["used"].where(rows["limit"].notna(), rows["value"]).astype(float).fillna(-np.inf)
     keys = [rows[name] for name in ("code", "bearing", *["part"] * every_part, "what")]
     found = rows.loc[[values.idxmax() for _, values in size.groupby(keys, sort=False)]]
+    strains = found["what"].str.endswith("strain")
+    found.loc[strains, ["value", "limit"]] *= 100.0
+    found.loc[strains, "unit"] = "%"
     pairs = zip(found["run"], found["bearing"], strict=True)
     found["run"] = [run.removeprefix(f"{bearing}, ") for run, bearing in pairs]
     parts = found[["bearing", "part"]] if found["bearing"].nunique() > 1 else found[["part"]]
@@ -257,12 +260,12 @@ def bearing_check_tables(result: Result, *, every_part: bool = True) -> dict[str
     for code in dict.fromkeys(rows["code"]) if len(rows) else ():
         mine = governing_checks(rows[rows["code"] == code], every_part=every_part)
         name = f"checks_{code.split()[0].lower()}" if code else "bearing_checks"
-        caption = f"Checks of the bearings after {code}" if code else VERTICAL
+        caption = f"Checks of the bearings according to {code}" if code else VERTICAL
         found[name] = checks_table(mine, caption, CHECKS_NOTE).merged("part")
     return found
 
 
-VERDICTS = dict.fromkeys((checks.NO_LIMIT, checks.NO_VALUE), NOT_JUDGED) | {checks.PASSED: PASSED}
+VERDICTS = dict.fromkeys((checks.NO_LIMIT, checks.NO_VALUE), NOT_ASSESSED) | {checks.PASSED: PASSED}
 
 
 def sheet_checks(rows: Iterable[Mapping[Any, Any]]) -> list[Check]:
@@ -270,7 +273,7 @@ def sheet_checks(rows: Iterable[Mapping[Any, Any]]) -> list[Check]:
     found = []
     for one in rows:
         unit, factor = printed_unit(str(one["unit"]))
-        if one["what"].endswith("strain"):
+        if one["what"].endswith("strain") and unit != "%":
             unit, factor = "%", 100.0
         value, limit = (math.nan if one[n] is None else factor * one[n] for n in ("value", "limit"))
         source = f"{plain(one['source'])}{'*' if one.get('unverified') else ''}"

@@ -182,7 +182,7 @@ class Result(DatasetResult):
         names = ("segment", "cycle", "displacement")
         segment, cycle, x = (self.dataset[name].values[run] for name in names)
         x = x[:, 0] if self.in_plane else x
-        whole = self.dataset["outcome"].values[run] == "completed"
+        completed = self.dataset["outcome"].values[run] == "completed"
         # Numbers of segments and cycles only grow, up to the padding of -1.
         parts = np.searchsorted(segment[segment >= 0], np.arange(len(self.segments) + 1))
         for number, (first, end) in enumerate(pairwise(parts.tolist())):
@@ -196,7 +196,7 @@ class Result(DatasetResult):
                 ends = first + np.searchsorted(cycle[first:end], numbers)
                 for k, (a, b) in enumerate(pairwise(ends.tolist()), 1):
                     back = a < b and x[b - 1] == 0.0 and x[a:b].min() < 0.0
-                    ended = a < b and (whole or b < parts[-1])
+                    ended = a < b and (completed or b < parts[-1])
                     if back if kind == "cycles" else ended:  # else cut off on its way
                         yield number, k, slice(a - 1, b)
 
@@ -300,7 +300,8 @@ class Result(DatasetResult):
         for name, other in self.compared.items():
             outcomes = zip(other["ambient"].values, other["outcome"].values, strict=True)
             found += [
-                f"{name} at {ambient:g} degC ended early: {end}; its errors are those until then"
+                f"{name} at {ambient:g} degC ended early: {end}; its errors refer to the time "
+                "before"
                 for ambient, end in outcomes
                 if end != "completed"
             ]

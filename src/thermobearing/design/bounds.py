@@ -21,7 +21,7 @@ DEMANDS = {  # column of the study's table: title of the panel
     "bearing_strain_max": "bearing strain",
     "bearing_force_max_kN": "bearing force [kN]",
     "pier_displacement_max_mm": "pier displacement [mm]",
-    "deck_acceleration_max_m_s2": "deck acceleration [m/s2]",
+    "deck_acceleration_max_m_s2": "deck acceleration [m/s²]",
 }
 PARTS = {  # demand: table of a study with several lines or piers, who, column
     "bearing_strain_max": ("lines", "line", "strain_max"),
@@ -182,9 +182,9 @@ def _verdict(ratio: float) -> str:
 
 
 BOUNDS_NOTE = (
-    "Each bound has the peak force and the loop area of its cycle, with a chosen K_2/K_1; its Q_d "
-    "is therefore not that of the factors, which is half the difference of the forces at zero "
-    "displacement"
+    "Each bound is a bilinear loop with the stated K_2/K_1, and with the peak force and the area "
+    "of its cycle. Its force at zero displacement, Q_d, therefore differs from that of the cycle, "
+    "which the factors use"
 )
 
 

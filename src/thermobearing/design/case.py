@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError
 from thermobearing.border.schema import OneLine, Strict, in_unit, overridden, validated
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import Ambients
@@ -16,7 +16,7 @@ from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.motions import Motion
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.report.title import case_table
-from thermobearing.structure.model import GROUND, MassModel, Name, Structure
+from thermobearing.structure.model import GROUND, MassModel, Name, Structure, line_faults
 
 STIFFNESS_RATIO = 0.19  # alpha of Table 6.3
 Weight = Annotated[float, in_unit("kN"), Field(ge=0.1, le=1e6)]
@@ -92,14 +92,7 @@ class DesignCase(Strict):
 def make_design_case(
     table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
 ) -> DesignCase:
-    """Check a design case; the bridge of section 6.2 by default.
-
-    Structure and motions as in an earthquake case; paths in the table are relative to `folder`.
-    Plain numbers of `overrides` are in mm, kN and s.
-
-    >>> make_design_case({"compound": "G10"}, "example", start=150).start
-    150.0
-    """
+    """Check a design case from a table, whose paths are relative to `folder`, and overrides."""
     table = overridden(table, overrides, DesignCase)
     study: dict[str, Any] = {"command": "bridge", "bearings": ["shen-bilinear-bridge"]}
     study |= {key: table[key] for key in ("structure", "motions", "fixed_base") if key in table}
@@ -119,21 +112,9 @@ def make_design_case(
 
 
 def _settle_groups(given: Sequence[LineGroup], structure: Structure, where: str) -> list[LineGroup]:
-    """Return groups that hold every line once: those given, then the other lines by their kind.
-
-    >>> from thermobearing.structure.model import load_structure
-    >>> [group.name for group in _settle_groups([], load_structure("pier-p1"), "example")]
-    ['G1-G5']
-    """
-    known = [line.name for line in structure.bearings]
+    """Return groups that hold every line once: those given, then the other lines by their kind."""
     named = [name for group in given for name in group.lines]
-    faults = [
-        f'line_groups: no bearing line is called "{name}"{nearest(name, known)}'
-        for name in named
-        if name not in known
-    ]
-    twice = dict.fromkeys(name for name in named if named.count(name) > 1)
-    faults += [f'line_groups: line "{name}" is given more than once' for name in twice]
+    faults = line_faults(structure, named, "line_groups")
     alike: dict[tuple[int, bool], list[str]] = {}
     for line in structure.bearings:
         if line.name not in named:

@@ -15,11 +15,6 @@ COMPARED = ("K_eq", "Q_d", "K_d", "h_eq")
 MADE_OF = ("Q_d", "K_d")  # the factors that codes state
 
 
-def marked(item: Any) -> str:
-    """Return the mark of the footnote where `unverified`: no printed source was read."""
-    return "*" if item.unverified else ""
-
-
 class PublishedTable(Strict):
     """Factors from elsewhere, of bearings of some kinds; of a code, a class of rubber."""
 
@@ -169,10 +164,11 @@ def reasons(rows: list[dict[str, Any]], share: float) -> list[str]:
     ]
     if more == [False, True]:
         found.append(
-            "In this bearing K_d increases more in the cold than Q_d, in the codes less: its h_eq "
-            "decreases, where that of the codes increases"
+            "In the cold, K_d of this bearing increases more than its Q_d, in the codes "
+            "less: h_eq decreases here, and increases in the codes"
         )
     found.append(
-        f"At this strain, Q_d is {100.0 * share:.0f} % of the peak force of its bilinear loop"
+        f"At this strain, Q_d is {100.0 * share:.0f} % of the peak force of a bilinear loop with "
+        "Q_d and K_d"
     )
     return found

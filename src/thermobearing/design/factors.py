@@ -163,8 +163,8 @@ def _check(
     if len(kinds) > 1:
         text = ", ".join(f"{name} ({kind})" for kind, name in kinds.items())
         problems.append(
-            f"bearing: {text}: several bearings make one band, as samples of a posterior do; "
-            "bearings of several kinds need a run each"
+            f"bearing: {text}: several bearings are samples of one band, as of a posterior; "
+            "give bearings of different kinds in separate runs"
         )
     for name, values, low, high, unit in (
         ("reference_temperature", [reference], COLDEST, HOTTEST, "degC"),
@@ -219,22 +219,14 @@ def _measured(
         "heated": values[values["cycle"] == max(numbers)],
         "mean": chosen.groupby("ambient_degC", as_index=False).mean(),
     }
-    rows = [
-        {
-            "strain": float(strain),
-            "basis": basis,
-            "ambient_degC": float(row["ambient_degC"]),
-            "quantity": name,
-            "unit": unit,
-            "value": float(row[name]),
-        }
-        for basis, part in parts.items()
-        for row in part.to_dict("records")
-        for name, unit in QUANTITIES.items()
-    ]
+    frame = pd.concat(parts, names=["basis"]).reset_index("basis")
+    keys = ["basis", "ambient_degC"]
+    table = frame.melt(keys, list(QUANTITIES), var_name="quantity")
+    table.insert(0, "strain", float(strain))
+    table.insert(4, "unit", table["quantity"].map(QUANTITIES))
     tested = result.tested_range.to_dict("records")
     names = {run_name(t): _place(strain, t) for t in ambient}
-    return pd.DataFrame(rows), [{**row, "run": names[row["run"]]} for row in tested]
+    return table, [{**row, "run": names[row["run"]]} for row in tested]
 
 
 def _place(strain: float, temperature: float) -> str:

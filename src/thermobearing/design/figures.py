@@ -39,7 +39,7 @@ LOOKS = {
 }
 OTHERS = ("#333333", "#777777")  # greys of other sources; markers tell them apart
 DOTTED = {"markerfacecolor": "white", "markersize": 4.0, "linestyle": ":", "linewidth": 1.0}
-CODES = "codes (their texts were not at hand; K_eq, h_eq from Q_d and K_d):"
+CODES = "codes (not checked against their texts; K_eq, h_eq from Q_d and K_d):"
 MAKERS = "makers:"
 LEGEND_WIDTH = 26  # letters of a line of the legend of factors
 ACROSS = 3  # panels of factors side by side
@@ -50,6 +50,7 @@ class DesignFigures(drawing.Figures):
     """Figures of a design: `design.plot.rounds()`, `.equal()`."""
 
     vector = True
+    names = ("rounds", "equal")
     _result: Design
 
     def rounds(self) -> Figure:
@@ -57,7 +58,8 @@ class DesignFigures(drawing.Figures):
         design = self._result
         title = f"{design.case.structure.name}: design loop"
         count = len(design.taken)
-        figure, axes = drawing.panels(1, count, (6.5 if count == 1 else 4.2 * count, 3.6), title)
+        size = (6.5 if count == 1 else 4.2 * count, 3.6)
+        figure, axes = drawing.panels(1, count, size, title, least=drawing.NARROW)
         for ax, turn, bearing in zip(axes, design.taken, design.bearings, strict=True):
             mine = [one.row() for one in design.rounds if one.group == turn.group]
             numbers = [row["round"] for row in mine]
@@ -72,7 +74,7 @@ class DesignFigures(drawing.Figures):
             if turn.found > end:
                 drawing.mark_tested(ax, end, "the curves end here")
             drawing.name_axes(ax, "round", "displacement of the bearing [mm]", turn.group)
-        axes[0].legend(fontsize=drawing.SMALL, frameon=False)
+        drawing.legend_below(figure, axes[0].get_legend_handles_labels()[0])
         return figure
 
     def equal(self) -> Figure:
@@ -80,17 +82,13 @@ class DesignFigures(drawing.Figures):
         title = f"{self._result.case.structure.name}: bearings of equal stiffness, 23 °C"
         groups = self._result.loops
         size = (6.0 if len(groups) == 1 else 4.8 * len(groups), 4.4)
-        figure, axes = drawing.panels(1, len(groups), size, title)
+        figure, axes = drawing.panels(1, len(groups), size, title, least=drawing.NARROW)
         for ax, (group, loops) in zip(axes, groups.items(), strict=True):
             for (name, (x, force)), colour in zip(loops.items(), LOOPS, strict=False):
                 ax.plot(x, force, color=colour, linewidth=1.3, label=name)
             drawing.name_axes(ax, "displacement [mm]", "force [kN]", group)
             ax.legend(fontsize=drawing.SMALL, frameon=False)
         return figure
-
-    def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return the function that draws each figure, by name of its file."""
-        return {"rounds": self.rounds, "equal": self.equal}
 
 
 class BoundsFigures(drawing.Figures):
@@ -145,7 +143,7 @@ class FactorFigures(drawing.Figures):
             ax.axvline(report.reference, color=drawing.GREY, linewidth=0.7)
             ax.axhline(1.0, color=drawing.GREY, linewidth=0.7)
             at = drawing.degrees(report.reference)
-            name = f"{quantity} over {quantity} at {at}"
+            name = f"{quantity} / {quantity} at {at}"
             drawing.name_axes(ax, "ambient temperature [°C]", "factor", name)
         limits = [ax.get_xlim() for ax in shown]  # one scale: some sources reach further
         for ax in shown:
@@ -185,7 +183,7 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
     colours = drawing.ambient_colours(np.array(temperatures))
     motions = list(dict.fromkeys(table["motion"]))
     wide = max(4.4, 0.5 * len(motions) + 1.2)
-    figure, axes = drawing.panels(2, 2, (2.0 * wide, 6.4), title)
+    figure, axes = drawing.panels(2, 2, (2.0 * wide, 6.4), title, least=drawing.NARROW)
     most = (table.attrs.get("ranges") or {}).get("strain", (0.0, np.inf))[1]
     for ax, (column, label) in zip(axes, DEMANDS.items(), strict=True):
         rows = table[table["demand"] == column].set_index("motion").loc[motions]
@@ -195,7 +193,7 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
             drawing.mark_tested(ax, most, "tested to here")
         ax.set_xticks(np.arange(len(motions)), motions if ax in axes[2:] else [""] * len(motions))
         ax.tick_params(axis="x", labelrotation=0 if len(motions) == 1 else 45)
-        drawing.name_axes(ax, "", "", label.replace("m/s2", "m/s²"))
+        drawing.name_axes(ax, "", "", label)
     handles = [
         Line2D([], [], color=c, marker="o", linestyle="none", label=drawing.degrees(t))
         for t, c in zip(temperatures, colours, strict=True)
@@ -204,7 +202,8 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
         Line2D([], [], color=colour, linewidth=2.0, label=f"{name} bearing (bound)")
         for name, colour in EDGES.values()
     ]
-    ratio = Line2D([], [], linestyle="none", label=f"number: {RATIO}, red if unsafe")
+    words = _wrapped(f"number: {RATIO}, red if unsafe")
+    ratio = Line2D([], [], linestyle="none", label=words)
     drawing.legend_below(figure, [*edges, *handles, ratio])
     return figure
 
@@ -234,7 +233,7 @@ def _draw_demand(
             look |= {"color": colour, "fontsize": drawing.SMALL, "xytext": (0, 5)}
             ax.annotate(f"{part} {ratio:.2f}".strip(), (x, y), **look)
     highest = float(np.nanmax(top, initial=0.0))
-    ax.set_ylim(0.0, 1.15 * highest or 1.0)  # a dot on the frame is cut, and numbers need room
+    ax.set_ylim(0.0, 1.2 * highest or 1.0)  # a dot on the frame is cut, and numbers need room
     ax.set_xlim(-0.8, len(rows) - 0.2)
     ax.grid(False, axis="x")
 
@@ -272,7 +271,7 @@ def _draw_factors(ax: Axes, rows: pd.DataFrame) -> None:
 def draw_scale(bearing: Bearing, results: dict[float, Result]) -> Figure:
     """Draw temperature rises in time and loops of a bearing at some sizes."""
     title = f"{bearing.name}: five cycles of 175 % in 10 s, then rest, at two sizes"
-    figure, (left, right) = drawing.panels(1, 2, (10.0, 4.2), title)
+    figure, (left, right) = drawing.panels(1, 2, (10.0, 4.2), title, least=drawing.NARROW)
     colours = drawing.ordered_colours(len(results), "viridis")
     handles = []
     for (factor, result), colour in zip(results.items(), colours, strict=True):

@@ -9,7 +9,6 @@ import pandas as pd
 import xarray as xr
 from pydantic import Field
 
-from thermobearing.border.errors import InputError
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats
@@ -29,7 +28,7 @@ PARTS = {  # in a study with several lines or piers: the variable with a column 
     "pier_ductility": "pier_part_ductility",
 }
 OF_LINES = ("bearing_displacement_max", "bearing_strain_max", "bearing_force_max")
-JUDGED = {  # column of a study: column of temperatures.csv
+COLLECTED = {  # column of a study: column of temperatures.csv
     "bearing_displacement_max": "displacement_mm",
     "bearing_strain_max": "strain",
     "bearing_force_max": "force_kN",
@@ -56,12 +55,10 @@ class Rules(Strict):
     rules: list[Rule]
 
 
-def peak_rule(name: str) -> Rule:
+def peak_rule(name: PeakRule) -> Rule:
     """Return a rule with its source."""
-    for rule in read_data(Rules, "design", "peaks.toml").rules:
-        if rule.name == name:
-            return rule
-    raise InputError(f'peaks = "{name}": must be "largest", "mean" or "mean of seven"')
+    rules = read_data(Rules, "design", "peaks.toml").rules
+    return next(rule for rule in rules if rule.name == name)
 
 
 def mean_group(motion: Motion) -> str:
@@ -87,13 +84,10 @@ def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
     """Return a sentence on the groups that have fewer motions than the rule takes a mean of."""
     least = peak_rule(rule).least
     groups = [mean_group(motion) for motion in motions]
-    few = [
-        f"{group} ({groups.count(group)} motion{'s' if groups.count(group) > 1 else ''})"
-        for group in dict.fromkeys(groups)
-        if groups.count(group) < least
-    ]
-    said = f"peaks: the largest is used for {', '.join(few)}; a mean needs at least {least} motions"
-    return [said] if few else []
+    counts = {group: groups.count(group) for group in groups}
+    few = [f"{group} has {count}" for group, count in counts.items() if count < least]
+    needs = f"the largest peaks are used, since means need at least {least} motions of a group"
+    return [f"{needs}: {', '.join(few)}"] if few else []
 
 
 def counted(
@@ -105,7 +99,7 @@ def counted(
     return np.array([_combined(column.tolist(), motions, rule) for column in values.T])
 
 
-def judged(
+def collect_peaks(
     study: EarthquakeResult,
     motions: Sequence[Motion],
     rule: PeakRule,
@@ -118,7 +112,7 @@ def judged(
     data, rows = study.dataset, []
     for (bearing, ambient), mine in study.table.groupby(["bearing", "ambient_degC"], sort=False):
         runs = mine.index.to_numpy()
-        peaks = {c: counted(data, n, motions, rule, runs) for n, c in JUDGED.items()}
+        peaks = {c: counted(data, n, motions, rule, runs) for n, c in COLLECTED.items()}
         for group in groups or (None,):
             row: dict[str, Any] = {"bearing": bearing, "ambient_degC": ambient}
             places: Any = slice(None)
@@ -127,7 +121,7 @@ def judged(
                 places = [lines.index(line) for line in group.lines]
                 own = str(data["line_bearing"].values[runs[0], places[0]])
                 row = {"bearing": own, "group": group.name, "ambient_degC": ambient}
-            for name, column in JUDGED.items():
+            for name, column in COLLECTED.items():
                 values = peaks[column][places if name in OF_LINES else slice(None)]
                 row[column] = float(np.fmax.reduce(values))
             if group is not None:
@@ -157,7 +151,7 @@ def envelope(table: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for key, mine in table.groupby(_whose(table), sort=False) if len(table) else ():
         airs = mine["ambient_degC"].tolist()
-        for column in (name for name in JUDGED.values() if name in mine):
+        for column in (name for name in COLLECTED.values() if name in mine):
             values = mine[column].to_numpy(dtype=float)
             if np.isfinite(values).any():
                 worst = int(np.nanargmax(values))

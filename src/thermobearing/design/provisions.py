@@ -3,6 +3,7 @@
 import math
 import tomllib
 from collections.abc import Sequence
+from functools import partial
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
@@ -92,16 +93,11 @@ class _Codes(Strict):
     codes: list[_Code]
 
 
-def _known() -> _Codes:
-    return read_data(_Codes, "design", "provisions.toml")
+_known = partial(read_data, _Codes, "design", "provisions.toml")
 
 
 def load_codes(codes: Sequence[str], rotation: float = 0.0, zone: int = 4) -> list[_Code]:
-    """Return codes by name, "jra" or "aashto"; refuse other arguments that `check_bearings` does.
-
-    >>> [code.peaks for code in load_codes(["jra", "aashto"])]
-    ['mean', 'mean of seven']
-    """
+    """Return codes by name; refuse other arguments that `check_bearings` does."""
     known: dict[str, _Code] = {code.name: code for code in _known().codes}
     names = [str(name) for name in one_or_several(codes) or [""]]
     faults = [
@@ -170,6 +166,15 @@ def _of_plan(check: _CodeCheck, demand: _Demand, bearing: Bearing) -> tuple[floa
     return check.load_factor * force, critical / check.reserve, "kN"
 
 
+def _missing(check: _CodeCheck, demand: _Demand) -> str:
+    """Return what a check without a value needs; empty under tension."""
+    if math.isnan(demand.displacement[check.level]):
+        return f"needs a Level {check.level} motion; "
+    if math.isnan(demand.axial_force):
+        return "needs the vertical load: give --axial-force; "
+    return "needs the plan of the bearing; " if demand.bearing is None else ""
+
+
 def _checks(code: _Code, demand: _Demand, part: str, zone: int) -> list[Check]:
     """Return the rows of one bearing; those of other zones are left out."""
     found = []
@@ -187,7 +192,11 @@ def _checks(code: _Code, demand: _Demand, part: str, zone: int) -> list[Check]:
             numbers = _of_plan(check, demand, demand.bearing)
         tension = check.measure == "tension"
         about: dict[str, Any] = {"least": tension, "of_model": tension, "part": part}
-        found.append(Check(check.what, *numbers, check.clause, unverified=True, **about))
+        value, limit, _ = numbers
+        clause = (_missing(check, demand) if math.isnan(value) else "") + check.clause
+        if math.isinf(value) or (check.measure == "buckling" and limit == 0.0):
+            clause += "; top and bottom no longer overlap"
+        found.append(Check(check.what, *numbers, clause, unverified=True, **about))
     return found
 
 
@@ -254,6 +263,8 @@ def check_bearings(
     if not isinstance(result, EarthquakeResult):
         raise InputError(f"{type(result).__name__} is no result of a bridge", "check_bearings()")
     case = validated(EarthquakeCase, tomllib.loads(result.dataset.attrs["case"]), "result")
+    if result.outcome == "completed" and result.table["motion"].nunique() < len(case.motions):
+        raise InputError("the result has a part of its motions; give all", "check_bearings()")
     titles = [code.title for code in chosen]
     rows: list[Row] = [
         row for row in result.bearing_checks.to_dict("records") if row["code"] not in titles

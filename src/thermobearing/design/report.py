@@ -7,25 +7,11 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.border.toml import read_toml, split_sources
-from thermobearing.cyclic.reported import (
-    analysis_table,
-    bearing_tables,
-    bearing_words,
-    model_assumptions,
-    sheet_checks,
-)
+from thermobearing.cyclic import reported
+from thermobearing.design import tables
 from thermobearing.design.codes import FOOTNOTE
 from thermobearing.design.peaks import of_group
 from thermobearing.design.result import USABLE
-from thermobearing.design.tables import (
-    UNCHECKED,
-    bounds_sentences,
-    code_sentences,
-    demands_table,
-    design_tables,
-    factor_tables,
-    site_sentence,
-)
 from thermobearing.earthquake.case import EarthquakeAnalysis
 from thermobearing.earthquake.report import given_motions_table
 from thermobearing.quantities.register import Quantity
@@ -58,7 +44,7 @@ def _bounds_pieces(saved: SavedResult) -> Pieces:
     summary = saved.summary
     inputs = summary["inputs"]
     names, rows = list(summary["rows"]), summary.get("tested_range", [])
-    words = [bearing_words(one["bearing"]) for one in inputs.values()]
+    words = [reported.bearing_words(one["bearing"]) for one in inputs.values()]
     motions = dict.fromkeys(str(r["motion"]) for table in summary["rows"].values() for r in table)
     first: Summary = next(iter(inputs.values()))
     temperatures = degrees([float(str(value).split()[0]) for value in first["ambient"]])
@@ -68,9 +54,9 @@ def _bounds_pieces(saved: SavedResult) -> Pieces:
         f"Compare a bounding analysis, which uses a lower and an upper bilinear model of "
         f"{joined(words)}, with the coupled model at {temperatures}, on {summary['structure']} "
         f"under {joined(motions)}.",
-        bounds_sentences(summary),
+        tables.bounds_sentences(summary),
         inputs=_bounds_inputs(inputs),
-        tables={"demands": demands_table(summary)},
+        tables={"demands": tables.demands_table(summary)},
         figures=content.saved_figures(saved, BOUNDS_CAPTIONS),
         checks=content.limit_checks(
             rows, content.IN_EARTHQUAKES, f"{content.TESTED_RANGE} of the bearing", names
@@ -87,10 +73,10 @@ def _bounds_inputs(inputs: Summary) -> dict[str, Table]:
     for one in inputs.values():
         found.setdefault("structure", structure_table(one["structure"]))
         found.setdefault("motions", given_motions_table(one["motions"]))
-        found |= bearing_tables(one["bearing"], one["sources"])
+        found |= reported.bearing_tables(one["bearing"], one["sources"])
         for bound in one.get("bounds", []):
-            found |= bearing_tables(bound, otherwise="equal peak force and loop area")
-        found["analysis"] = analysis_table(one["analysis"], EarthquakeAnalysis())
+            found |= reported.bearing_tables(bound, otherwise="equal peak force and loop area")
+        found["analysis"] = reported.analysis_table(one["analysis"], EarthquakeAnalysis())
     return found
 
 
@@ -108,7 +94,7 @@ def _assumptions(first: Mapping[str, Any], bearings: list[Mapping[str, Any]]) ->
         f"Time integration: {analysis['method'].replace('-', ' ')}, steps of at most "
         f"{quantity_words(analysis['dt'])}; bodies are rigid and move in one direction."
     )
-    return [found, how, *model_assumptions(analysis, bearings)]
+    return [found, how, *reported.model_assumptions(analysis, bearings)]
 
 
 FACTORS_CAPTIONS = {
@@ -130,18 +116,21 @@ def _factors_pieces(saved: SavedResult) -> Pieces:
         "lambda",
         f"Temperature factors of {name}",
         f"Determine the temperature factors of stiffness, strength and energy of "
-        f"{bearing_words(table)}, relative to {reference}, at {degrees(temperatures)} and "
+        f"{reported.bearing_words(table)}, relative to {reference}, at {degrees(temperatures)} and "
         f"{joined(percent(s) for s in strains)} shear strain ({summary['motion']}, cycles "
         f"{summary['cycles']}).",
         _factors_answer(summary),
-        inputs=bearing_tables(table, summary["inputs"]["sources"]),
-        tables=factor_tables(summary) | _codes_table(summary["codes"]),
+        inputs=reported.bearing_tables(table, summary["inputs"]["sources"]),
+        tables=tables.factor_tables(summary) | _codes_table(summary["codes"]),
         figures=content.saved_figures(saved, FACTORS_CAPTIONS),
-        checks=content.limit_checks(rows, content.TESTS, f"{content.TESTED_RANGE} of {name}"),
+        checks=content.limit_checks(
+            rows, content.IN_EARTHQUAKES, f"{content.TESTED_RANGE} of {name}"
+        ),
+        rate_rows=rows,
         assumptions=[
             "Every test begins with all parts of the bearing at the ambient temperature; factors "
             f"are relative to {reference}.",
-            *model_assumptions({}, [table]),
+            *reported.model_assumptions({}, [table]),
         ],
         **content.saved_parts(saved, "thermobearing.design.run_factors(...) in Python"),
     )
@@ -168,7 +157,7 @@ def _factors_answer(summary: Mapping[str, Any]) -> list[str]:
     return [
         f"At {degrees([coldest])} and {percent(most)} shear strain: {'; '.join(parts)}.",
         f"Bilinear bounds that follow: {joined(bounds)}.",
-        *([site_sentence(summary["site"])] if summary.get("site") else []),
+        *([tables.site_sentence(summary["site"])] if summary.get("site") else []),
     ]
 
 
@@ -179,8 +168,8 @@ def _codes_table(codes: list[Summary]) -> dict[str, Table]:
     heads = {"code": "Code and clause", "says": "Provision", "origin": "Origin"}
     names = [Quantity(head, name=name) for name, head in heads.items()]
     frame = pd.DataFrame(codes)
-    note = f"{code_sentences(codes)[-1]}"
-    if not note.startswith(UNCHECKED):
+    note = f"{tables.code_sentences(codes)[-1]}"
+    if not note.startswith(tables.UNCHECKED):
         frame["code"] += np.where(frame["unverified"], "*", "")
     frame["code"] += "; clause: " + frame["clause"]
     return {"codes": make_table(frame, names, "Provisions of codes", note=note)}
@@ -208,7 +197,7 @@ def _design_pieces(saved: SavedResult) -> Pieces:
         "the same stiffness at every temperature.",
         _design_answer(summary),
         inputs=_design_inputs(saved, case),
-        tables=design_tables(summary),
+        tables=tables.design_tables(summary),
         figures=content.saved_figures(saved, CAPTIONS),
         checks=_design_checks(summary),
         rate_rows=summary.get("tested_range", []),
@@ -261,9 +250,9 @@ def _design_inputs(saved: SavedResult, case: Summary) -> dict[str, Table]:
     }
     for path in sorted((saved.path / BEARINGS).glob("*.toml")):
         table, sources = split_sources(read_toml(path))
-        found |= bearing_tables(table, sources, otherwise="this design")
+        found |= reported.bearing_tables(table, sources, otherwise="this design")
     if "analysis" in case:
-        found["analysis"] = analysis_table(case["analysis"], EarthquakeAnalysis())
+        found["analysis"] = reported.analysis_table(case["analysis"], EarthquakeAnalysis())
     return found
 
 
@@ -273,7 +262,7 @@ LAYERED = {"strain": ("shear strain", "%", 100.0), "ductility": ("pier ductility
 
 def _design_checks(summary: Summary) -> list[Check]:
     """Return the calculation sheet, and the tested ranges."""
-    found = sheet_checks(summary["checks"])
+    found = reported.sheet_checks(summary["checks"])
     limits = {str(one["what"]): float(one["limit"]) for one in summary["checks"]}
     source = "limit of the design, for layered bearings"
     for row in summary["temperatures"]:

@@ -37,7 +37,13 @@ from thermobearing.model.checks import Check
 from thermobearing.quantities.tables import Table
 from thermobearing.results import directory as files
 from thermobearing.results.base import Result
-from thermobearing.results.ranges import Row, compare_with_tests, one_per_cause, outside_tests
+from thermobearing.results.ranges import (
+    Row,
+    compare_with_tests,
+    one_per_cause,
+    outside_tests,
+    rate_note,
+)
 from thermobearing.results.writing import write_csv
 
 USABLE = ("converged", "two_sizes")  # outcomes of a design
@@ -174,7 +180,7 @@ class Design(Result):
     def notes(self) -> list[str]:
         """Return the verdict, the rule for peaks, the published design, and the coldest day."""
         rule, found = peak_rule(self.case.peaks), [self.sentence]
-        found.append(f"Peaks are {rule.says}; {rule.source}{codes.marked(rule)}.")
+        found.append(f"Peaks are {rule.says}; {rule.source}{'*' * rule.unverified}.")
         if self.first_within is not None:
             found.append(f"Round {self.first_within} was the first within {ENOUGH:.0%}.")
         printed = make_design_case({}, "default")
@@ -238,11 +244,12 @@ def _published_design() -> str:
     hdr, lhdr = more["equal_K_B_kN_mm"]
     return (
         f"Shen (2023), Tables 6.1 and 6.3: u_B {bearing['u_B_mm']:g} mm, "
-        f"{bearing['side_mm']:g} mm, {bearing['layers']}x{more['layer_thickness_mm']:g}, "
-        f"K_B {bearing['K_B_kN_mm']:.3f} kN/mm, "
-        f"Q_d {bearing['Q_d_kN']:g} kN; equal HDR and LHDR bearings {more['equal_side_mm']:g} mm, "
-        f"{more['equal_layers']}x{more['equal_layer_thickness_mm']:g}, K_B {hdr:g} and {lhdr:g} "
-        "kN/mm. The motions of that design are not free, so that the displacement differs."
+        f"{bearing['side_mm']:g} mm, {bearing['layers']}x{more['layer_thickness_mm']:g}, K_B "
+        f"{bearing['K_B_kN_mm']:.3f} kN/mm, Q_d {bearing['Q_d_kN']:g} kN; equal HDR and LHDR "
+        f"bearings {more['equal_side_mm']:g} mm, "
+        f"{more['equal_layers']}x{more['equal_layer_thickness_mm']:g}, K_B {hdr:g} and "
+        f"{lhdr:g} kN/mm. The motions of that design are not public; the displacement "
+        "therefore differs."
     )
 
 
@@ -368,7 +375,8 @@ class FactorReport(Result):
     def warnings(self) -> list[str]:
         """What a reader must know: what left the tested range."""
         rows = self.table.attrs.get("tested_range", [])
-        return outside_tests(self.name, rows, calibration_ranges(self.bearings[0]))
+        ranges = calibration_ranges(self.bearings[0])
+        return outside_tests(self.name, rows, ranges, skip=("strain_rate",))
 
     @cached_property
     def _bounds(self) -> pd.DataFrame:
@@ -381,8 +389,9 @@ class FactorReport(Result):
         return factor_tables(self.summary())
 
     def notes(self) -> list[str]:
-        """Return the provisions of codes and their origin."""
-        return code_sentences(self.summary()["codes"])
+        """Return the provisions of codes with their origin, and a note on strain rates."""
+        rate = rate_note(self.table.attrs.get("tested_range", []))
+        return [*code_sentences(self.summary()["codes"]), *[rate] * bool(rate)]
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""

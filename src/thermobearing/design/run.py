@@ -16,40 +16,19 @@ import numpy as np
 import pandas as pd
 
 from thermobearing.bearing.bilinear import BilinearBearing
-from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.border.cases import made_case
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import one_or_several
 from thermobearing.climate.hourly import Hourly
-from thermobearing.climate.site import find_cold
+from thermobearing.climate.site import RETURN_PERIOD, find_cold
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN
+from thermobearing.design import factors, sizing
 from thermobearing.design.bounds import AIR, BEARINGS, bounds_study, first_motions
 from thermobearing.design.case import DesignCase, bearing_weight, load_design_case, make_design_case
-from thermobearing.design.factors import (
-    PERIOD,
-    STRAINS,
-    TEMPERATURES,
-    factors_at_speed,
-    scale_study,
-    temperature_factors,
-)
-from thermobearing.design.peaks import counted, judged
+from thermobearing.design.peaks import collect_peaks, counted
 from thermobearing.design.result import USABLE, BoundsReport, Design, FactorReport
-from thermobearing.design.sizing import (
-    EqualBearing,
-    Round,
-    Search,
-    design_values,
-    equal_bearing,
-    equivalent_bilinear,
-    load_curves,
-    load_rubber,
-    pier_checks,
-    report_checks,
-    size_bearing,
-    size_name,
-)
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
@@ -95,7 +74,7 @@ def _round_analysis(
 class Turn:
     """One turn of the loop: a round, a bearing for each group, the checks, the dynamic analysis."""
 
-    rounds: list[Round]
+    rounds: list[sizing.Round]
     checks: list[Check]
     bearings: list[BilinearBearing]
     study: EarthquakeResult
@@ -103,17 +82,17 @@ class Turn:
 
 def _sized(
     case: DesignCase, place: int, number: int, assumed: float
-) -> tuple[Round, BilinearBearing]:
+) -> tuple[sizing.Round, BilinearBearing]:
     """Return the round of a group before its analysis, and its bilinear bearing."""
-    group, compound = case.groups[place], load_rubber(case.compound, case.compound_kind)
-    size = size_bearing(assumed, bearing_weight(case, group), case.sizing)
+    group, compound = case.groups[place], sizing.load_rubber(case.compound, case.compound_kind)
+    size = sizing.size_bearing(assumed, bearing_weight(case, group), case.sizing)
     effective = case.effective_displacement_factor * assumed
     thickness = size.total_rubber_thickness
-    curves = load_curves()  # a first guess may lie outside the strains of the curves
+    curves = sizing.load_curves()  # a first guess may lie outside the strains of the curves
     low, high = curves.smallest_strain * thickness, curves.largest_strain * thickness
     effective = min(max(effective, low), high)
-    stiffness, damping = design_values(compound, size, effective)
-    model = equivalent_bilinear(stiffness, damping, effective, case.stiffness_ratio)
+    stiffness, damping = sizing.design_values(compound, size, effective)
+    model = sizing.equivalent_bilinear(stiffness, damping, effective, case.stiffness_ratio)
     name = f"{case.compound}-{size.side:g}-{size.layers}x{size.layer_thickness:g}"
     bearing = BilinearBearing(
         name=f"{name}-{place + 1}" if len(case.groups) > 1 else name,
@@ -125,7 +104,7 @@ def _sized(
         tested_range=Validity(strain=[curves.smallest_strain, curves.largest_strain]),
     )
     values = (model.strength, model.post_yield, model.initial, math.nan, math.nan)
-    turn = Round(number, assumed, size, stiffness, damping, *values, group=group.name)
+    turn = sizing.Round(number, assumed, size, stiffness, damping, *values, group=group.name)
     return turn, bearing
 
 
@@ -148,17 +127,17 @@ def _one_turn(case: DesignCase, number: int, assumed: Sequence[float]) -> Turn:
         turns.append(replace(turn, found=found, largest=largest, ductility=ductility))
         strain = found / turn.size.total_rubber_thickness
         weight = bearing_weight(case, group)
-        checks += report_checks(turn.size, weight, strain, case.sizing, turn.group)
+        checks += sizing.report_checks(turn.size, weight, strain, case.sizing, turn.group)
     known = list_piers(case.structure) if len(piers) > 1 else []
     ductilities = dict(zip([pier.name for pier in known] or [""], piers.tolist(), strict=True))
-    checks += pier_checks(ductilities, case.sizing)
+    checks += sizing.pier_checks(ductilities, case.sizing)
     order = list(dict.fromkeys(check.what for check in checks))
     checks.sort(key=lambda check: (order.index(check.what), -check.used))
     return Turn(turns, checks, list(bearings), study)
 
 
 def _ended(
-    case: DesignCase, turns: list[Turn], searches: Sequence[Search]
+    case: DesignCase, turns: list[Turn], searches: Sequence[sizing.Search]
 ) -> tuple[str, str, Turn]:
     """Return the outcome and sentence, when the loop ends with these turns, and which is taken."""
     last, tolerance = turns[-1], case.tolerance
@@ -185,31 +164,32 @@ def _ended(
     return "", "", last
 
 
-def _settled(search: Search, turn: Round, tolerance: float) -> str:
+def _settled(search: sizing.Search, turn: sizing.Round, tolerance: float) -> str:
     """Return how the search of a group ended."""
     if abs(turn.difference) <= tolerance or search.held is None:
         return (
             f"{_prefix(turn)}The displacement of {turn.found:.0f} mm is within {tolerance:.0%} of "
             f"the assumed {turn.assumed:.0f} mm after {turn.number} rounds."
         )
-    small, large = search.held
+    small, large = (
+        f"{sizing.size_name(one)}, sized for {one.assumed:.0f} mm, moves {one.found:.0f} mm"
+        for one in search.held
+    )
     return (
-        f"{_prefix(turn)}Two sizes alternate: {size_name(small)}, sized for {small.assumed:.0f} "
-        f"mm, moves {small.found:.0f} mm, and {size_name(large)}, sized for {large.assumed:.0f} "
-        f"mm, moves {large.found:.0f} mm; neither displacement agrees within {tolerance:.0%}. The "
-        f"larger size, {size_name(large)}, is adopted."
+        f"{_prefix(turn)}Two sizes alternate: {small}, and {large}; neither displacement agrees "
+        f"within {tolerance:.0%}. The larger size, {sizing.size_name(search.held[1])}, is adopted."
     )
 
 
-def _prefix(turn: Round) -> str:
+def _prefix(turn: sizing.Round) -> str:
     """Return the group that a sentence is about, where there are several."""
     return f"{turn.group}: " if turn.group else ""
 
 
 def _at_every_air(
     case: DesignCase,
-    rounds: Sequence[Round],
-    equal: Sequence[Sequence[EqualBearing]],
+    rounds: Sequence[sizing.Round],
+    equal: Sequence[Sequence[sizing.EqualBearing]],
     checks: Sequence[Check],
 ) -> pd.DataFrame:
     """Return the peaks of layered bearings on the bridge at every temperature."""
@@ -221,7 +201,9 @@ def _at_every_air(
     tables = []
     for items in equal:
         shaken = _round_analysis(case, [one.bearing for one in items], stiffnesses, case.ambient)
-        tables.append(judged(run_earthquake(shaken), case.motions, case.peaks, checks, groups))
+        tables.append(
+            collect_peaks(run_earthquake(shaken), case.motions, case.peaks, checks, groups)
+        )
     found = pd.concat(tables, ignore_index=True)
     found.attrs["tested_range"] = [row for t in tables for row in t.attrs["tested_range"]]
     return found
@@ -229,7 +211,7 @@ def _at_every_air(
 
 def run_design(
     case: DesignCase | str | Path | dict[str, Any] | None = None,
-    progress: Callable[[Round], None] | None = None,
+    progress: Callable[[sizing.Round], None] | None = None,
     *,
     templates: Sequence[Bearing] = (),
     **overrides: Any,
@@ -263,7 +245,7 @@ def run_design(
     how = (DesignCase, load_design_case, make_design_case, "run_design()")
     case = made_case(case, *how, overrides)
     turns: list[Turn] = []
-    searches = [Search(case.start) for _ in case.groups]
+    searches = [sizing.Search(case.start) for _ in case.groups]
     outcome = ""
     while not outcome:
         turns.append(_one_turn(case, len(turns) + 1, [search.assumed for search in searches]))
@@ -275,7 +257,9 @@ def run_design(
     strain = case.sizing.design_strain
     equal = [
         [
-            replace(equal_bearing(template, one.stiffness, one.assumed, strain), group=one.group)
+            replace(
+                sizing.equal_bearing(template, one.stiffness, one.assumed, strain), group=one.group
+            )
             for one in turn.rounds
         ]
         for template in templates
@@ -313,7 +297,7 @@ def run_bounds(
     if not 0.1 <= strain <= 3.0:
         raise InputError(f"strain = {strain:g}: must be between 0.1 and 3 (a ratio: 1 is 100 %)")
     shaken = first_motions() if motions is None else motions
-    studied = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
+    studied = map(as_bearing, bearings)
     return BoundsReport(
         {b.name: bounds_study(b, shaken, ambient, strain=strain, **options) for b in studied}
     )
@@ -323,14 +307,14 @@ def run_factors(
     bearings: Sequence[Bearing | str | Path],
     *,
     reference: float | None = None,
-    temperatures: Sequence[float] = TEMPERATURES,
-    strains: Sequence[float] = STRAINS,
+    temperatures: Sequence[float] = factors.TEMPERATURES,
+    strains: Sequence[float] = factors.STRAINS,
     period: float | None = None,
     speed: float | None = None,
     cycles: str | Sequence[int] = "1-3",
     scale: bool = False,
     weather: str | Path | Hourly | None = None,
-    return_period: int = 50,
+    return_period: int | None = None,
 ) -> FactorReport:
     """Return temperature factors of a bearing, its bounds, and the size effect if wanted.
 
@@ -340,21 +324,24 @@ def run_factors(
     or a climate) adds the cold of a site, and its design temperature of `return_period` [year] (50
     by default) to the temperatures.
     """
-    site = None if weather is None else find_cold(weather, return_period)
+    if weather is None and return_period is not None:
+        raise InputError("return_period is that of a site: give its weather too")
+    years = RETURN_PERIOD if return_period is None else return_period
+    site = None if weather is None else find_cold(weather, years)
     if site is not None:
         temperatures = [*one_or_several(temperatures), round(site.design_temperature, 1)]
-    chosen = [item if isinstance(item, Bearing) else load_bearing(item) for item in bearings]
+    chosen = [as_bearing(item) for item in bearings]
     first = chosen[0]
     at = first.hysteresis.reference_temperature if reference is None else reference
     common: dict[str, Any] = {"reference_temperature": at, "temperatures": temperatures}
     common |= {"strains": strains, "cycles": cycles}
     if speed is None:
-        period = PERIOD if period is None else period
-        table = temperature_factors(chosen, period=period, **common)
+        period = factors.PERIOD if period is None else period
+        table = factors.temperature_factors(chosen, period=period, **common)
         motion = f"sine of {period:g} s"
     else:
-        table = factors_at_speed(chosen, speed=speed, **common)
+        table = factors.factors_at_speed(chosen, speed=speed, **common)
         motion = f"sine at a mean speed of {speed:g} mm/s"
     numbers = cycles if isinstance(cycles, str) else ",".join(str(number) for number in cycles)
-    sizes = scale_study(first) if scale else None
+    sizes = factors.scale_study(first) if scale else None
     return FactorReport(chosen, table, at, motion, numbers, sizes, site)

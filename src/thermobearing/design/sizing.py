@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
+from scipy.optimize import brentq
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
@@ -92,18 +93,7 @@ def equivalent_stiffness(
 def equivalent_bilinear(
     stiffness: float, damping: float, displacement: float, stiffness_ratio: float
 ) -> BilinearParameters:
-    """Return bilinear model with a given equivalent stiffness and damping ratio at a displacement.
-
-    Equal peak force and loop area; the equation is at `equivalent.solve_backbone`.
-    """
-    for name, value, low, high in (
-        ("stiffness", stiffness, 0.0, np.inf),
-        ("damping", damping, 0.0, 0.6),
-        ("displacement", displacement, 0.0, np.inf),
-        ("stiffness_ratio", stiffness_ratio, 0.0, 1.0),
-    ):
-        if not low < value < high:
-            raise InputError(f"{name} = {value:g}: must be between {low:g} and {high:g}")
+    """Return the bilinear model of an equivalent stiffness and damping ratio at a displacement."""
     found = solve_backbone(stiffness, damping, displacement, stiffness_ratio)
     if found is None:
         raise InputError(
@@ -172,7 +162,7 @@ def size_bearing(displacement: float, weight: float, rules: SizingRules) -> Size
     if layers > MOST_LAYERS:
         raise InputError(
             f"a design displacement of {displacement:.0f} mm needs {layers} layers of "
-            f"{rules.layer_thickness:g} mm; at most {MOST_LAYERS} make sense"
+            f"{rules.layer_thickness:g} mm; the limit is {MOST_LAYERS}"
         )
     stable = rules.second_shape_factor * layers * rules.layer_thickness
     strong = math.sqrt(weight * NEWTON_PER_KILONEWTON / rules.stress)
@@ -217,7 +207,6 @@ def design_values(compound: DesignRubber, size: Size, displacement: float) -> tu
 
 
 ROUNDING = 5.0  # mm: plans are made in such steps
-TRIES = 60
 MOST_EQUAL_LAYERS = 200  # of any bearing
 
 
@@ -284,8 +273,8 @@ def equal_bearing(
     layers = max(1, math.ceil(displacement / (design_strain * thickness) - 1e-9))
     if layers > MOST_EQUAL_LAYERS:
         raise InputError(
-            f"a displacement of {displacement:g} mm takes {layers} layers of {thickness:g} mm; at "
-            f"most {MOST_EQUAL_LAYERS} make sense"
+            f"a displacement of {displacement:g} mm needs {layers} layers of {thickness:g} "
+            f"mm; the limit is {MOST_EQUAL_LAYERS}"
         )
     strain = displacement / (layers * thickness)
 
@@ -297,15 +286,8 @@ def equal_bearing(
         raise InputError(
             f"{template.name}: no plan of {low:.0f} to {high:.0f} mm gives {stiffness:g} kN/mm"
         )
-    for _ in range(TRIES):
-        middle = 0.5 * (low + high)
-        if _sheared(middle) < stiffness:
-            low = middle
-        else:
-            high = middle
-        if high - low < 0.1:
-            break
-    side = ROUNDING * round(0.5 * (low + high) / ROUNDING)
+    exact = brentq(lambda side: _sheared(side) - stiffness, low, high, xtol=0.05)
+    side = ROUNDING * round(exact / ROUNDING)
     bearing = _with_side(template, side, layers)
     measured = isothermal_cycle(bearing, strain)
     return EqualBearing(bearing, measured.stiffness_kN_mm, measured.h_eq, displacement)

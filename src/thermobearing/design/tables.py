@@ -9,7 +9,7 @@ import pandas as pd
 from thermobearing.cyclic.reported import checks_table
 from thermobearing.design.bounds import BOUNDS_NOTE
 from thermobearing.design.codes import FOOTNOTE
-from thermobearing.design.peaks import JUDGED
+from thermobearing.design.peaks import COLLECTED
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.words import counted, degrees, printed_unit, tidy
@@ -100,9 +100,7 @@ def factor_tables(summary: Summary) -> dict[str, Table]:
         }
     note = "first: the first cycle; heated: the last cycle, after self-heating; mean: the mean of "
     note += (
-        "the cycles."
-        + " In brackets: band over the samples." * bands
-        + f" {MARKED}." * bool(marked)
+        "the cycles." + f" {BAND.format(summary['samples'])}" * bands + f" {MARKED}." * bool(marked)
     )
     caption = f"Temperature factors of {summary['bearing']} over {reference} "
     caption += f"({summary['motion']}, cycles {summary['cycles']})"
@@ -124,7 +122,7 @@ def factor_tables(summary: Summary) -> dict[str, Table]:
 def site_sentence(site: Summary) -> str:
     """Return the design temperature of a site, and what it is."""
     period = site["return_period"]
-    what = f"once in {period} years" if period else "the lowest on record, of too few winters"
+    what = f"once in {period} years" if period else "the lowest on record, from few winters"
     return (
         f"Design temperature for instantaneous stiffening at {site['name']}: "
         f"{degrees([round(site['design_temperature'], 1)])}, daily mean, {what} "
@@ -140,15 +138,15 @@ def _site_tables(site: Summary) -> dict[str, Table]:
             stiffening,
             caption=f"Instantaneous stiffening: coldest days of {site['name']}",
             note=f"{site_sentence(site)} Gumbel distribution; low and high: 90 % interval. The row "
-            "without a return period is the record.",
+            "without a return period is the coldest day on record.",
         )
     }
     if site["cold_days"]:
         found["site_cold_days"] = make_table(
             pd.DataFrame(site["cold_days"]),
             caption=f"Crystallization: consecutive cold days of {site['name']}",
-            note="Days whose daily mean is below the temperature; last column: whose highest "
-            "temperature is.",
+            note="A day is cold if its mean temperature is below that of the row; the last column "
+            "is the longest run of days whose highest temperature is below it.",
         )
     return found
 
@@ -161,6 +159,7 @@ def _cell(row: Mapping[str, Any], name: str = "factor") -> Any:
     return f"{row[name]:.2f} ({low:.2f}–{high:.2f})"
 
 
+BAND = "In brackets: 5 to 95 % of {} bearings, the given one and its samples."
 UNCHECKED = "None of these provisions was checked against the text of the code"
 
 
@@ -184,14 +183,14 @@ def _compared_table(summary: Summary) -> Table:
     for cell, row in zip(cells, rows, strict=True):
         cell.append(row["difference"])
     note = (
-        "In brackets: 5 to 95 % of the samples. "
+        f"{BAND.format(summary['samples'])} "
         if summary["samples"] > 1
         else "One bearing has no interval; samples of a posterior give one. "
     )
     note += (
-        "Difference: first cycle from the nearest factor of a code. Codes: divided by their factor "
-        "at the reference temperature and linear between their temperatures; K_eq and h_eq of the "
-        "bilinear loop with their factors of Q_d and K_d. "
+        "Difference: first cycle compared with the nearest factor of a code. Factors of codes are "
+        "divided by that at the reference temperature and interpolated linearly; those of K_eq and "
+        "h_eq belong to a bilinear loop with the code's factors of Q_d and K_d. "
     )
     note += f"{'. '.join(summary['reasons'])}."
     note += f" {UNCHECKED}." * _all_unverified(codes)
@@ -235,7 +234,7 @@ def design_tables(summary: Summary) -> dict[str, Table]:
         caption = "Layered bearings of the same stiffness, third cycle at the design displacement"
         found["equal"] = make_table(pd.DataFrame(summary["equal"]), names, caption)
     if summary["temperatures"]:
-        names = ["bearing", LINES, "ambient_degC", *JUDGED.values()]
+        names = ["bearing", LINES, "ambient_degC", *COLLECTED.values()]
         names += [quantity("pier", head="Governing pier"), "verdict", "fails"]
         frame = pd.DataFrame(summary["temperatures"])
         caption = "Layered bearings at every temperature"

@@ -124,11 +124,7 @@ def bridge(
 
 
 def one_or_both(components: Any) -> tuple[Any, bool]:
-    """Return the number of components of a case, and whether one and two are compared.
-
-    >>> one_or_both([1, 2]), one_or_both(1), one_or_both(None)
-    ((2, True), (1, False), (None, False))
-    """
+    """Return the number of components of a case, and whether one and two are compared."""
     if not isinstance(components, list | tuple):  # the case checks one
         return components, False
     if len(components) > 1 and sorted(components) != [1, 2]:
@@ -288,10 +284,8 @@ def sweep(
     )
 
 
-def compare_models(
-    case: EarthquakeCase, *, executor: Executor | None = None, progress: Progress | None = None
-) -> dict[str, EarthquakeResult]:
-    """Return the results of models by name, the multi-layer one first.
+def compare_models(case: EarthquakeCase) -> dict[str, EarthquakeResult]:
+    """Return the results of each model for the bearings that it fits, the multi-layer one first.
 
     Each model makes its own motion of the structure. Bilinear bearings, without heat, are left out.
     """
@@ -302,7 +296,7 @@ def compare_models(
         if fitting:
             analysis = case.analysis.model_copy(update={"model": model})
             mine = case.model_copy(update={"analysis": analysis, "bearings": fitting})
-            results[model] = run_earthquake(mine, executor=executor, progress=progress)
+            results[model] = run_earthquake(mine)
     return results
 
 

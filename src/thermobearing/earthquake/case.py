@@ -11,7 +11,7 @@ from thermobearing.bearing.bilinear import BILINEAR, BilinearBearing, load_devic
 from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import AxialForce, Bearing
 from thermobearing.border.cases import absolute, load_all, load_things, read_case
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library, Sourced, sources_to_keep
 from thermobearing.border.schema import Strict, in_unit, overridden
 from thermobearing.border.toml import to_toml
@@ -43,6 +43,7 @@ from thermobearing.structure.model import (
     Stiffness,
     Structure,
     fixed_base,
+    line_faults,
     load_structure,
     reported_line,
 )
@@ -89,19 +90,12 @@ def _settle_lines(table: dict[str, Any], folder: Path) -> list[str]:
 
 def _lines_faults(lines: Sequence[OnLine], structure: Structure) -> list[str]:
     """Return faults of lines: unknown or given twice, weather that cannot be read."""
-    names = [line.name for line in structure.bearings]
-    given = [item.line for item in lines]
-    found = [
-        f'lines: no bearing line is called "{name}"{nearest(name, names)}'
-        for name in given
-        if name not in names
-    ]
-    twice = dict.fromkeys(name for name in given if given.count(name) > 1)
-    found += [f'lines: "{name}" is given more than once' for name in twice]
-    if {item.line for item in lines if item.bearing is not None} >= set(names):
+    found = line_faults(structure, [item.line for item in lines], "lines")
+    own = {item.line for item in lines if item.bearing is not None}
+    if own >= {line.name for line in structure.bearings}:
         found.append(
-            "lines: every line has its own bearing, so bearings of the case are not used; "
-            "leave one to bearings"
+            "lines: every line has its own bearing, so that bearings is not used; remove it, "
+            "or leave a line without its own bearing"
         )
     for item in lines:
         if item.weather is not None:
@@ -211,7 +205,7 @@ class Laboratory(Strict):
         limits = ("force_limit", "displacement_limit") if "specimen" not in given else ()
         found = [f"{key}: needs a specimen" for key in limits if key in given]
         if given.get("compensation") and "delay" not in given:
-            found.append("compensation: needs the delay that it makes up for")
+            found.append("compensation: requires delay")
         return found
 
     @field_validator("specimen")
@@ -231,9 +225,8 @@ class Laboratory(Strict):
     @property
     def _needs_one_step(self) -> bool:
         """Whether the specimen must be moved once a step."""
-        if self.specimen is not None:
-            return True
-        return self.delay > 0.0 or self.force_noise > 0.0 or "pd" in self.mode
+        imperfect = self.delay > 0.0 or self.force_noise > 0.0
+        return imperfect or self.specimen is not None or "pd" in self.mode
 
 
 class Stepping(Strict):
@@ -399,7 +392,7 @@ class EarthquakeCase(Strict):
         """Return what cannot be combined with two components of the ground motion."""
         found = []
         if not self.structure.plan:
-            found.append(f'two need a structure with plan = true; "{self.structure.name}" has none')
+            found.append(f'two require plan = true in the structure "{self.structure.name}"')
         if self.analysis.method == "predictor-corrector":
             found.append('analysis.method = "predictor-corrector" is for one')
         options = [
@@ -416,11 +409,11 @@ class EarthquakeCase(Strict):
         assert self.initial_state is not None
         bearing = self.bearings[0]
         if len(self.bearings) > 1 or not isinstance(bearing, Bearing):
-            return ["initial_state: is of one bearing, and none that is bilinear"]
+            return ["initial_state: requires a single, layered bearing"]
         if self.weather is not None or self.analysis.model == "bilinear":
-            return ["initial_state: goes with neither weather nor the bilinear model"]
+            return ["initial_state: cannot be combined with weather or the bilinear model"]
         if self.lines:
-            return ["initial_state: goes with no lines of their own"]
+            return ["initial_state: cannot be combined with lines"]
         constants = build_model(bearing, self.analysis).constants
         fault = misfit(self.initial_state, constants, self.components)
         return [f"initial_state: {fault}"] if fault else []
@@ -440,8 +433,8 @@ class EarthquakeCase(Strict):
         for given, motion in zip(self.motions, motions, strict=False):
             if given.angle and not self.structure.plan and not motion.acceleration.any():
                 found.append(
-                    f'motions: "{motion.name}" acts across the bridge; the structure is in one '
-                    "direction (plan = true gives it both)"
+                    f'motions: "{motion.name}" acts across the bridge, but the structure '
+                    "moves only along it (plan = true adds the other direction)"
                 )
         return found
 
@@ -451,14 +444,8 @@ def make_earthquake_case(
 ) -> EarthquakeCase:
     """Check a case from a table with `command` (paths are relative to `folder`) and overrides.
 
-    The table has the key `command`, "bridge" or "hybrid"; paths in it are relative to `folder`.
-    `where` names the file in messages. `overrides` replace values of the table: structure,
-    bearings, motions, ambient, weather, duration, laboratory, lines, and every key of `analysis`;
-    None leaves the table's. `fixed_base` (of the table too) leaves out the springs of foundations.
-
-    >>> case = make_earthquake_case({"command": "bridge"}, "example", ambient=[-20, 23], dt=0.002)
-    >>> case.structure.name, len(case.bearings), case.ambient
-    ('pier-p1', 3, [-20.0, 23.0])
+    `overrides` replace values of the table and of its `analysis`; None leaves them. `fixed_base`
+    leaves out the springs of foundations.
     """
     table = dict(table)
     command = table.setdefault("command", "bridge")
@@ -491,7 +478,7 @@ def make_earthquake_case(
     if earlier is not None:
         one = case.bearings[0]
         if len(case.bearings) > 1 or not isinstance(one, Bearing):
-            raise InputError("initial_result: is of one bearing, and none that is bilinear", where)
+            raise InputError("initial_result: requires a single, layered bearing", where)
         state = left_by(earlier, one, case.ambient, where)
         case = case.model_copy(update={"initial_state": state})
     if faults := [*case.faults(), *case.motion_faults(motions)]:

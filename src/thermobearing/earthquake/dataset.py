@@ -21,6 +21,7 @@ from thermobearing.cyclic.result import COMPONENT
 from thermobearing.earthquake import measures
 from thermobearing.earthquake.case import EarthquakeCase, in_weather
 from thermobearing.earthquake.measures import DIRECTION
+from thermobearing.earthquake.motions import pair_notes
 from thermobearing.earthquake.result import PART_HISTORIES, EarthquakeResult, run_name
 from thermobearing.model import handover
 from thermobearing.model.checks import check_rows, failed_checks, vertical_checks
@@ -28,8 +29,7 @@ from thermobearing.model.constants import outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.element import BearingElement
 from thermobearing.model.options import BearingModel
-from thermobearing.model.outcomes import INTERRUPTED
-from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.model.outcomes import ALL_SENTENCES, INTERRUPTED
 from thermobearing.quantities.register import quantity
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import (
@@ -50,7 +50,7 @@ from thermobearing.structure.matrices import (
 )
 from thermobearing.structure.model import list_piers
 from thermobearing.structure.result import implausible_structure
-from thermobearing.structure.run import SENTENCES, StructureHistory
+from thermobearing.structure.run import StructureHistory
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.run import Task
@@ -128,6 +128,8 @@ def _collect_warnings(
     found, compared = beyond(case.rig, rig), []
     if tasks:
         found += implausible_structure(case.structure, tasks[0].prepared)
+    motions = [motion.model_dump(exclude_none=True) for motion in case.motions]
+    found += pair_notes(motions, plan=bool(case.structure.plan))
     causes: list[tuple[str, str]] = []
     for bearing, mine in _bearings(tasks).values():
         said = [f"{bearing.name}: {text}" for text in implausible(bearing)]
@@ -156,14 +158,14 @@ def _collect_warnings(
     if checks and early:
         found.append(
             f"checks under the axial force: {len(early)} of {len(histories)} runs ended as "
-            f"{', '.join(dict.fromkeys(early))}; their rows hold only up to that end"
+            f"{', '.join(dict.fromkeys(early))}; their rows cover the time before the end"
         )
     for item in case.lines if len(case.ambient) > 1 else ():
         if item.ambient is not None or item.weather is not None:
             air = "in its own weather" if item.ambient is None else f"at {item.ambient:g} degC"
             found.append(
-                f"line {item.line} stays {air} in all runs: a comparison of the ambient "
-                "temperatures is not one of this line"
+                f"line {item.line} stays {air} in all runs, so that comparisons of ambient "
+                "temperatures do not apply to it"
             )
     row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": checks}
     row_tables |= exposure_attribute(factors)
@@ -258,8 +260,8 @@ def _label_histories(
     data: dict[str, Any] = {}
     for name in ("time", *measures.HISTORIES, *slow):
         parts = [trace[name][::every] for trace in traces]
-        whole = padded(parts, (length, *_wider(parts, 1)))
-        data[name] = (("run", "step", DIRECTION)[: whole.ndim], whole, quantity(name).attributes)
+        values = padded(parts, (length, *_wider(parts, 1)))
+        data[name] = (("run", "step", DIRECTION)[: values.ndim], values, quantity(name).attributes)
     across = {  # histories with one number per layer, body or cell
         "rubber_temperature": ("layer", [trace["rubber_temperature"][::every] for trace in traces]),
         "body_acceleration": ("body", [_bodies(task, history) for task, history in runs]),
@@ -428,7 +430,7 @@ def _attributes(case: EarthquakeCase, tasks: Sequence["Task"], interrupted: bool
         "version": thermobearing.__version__,
         "case": case.to_toml(),
         "interrupted": int(interrupted),
-        "sentences": as_attribute(RUN_SENTENCES | SENTENCES),
+        "sentences": as_attribute(ALL_SENTENCES),
     }
     if in_weather(case.model_dump(include={"weather", "lines"})):
         attrs["surroundings"] = heat_flow(to_table(case.analysis), [])

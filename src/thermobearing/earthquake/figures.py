@@ -27,7 +27,6 @@ from thermobearing.earthquake.panels import (
     Draw,
     Panels,
     list_moments,
-    part_names,
     select_part,
 )
 from thermobearing.earthquake.tables import COMBINATIONS
@@ -254,12 +253,12 @@ class EarthquakeFigures(Panels):
     def pier_acceleration(self, ax: Axes | None = None) -> Figure:
         """Return the absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18."""
         view, what = self._select("pier", None), "acceleration of the pier top"
-        return view._history("pier_top_acceleration", what, "acceleration [m/s2]", ax)
+        return view._history("pier_top_acceleration", what, "acceleration [m/s²]", ax)
 
     def deck(self, ax: Axes | None = None) -> Figure:
         """Return the absolute acceleration of the deck, as Fig. 6.23 and 6.25."""
         what = "acceleration of the deck"
-        return self._history("deck_acceleration", what, "acceleration [m/s2]", ax)
+        return self._history("deck_acceleration", what, "acceleration [m/s²]", ax)
 
     def energy(self, ax: Axes | None = None) -> Figure:
         """Return the work done on one bearing in time, as Fig. 3.25."""
@@ -269,7 +268,7 @@ class EarthquakeFigures(Panels):
     def hinge(self, ax: Axes | None = None) -> Figure:
         """Return moment against rotation of the pier base, as Fig. 6.21 and 6.22."""
         if self._result.in_plan:
-            raise InputError('hinge: the directions have own hinges; result.sel(direction="x")')
+            raise InputError('hinge: select one direction, such as result.sel(direction="x")')
         view = self._select("pier", None)
         draw = view._curve("pier_rotation", "pier_moment", 1e3, MN_M)
         labels = "rotation [mrad]", "moment [MN m]"
@@ -301,11 +300,11 @@ class EarthquakeFigures(Panels):
             for name in ("rubber", "lead"):
                 if np.isfinite(mine[f"{name}_temperature"].values).any():
                     rows.append((bearing, name))
-        motions = self._motions[:MOST_COLUMNS]
+        motions, start = self._motions[:MOST_COLUMNS], int(len(self._bearings) == 1)
         title = self._title("rise of the temperature in one bearing", motions=True)
         figure, cells = self._grid(
             title, (2.9, 2.1), rows, motions, ("time [s]", "rise [K]"), heads=motions,
-            sides=[f"{bearing}\n{name}" for bearing, name in rows], share=False,
+            sides=["\n".join(row[start:]) for row in rows], share=False,
         )  # fmt: skip
         highest = {"rubber": 0.0, "lead": 0.0}
         for ax, (bearing, name), motion in cells:
@@ -388,7 +387,7 @@ class EarthquakeFigures(Panels):
                 inside &= (time >= ends[0]) & (time <= ends[1])
             else:
                 look: drawing.Look = {"fontsize": drawing.SMALLEST, "color": drawing.GREY}
-                why = "no closed loop: all of it"
+                why = "no closed loop: complete history"
                 ax.text(0.01, 0.985, why, transform=ax.transAxes, va="top", **look)
             bilinear = self._data.attrs.get(f"bilinear:{self._data['bearing'].values[run]}", 0)
             x = self._data["bearing_displacement"].values[run][inside].astype(float)
@@ -466,7 +465,8 @@ class EarthquakeFigures(Panels):
         columns = len(self._bearings)
         wide = max(1.9, 0.5 * len(ambients) + 0.9)
         size = (max(wide * columns, 4.0) + 0.8, 1.55 * len(shown) + 1.2)
-        of_all = " (largest of all lines and piers)" if self._result.has_parts else ""
+        kinds = " and ".join(f"{kind}s" for kind in self._result.part_kinds)
+        of_all = f" (largest of all {kinds})" if self._result.has_parts else ""
         figure, axes = drawing.panels(len(shown), columns, size, self._title(f"peaks{of_all}"))
         names = [drawing.degrees(value).removesuffix(" °C") for value in ambients]
         for panel, ax in enumerate(axes):
@@ -488,7 +488,7 @@ class EarthquakeFigures(Panels):
             ax.set_xticks(range(len(names)), names if last else [""] * len(names))
             ax.set_xlim(-0.6, len(names) - 0.4)
             ax.grid(False, axis="x")
-        drawing.head_grid(axes, self._bearings, [])
+        drawing.head_grid(axes, self._bearings if columns > 1 else [""], [])
         figure.align_ylabels()
         look: drawing.Look = {"color": drawing.GREY}
         motions = self._motions if len(self._motions) <= len(drawing.MARKERS) else []
@@ -558,21 +558,31 @@ class EarthquakeFigures(Panels):
         return draw_profile_panels(title, size, columns, drawn, [f"{one:g} s" for one in names])
 
     def orbit(self) -> Figure:
-        """Return the paths of displacement and force of one bearing in plan."""
-        whole, about = self._result.dataset, part_names(self._data)
+        """Return the paths of displacement and force of one bearing in plan.
+
+        They lie below each other, or side by side where there is one motion.
+        """
+        view, data = copy.copy(self), self._result.dataset
+        view._data = data  # with both directions
         names = (("bearing_displacement", "displacement"), ("bearing_force", "force"))
-        rows = [(bearing, *name) for bearing in self._bearings for name in names]
-        motions = self._motions[:MOST_COLUMNS]
-        title = f"{whole.attrs['structure']}: paths of one bearing in plan"
+        motions, sides = self._motions[:MOST_COLUMNS], self._bearings
+        rows: list[tuple[str, ...]] = [(bearing,) for bearing in sides]
+        columns: list[tuple[str, ...]] = [(motion,) for motion in motions]
+        if len(motions) > 1:
+            rows = [(*row, *name) for row in rows for name in names]
+            sides = [f"{row[0]}\n{row[2]}" for row in rows]
+        else:
+            columns = [(*name, *motions) for name in names]
+        title = view._title("paths of one bearing in plan", motions=True)
         figure, cells = self._grid(
-            title + (f" ({about})" if about else ""), LOOP_PANEL, rows, motions, ("", ""),
-            heads=motions, sides=[f"{bearing}\n{name}" for bearing, _, name in rows], share=False,
-            zero=True,
+            title, LOOP_PANEL, rows, columns, ("", ""),
+            heads=motions, sides=sides, share=False, zero=True,
         )  # fmt: skip
-        for ax, (bearing, name, what), motion in cells:
+        for ax, row, column in cells:
+            bearing, name, what, motion = row + column
             for run in self._find_runs(bearing=bearing, motion=motion):
-                kept = np.isfinite(whole["time"].values[run])
-                x, y = whole[name].values[run, kept, :2].astype(float).T
+                kept = np.isfinite(data["time"].values[run])
+                x, y = data[name].values[run, kept, :2].astype(float).T
                 thin = drawing.thin_loops(x, y, *[max(np.ptp([x, y]), 1e-12)] * 2)
                 look = {"color": self._colour(run)}
                 drawing.draw_orbit(ax, x[thin], y[thin], what, quantity(name).unit, **look)
@@ -589,7 +599,7 @@ class EarthquakeFigures(Panels):
         names = [name for name in COMBINATIONS if name in set(frame["combination"])]
         peaks = list(dict.fromkeys(frame["quantity"]))
         figure, cells = self._grid(
-            f"{self._data.attrs['structure']}: two components over one at a time",
+            self._title("two components over one at a time"),
             (2.2, 0.4 * len(peaks)),
             self._bearings, names, ("ratio", ""), heads=[COMBINATIONS[name] for name in names],
             sides=self._bearings,

@@ -99,13 +99,7 @@ GOVERNING: Final = {
 
 
 def with_resultant(values: Floats) -> Floats:
-    """Return a history [steps], or one of two components [steps, 2] with its resultant.
-
-    Examples
-    --------
-    >>> with_resultant(np.array([[3.0, -4.0]])).tolist()
-    [[3.0, -4.0, 5.0]]
-    """
+    """Return a history [steps], or one of two components [steps, 2] with its resultant."""
     return values if values.ndim == 1 else np.column_stack([values, lengths(values)])
 
 
@@ -137,17 +131,17 @@ def farthest(values: Any) -> Any:
 
 def structure_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]:
     """Return those of `HISTORIES` that the structure has: ground, pier, deck."""
-    where, pier = task.prepared.reported, task.prepared.piers[0][0]
+    (pier, top, base), deck = task.prepared.piers[0], task.prepared.deck
     q, a = history.rows.q, history.rows.a
     ground = task.shaking.ground[: len(q)] / MM_PER_M
     rotation, moment = _hinge_histories(history, pier.hinges)
     found = {
         "ground_acceleration": ground,
-        "pier_displacement": q @ (where.top - where.base),
-        "pier_top_displacement": q @ where.top,
-        "deck_displacement": q @ where.deck,
-        "deck_acceleration": a @ where.deck / MM_PER_M + ground,
-        "pier_top_acceleration": a @ where.top / MM_PER_M + ground,
+        "pier_displacement": q @ (top - base),
+        "pier_top_displacement": q @ top,
+        "deck_displacement": q @ deck,
+        "deck_acceleration": a @ deck / MM_PER_M + ground,
+        "pier_top_acceleration": a @ top / MM_PER_M + ground,
     }
     found = {name: with_resultant(values) for name, values in found.items()}
     return found | {"pier_rotation": rotation, "pier_moment": moment}

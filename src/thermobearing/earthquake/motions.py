@@ -69,7 +69,7 @@ class Motion(Strict):
         if "across_acceleration" in given and not {"across", "acceleration"} <= set(given):
             found.append("across_acceleration: needs across (a name) and acceleration too")
         if given.get("resample") and not {"across", "across_component"} & set(given):
-            found.append("resample: needs across, the record that it brings to the step of name")
+            found.append("resample: requires across, the record that is resampled")
         first, second = _keys(given)
         if second and first == second:
             found.append("across: is the record of name; a pair has two different components")
@@ -124,6 +124,19 @@ class Motion(Strict):
         return _read(name, self.unit, self.dt, component, stamp)
 
 
+def pair_notes(motions: Sequence[Mapping[str, Any]], *, plan: bool) -> list[str]:
+    """Return a sentence on the pairs among some tables of motions, unless structures are in plan.
+
+    >>> pair_notes([{"name": "a", "across": "b"}, {"name": "a"}], plan=False)[0][:23]
+    '1 of 2 motions have two'
+    """
+    pairs = [one for one in motions if {"across", "across_component", "angle"} & set(one)]
+    if not pairs or plan:
+        return []
+    some = f"{len(pairs)} of {len(motions)} motions have two records or an angle"
+    return [f"{some}; the structure is in one direction and is moved by their component along x"]
+
+
 def _keys(given: dict[str, Any]) -> list[tuple[Any, ...] | None]:
     """Return what identifies each record of a table; None for the second without one."""
     first, second = ([given.get(key) for key in keys[:2]] for keys in (FIRST, SECOND))
@@ -147,8 +160,8 @@ def motion_table(motion: GroundMotion | MotionPair) -> dict[str, Any]:
     except InputError as error:
         said = str(error).partition("? If the unit is right")[0]  # a case has no trust_unit
         raise InputError(
-            f'{type(motion).__name__} "{motion.name}": {said}; its acceleration is in mm/s2, and a '
-            "factor scales it: a Motion with its samples, or a table of a file, takes one"
+            f'{type(motion).__name__} "{motion.name}": {said}; its acceleration must be in '
+            "mm/s2. Give the samples as a Motion, or a file as a table, to scale it by a factor"
         ) from None
     table: dict[str, Any] = {"unit": "mm/s2", "dt": with_unit(motion.dt, "s")}
     if isinstance(motion, GroundMotion):

@@ -112,7 +112,9 @@ class Panels(drawing.Figures):
         about = part_names(self._data) if motions else ""
         more += f" ({about})" if about else ""
         way = self._data.attrs.get(DIRECTION, "")
-        return f"{self._data.attrs['structure']}{way and f', {way}'}: {what}{more}"
+        names = [one[0] for one in (self._bearings, self._motions) if len(one) == 1]
+        title = f"{self._data.attrs['structure']}{way and f', {way}'}: {what}{more}"
+        return ", ".join([title, *(name for name in names if name not in what)])
 
     def _values(self, name: str, run: int) -> Floats:
         """Return a history of a run as far as it goes."""
@@ -163,8 +165,9 @@ class Panels(drawing.Figures):
         """Return the runs of the first motion: rows are bearings, columns ambient temperatures."""
         motion = self._motions[0]
         heads = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
+        title = self._title(", ".join([what, motion, *heads[: len(heads) == 1]]))
         figure, cells = self._grid(
-            self._title(f"{what}, {motion}"), size, self._bearings, self._ambients, labels,
+            title, size, self._bearings, self._ambients, labels,
             heads=heads, sides=self._bearings, share=share, zero=zero,
         )  # fmt: skip
         for ax, bearing, ambient in cells:
@@ -190,6 +193,7 @@ class Panels(drawing.Figures):
         The only name of a column or row is left out; the title has it.
         """
         count = len(columns)
+        heads, sides = ([""] * count if n and len(n) == 1 else n for n in (heads, sides))
         inches = (max(size[0] * count, 5.0) + 0.6, size[1] * len(rows) + 1.0)
         figure, axes = drawing.panels(len(rows), count, inches, title, share=share)
         for k, ax in enumerate(axes):

@@ -1,5 +1,6 @@
 """Report of an analysis of earthquakes: scope, inputs, summary, checks, figures."""
 
+import math
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -8,16 +9,8 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
+from thermobearing.cyclic import reported
 from thermobearing.cyclic.report import rig_table
-from thermobearing.cyclic.reported import (
-    analysis_table,
-    bearing_tables,
-    bearing_words,
-    early_end,
-    model_assumptions,
-    residual_rows,
-    result_checks,
-)
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
 from thermobearing.earthquake.figures import EarthquakeFigures
 from thermobearing.earthquake.panels import part_names, select_part
@@ -28,7 +21,15 @@ from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
 from thermobearing.report.content import IN_EARTHQUAKES, TESTED_RANGE, input_table
-from thermobearing.report.pieces import NOT_JUDGED, Check, Pieces, Plot, ReportFigure, Trace
+from thermobearing.report.pieces import (
+    NOT_ASSESSED,
+    PASSED,
+    Check,
+    Pieces,
+    Plot,
+    ReportFigure,
+    Trace,
+)
 from thermobearing.report.words import (
     change,
     counted,
@@ -60,7 +61,7 @@ def _input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
         "motions": given_motions_table(case["motions"], result),
     }
     for bearing in _list_all_bearings(case):
-        found |= bearing_tables(bearing, sources.get(str(bearing["name"])))
+        found |= reported.bearing_tables(bearing, sources.get(str(bearing["name"])))
     if case.get("lines"):
         found["lines"] = _lines_table(case)
     climate = {key: case[key] for key in ("ambient", "weather", "duration") if key in case}
@@ -77,7 +78,9 @@ def _input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
     if in_weather(case):
         outdoor, known = outdoors()
         usual |= outdoor
-    found["analysis"] = analysis_table(case["analysis"], EarthquakeAnalysis(**usual), known)
+    found["analysis"] = reported.analysis_table(
+        case["analysis"], EarthquakeAnalysis(**usual), known
+    )
     return found
 
 
@@ -135,13 +138,13 @@ def _lines_table(case: Case) -> Table:
         ambient = quantity(line["ambient"]) if "ambient" in line else Path(ambient).name
         rows.append((str(line["line"]), name, ambient))
     columns = [Quantity("Line"), Quantity("Bearing"), Quantity("Ambient temperature")]
-    return Table("Bearing lines of their own", columns, rows)
+    return Table("Bearing lines with their own settings", columns, rows)
 
 
 def _question(result: EarthquakeResult, case: Case) -> str:
     structure = case["structure"]
     about = f" ({text})" if (text := structure.get("description")) else ""
-    bearings = joined((bearing_words(one) for one in case["bearings"]), "or")
+    bearings = joined((reported.bearing_words(one) for one in case["bearings"]), "or")
     motions = list(dict.fromkeys(str(name) for name in result["motion"].values))
     shown = joined(motions) if len(motions) <= 6 else counted(len(motions), "motion")
     if case.get("weather"):
@@ -194,7 +197,7 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
             "The bearing starts in the final state of an earlier test, including its history."
         )
     found += _laboratory(case)
-    found += model_assumptions(analysis, _list_all_bearings(case), plane=plan)
+    found += reported.model_assumptions(analysis, _list_all_bearings(case), plane=plan)
     return [text for text in found if text]
 
 
@@ -256,9 +259,11 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
         figures=_report_figures(result),
         checks=_report_checks(result, case),
         rate_rows=result.tested_range.to_dict("records"),
-        lead_rise=_lead_rise(result),
+        lead_rise=float(np.fmax(result.largest_rises()["lead_rise_K"].max(), 0.0)),
         residuals=(
-            () if energy is None else residual_rows(energy, case["analysis"], measured=outside)
+            ()
+            if energy is None
+            else reported.residual_rows(energy, case["analysis"], measured=outside)
         ),
         books=balance_table(result) if result.runs else None,
         assumptions=_assumptions(result, case),
@@ -269,15 +274,8 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
 def _answer(result: EarthquakeResult) -> list[str]:
     """Return what governs and the effect of the cold; an early end comes first."""
     if not result.runs:
-        return [f"No run was finished ({result.outcome}): {tidy(result.sentence)}"]
+        return [f"No run was completed ({result.outcome}): {tidy(result.sentence)}"]
     return [*_early_words(result), _governing(result), _cold(result)]
-
-
-def _lead_rise(result: EarthquakeResult) -> float:
-    """Return the largest rise of the lead in any run and line [K]; 0 without lead."""
-    own = [result.rises(run)["lead"] for run in range(result.runs)]
-    rises = result.lines["lead_rise_K"].tolist() if result.has_parts else own
-    return max((float(rise) for rise in rises if rise == rise), default=0.0)
 
 
 def _early_words(result: EarthquakeResult) -> list[str]:
@@ -285,7 +283,7 @@ def _early_words(result: EarthquakeResult) -> list[str]:
     outcomes = [str(name) for name in result["outcome"].values]
     names = [n for n, out in zip(result.run_names, outcomes, strict=True) if out != "completed"]
     where = f" in {counted(len(names), 'run')}, first {plain(names[0])}" if names else ""
-    return early_end("The analysis", where, result)
+    return reported.early_end("The analysis", where, result)
 
 
 def _largest(result: EarthquakeResult, column: str, part: str = "") -> tuple[float, str]:
@@ -388,12 +386,15 @@ def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
         return []
     names = [str(one["name"]) for one in _list_all_bearings(case)]
     source = f"{TESTED_RANGE} of the bearing"
-    return _ductilities(result) + result_checks(result, case, IN_EARTHQUAKES, source, names)
+    return _ductilities(result) + reported.result_checks(
+        result, case, IN_EARTHQUAKES, source, names
+    )
 
 
 def _ductilities(result: EarthquakeResult) -> list[Check]:
-    """Return first yield of each pier; a limit of a code is not in the input."""
-    source = "first yield of the hinge; no limit of a code is given"
+    """Return whether each pier stays elastic; of one that yields no limit is in the input."""
+    source = "first yield of the hinge"
+    unlimited = math.nan, "", f"none beyond {source}", NOT_ASSESSED
     piers, names = result.piers, result.run_names
     if len(piers) and piers["ductility"].notna().any():
         groups = [(f"pier {name}", mine) for name, mine in piers.groupby("pier", sort=False)]
@@ -405,7 +406,9 @@ def _ductilities(result: EarthquakeResult) -> list[Check]:
         if np.isfinite(values).any():
             place = int(np.nanargmax(values))
             label = f"ductility of {what} ({plain(names[place])})"
-            found.append(Check(label, float(values[place]), 1.0, "", source, NOT_JUDGED))
+            largest = float(values[place])
+            judged = (1.0, "", source, PASSED) if largest <= 1.0 else unlimited
+            found.append(Check(label, largest, *judged))
     return found
 
 
@@ -419,7 +422,7 @@ CAPTIONS = {  # in this order
     "pier_acceleration": "Absolute acceleration of the pier top.",
     "temperature": "Temperature rise of the rubber layers and of the lead since the start.",
     "energy": "Energy dissipated by one bearing.",
-    "parts": "Every bearing line and every pier side by side.",
+    "parts": "Every bearing {} side by side.",
     "largest_loops": "The largest loop of each run, with all bearings in one diagram.",
     "modes": "Real time over pseudo-dynamic: loops of the specimen.",
     "profiles": "Temperature through the height of the bearings.",
@@ -447,6 +450,7 @@ def _report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
     plots = {end: _interactive_plots(view) for end, view in views.items()}
     found = {}
     for name, about in CAPTIONS.items():
+        about = about.format(" and every ".join(result.part_kinds))
         about += f" Shown: {shown}." if shown and name not in OF_ALL else ""
         for end in views:
             if (own := name + end) in held:

@@ -227,6 +227,11 @@ class EarthquakeResult(DatasetResult):
         return str(self.dataset.attrs["pier"]) != GROUND
 
     @property
+    def part_kinds(self) -> tuple[str, ...]:
+        """Parts with rows: "line" and "pier", or "line" alone for a deck on the ground."""
+        return ("line", "pier") if self.has_pier else ("line",)
+
+    @property
     def run_names(self) -> list[str]:
         """Name of each run in sentences and tables."""
         bearing, motion, *others = [self.dataset[name].values.tolist() for name in self._labels]
@@ -363,9 +368,9 @@ class EarthquakeResult(DatasetResult):
         if much.any():
             said.append(
                 f"viscous damping ({kind}) takes more than {LARGEST_DAMPING_SHARE:.0%} of the "
-                f"input energy in {much.sum()} of {len(shares)} runs, at most {shares.max():.0%}: "
-                "there the results rest on the assumed damping ratios as much as on the bearings; "
-                'compare damping = "none"'
+                f"input energy in {much.sum()} of {len(shares)} runs, at most "
+                f"{shares.max():.0%}: there the results depend on the assumed damping ratios "
+                'as much as on the bearings; compare with damping = "none"'
             )
         return said
 
@@ -415,6 +420,8 @@ class EarthquakeResult(DatasetResult):
         data = self.dataset.isel(run=run)
         count = int(np.isfinite(data["time"].values).sum())
         frame = pd.DataFrame({name: data[key].values[:count] for name, key in HISTORY.items()})
+        if not self.has_pier:
+            frame = frame.drop(columns=[n for n in frame if str(n).startswith("pier_")])
         absolute, ground = frame["deck_acceleration_m_s2"], frame["ground_m_s2"]
         place = list(frame.columns).index("deck_acceleration_m_s2")
         frame.insert(place, "deck_relative_acceleration_m_s2", absolute - ground)
@@ -424,7 +431,7 @@ class EarthquakeResult(DatasetResult):
         for name, (dimension, column) in PART_HISTORIES.items() if self.has_parts else ():
             for k, part in enumerate(data[dimension].values):
                 values = data[name].values[:count, k]
-                if np.isfinite(values).any():
+                if np.isfinite(values).any() and part != GROUND:
                     frame[f"{part}_{column}"] = values
         for k in range(data.sizes["layer"]):
             frame[f"rubber{k + 1}_degC"] = data["rubber_temperature"].values[:count, k]
@@ -498,7 +505,6 @@ class EarthquakeResult(DatasetResult):
         if self.runs:
             worst = float(self.energy["structure_residual"].abs().max())
             found.append(f"energy balance: largest residual {worst:.1e} of the input")
-            found += tables.pair_notes(self)
         rate = rate_note(self.tested_range.to_dict("records"))
         return [*found, rate] if rate else found
 
@@ -528,7 +534,7 @@ class EarthquakeResult(DatasetResult):
             for early in rows[rows["outcome"] != "completed"].to_dict("records"):
                 where = run_name(early["bearing"], early["motion"], early["ambient_degC"], "")
                 text = f"{early['model']} ended early ({where}): {early['outcome']}"
-                say(f"{text}; its errors are those until then", "yellow")
+                say(f"{text}; its errors refer to the time before", "yellow")
         for note in self.notes():
             say(note)
         print_warnings(self.warnings)

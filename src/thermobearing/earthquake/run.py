@@ -208,7 +208,7 @@ def run_task(task: Task) -> StructureHistory:
     moved = [largest(lengths(history.bearing(b)["displacement"])) for b in range(len(task.lines))]
     turned = [largest(history.hinge(h)["rotation"]) for h in range(history.rows.hinges.shape[1])]
     tops = [row["pier_part_displacement_max"] for row in pier_peaks(task, history)]
-    return replace(history, outcome=judged(task, moved, turned, tops))
+    return replace(history, outcome=find_outcome(task, moved, turned, tops))
 
 
 def lines_to_shake(task: Task) -> list[Line]:
@@ -230,7 +230,7 @@ def lines_to_shake(task: Task) -> list[Line]:
     ]
 
 
-def judged(
+def find_outcome(
     task: Task, moved: Sequence[float], turned: Sequence[float], tops: Sequence[float]
 ) -> str:
     """Return the outcome of a run that reached its end: whether the model holds that far.

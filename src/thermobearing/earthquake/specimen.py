@@ -14,15 +14,7 @@ import socket
 from typing import TYPE_CHECKING
 
 from thermobearing.border.errors import InputError
-from thermobearing.opensees.wire import (
-    Action,
-    Request,
-    Setup,
-    WireError,
-    decode_reply,
-    prepare,
-    receive_exactly,
-)
+from thermobearing.opensees import wire
 from thermobearing.structure.run import (
     DISPLACEMENT_LIMIT,
     FORCE_LIMIT,
@@ -37,11 +29,7 @@ _ADDRESS = re.compile(r"tcp://(\[[0-9A-Fa-f:.]+\]|[^\s:/\[\]]+):(\d{1,5})/?")
 
 
 def read_address(text: str) -> tuple[str, int]:
-    """Return host and port of an address such as "tcp://192.168.0.5:8090".
-
-    >>> read_address("tcp://localhost:8090"), read_address("tcp://[::1]:8090")
-    (('localhost', 8090), ('::1', 8090))
-    """
+    """Return host and port of an address such as "tcp://192.168.0.5:8090"."""
     found = _ADDRESS.fullmatch(text)
     if found is None or not 1 <= int(found[2]) <= 65535:
         raise ValueError("must be tcp://HOST:PORT, as tcp://127.0.0.1:8090")
@@ -53,14 +41,14 @@ class TcpSpecimen:
 
     def __init__(self, laboratory: "Laboratory", line: int) -> None:
         assert laboratory.specimen is not None
-        self.line, self._lab, self._setup = line, laboratory, Setup.smallest(2)
+        self.line, self._lab, self._setup = line, laboratory, wire.Setup.smallest(2)
         self.note = ""  # which limit was exceeded, and how far
         self._last: tuple[float, float] | None = None  # displacement and time of the last command
         try:
             address = read_address(laboratory.specimen)
             self._socket = socket.create_connection(address, laboratory.time_out)
             try:
-                prepare(self._socket)
+                wire.prepare(self._socket)
                 self._socket.sendall(self._setup.encode())
             except OSError:
                 self._socket.close()
@@ -77,16 +65,16 @@ class TcpSpecimen:
             raise SpecimenError(DISPLACEMENT_LIMIT)
         self._last = displacement, time
         try:
-            self._send(speed, Action.SET_TRIAL, Action.FORCE)
-            reply = receive_exactly(self._socket, self._setup.length, self._lab.time_out)
-            force = float(decode_reply(reply, Action.FORCE, self._setup)[1])
+            self._send(speed, wire.Action.SET_TRIAL, wire.Action.FORCE)
+            reply = wire.receive_exactly(self._socket, self._setup.length, self._lab.time_out)
+            force = float(wire.decode_reply(reply, wire.Action.FORCE, self._setup)[1])
             if abs(force) > (limit := self._lab.force_limit or math.inf):
                 self.note = f"measured force {force:.4g} kN: beyond force_limit, {limit:g} kN"
                 raise SpecimenError(FORCE_LIMIT)
             if not math.isfinite(force):
                 raise SpecimenError(SPECIMEN_LOST)
-            self._send(speed, Action.COMMIT)
-        except (OSError, WireError):
+            self._send(speed, wire.Action.COMMIT)
+        except (OSError, wire.WireError):
             raise SpecimenError(SPECIMEN_LOST) from None
         return force
 
@@ -94,11 +82,11 @@ class TcpSpecimen:
         """Hold the specimen where it is, and end the test."""
         with contextlib.suppress(OSError), self._socket:
             if self._last is not None:
-                self._send(0.0, Action.SET_TRIAL)
-            self._send(0.0, Action.END)
+                self._send(0.0, wire.Action.SET_TRIAL)
+            self._send(0.0, wire.Action.END)
 
-    def _send(self, speed: float, *actions: Action) -> None:
+    def _send(self, speed: float, *actions: wire.Action) -> None:
         """Send messages about the last command; in one packet, so that none waits for another."""
         x, time = self._last or (0.0, 0.0)
-        requests = [Request(act, [0.0, x], [0.0, speed], [0.0, 0.0], time) for act in actions]
+        requests = [wire.Request(act, [0.0, x], [0.0, speed], [0.0, 0.0], time) for act in actions]
         self._socket.sendall(b"".join(request.encode(self._setup) for request in requests))

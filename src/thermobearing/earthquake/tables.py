@@ -13,20 +13,12 @@ import pandas as pd
 
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.reported import bearing_check_tables
-from thermobearing.earthquake.measures import (
-    BEARING,
-    COLUMNS,
-    DIRECTIONS,
-    KEYS,
-    LOOP,
-    PLACES,
-    STRUCTURE,
-    farthest,
-)
+from thermobearing.earthquake import measures
 from thermobearing.earthquake.motions import rotation_frame
 from thermobearing.model.earlier import REFERENCE
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.report.words import joined
 from thermobearing.results.ranges import TESTED
 from thermobearing.results.selection import force_differences, more, temperature_differences
 
@@ -34,7 +26,7 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.result import EarthquakeResult
 
 PEAKS: Final = (  # of a report
-    *COLUMNS[:6], "deck_acceleration_max_m_s2", "rubber_max_degC", "lead_max_degC",
+    *measures.COLUMNS[:6], "deck_acceleration_max_m_s2", "rubber_max_degC", "lead_max_degC",
 )  # fmt: skip
 CONSOLE: Final = (  # fits a screen of 100 columns; a warning states the damping where it is much
     *PEAKS[:3], "energy_of_warmest", *PEAKS[3:5], "deck_displacement_max_mm", *PEAKS[-3:],
@@ -98,11 +90,11 @@ GOVERNED: Final = {
 
 
 def _largest(values: "pd.Series[float]") -> float:
-    return float(farthest(values))
+    return float(measures.farthest(values))
 
 
 def _keys(frame: pd.DataFrame) -> list[str]:
-    return [name for name in KEYS if name in frame]
+    return [name for name in measures.KEYS if name in frame]
 
 
 def _reported_line(result: "EarthquakeResult") -> str:
@@ -112,7 +104,7 @@ def _reported_line(result: "EarthquakeResult") -> str:
 
 def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
     """Return the tables of results by name; those without a row are left out."""
-    ratios, compared = result.modes_table, list(KEYS[:3])
+    ratios, compared = result.modes_table, list(measures.KEYS[:3])
     compared += [f"{name}_ratio" for name in (*RATIOS, *(f"{place}_rise" for place in RISES))]
     found = {
         "governing": _governing_table(result),
@@ -145,7 +137,8 @@ def console_tables(result: "EarthquakeResult") -> list[Table]:
     shown = [replace(table, note="") for table in peaks[:-1]] + [replace(peaks[-1], note=note)]
     last = ("directions", "components", "rotation", "modes", "lines", "piers", "governing")
     shown += [found[name] for name in last if name in found]
-    shown += bearing_check_tables(result, every_part=False).values()
+    for name, table in bearing_check_tables(result, every_part=False).items():
+        shown.append(found[name] if len(found[name]) <= MOST_ROWS else table)
     ratios = found.get("components")  # means, which two temperatures may share by chance
     return [table if table is ratios else table.merged("ambient_degC") for table in shown]
 
@@ -165,7 +158,7 @@ def _peaks_table(
     if frame["ambient_degC"].nunique() < 2:  # each run is the warmest
         frame = frame.drop(columns="energy_of_warmest")
     keys = _keys(frame)
-    where = [n for n in PLACES if n in frame and frame[n].nunique() > 1 and names == PEAKS]
+    where = [n for n in measures.PLACES if n in frame and frame[n].nunique() > 1 and names == PEAKS]
     ended = ["outcome"] if (frame["outcome"] != "completed").any() else []
     frame["outcome"] = frame["outcome"].str.replace("_", " ")
     limits = [str(text).split() for text in frame["beyond_tested"]]
@@ -182,7 +175,7 @@ def _peaks_table(
     if "energy_of_warmest" in names and "energy_of_warmest" in frame:
         note += " The energy ratio is relative to the warmest run."
     if result.has_parts:
-        note += " Every peak is the largest of all lines and piers."
+        note += f" Every peak is the largest of all {joined(_plurals(result))}."
     if any(any(flags) for flags in marked.values()):
         words = ", ".join(sorted(TESTED[limit][1] for limit in others))
         note += " Marked values are outside the calibration range"
@@ -203,21 +196,13 @@ def _directions_table(result: "EarthquakeResult") -> Table:
     if not len(frame):
         return make_table(frame, caption=caption)
     keys = [name for name in _keys(frame) if name != "motion"]
-    frame = frame.groupby(keys, sort=False)[list(COLUMNS)].agg(_largest).reset_index()
+    frame = frame.groupby(keys, sort=False)[list(measures.COLUMNS)].agg(_largest).reset_index()
     frame = frame.sort_values(keys[:-1], kind="stable")
-    note = "x: along the bridge, y: across it. The resultant is the largest of a run, which the "
-    note += "two directions need not reach at once; of hinges it is the larger of both."
+    note = (
+        "x: along the bridge, y: across it. The resultant combines x and y at the same time, so it "
+    )
+    note += "may be less than that of their peaks; for hinges it is the larger of x and y."
     return make_table(frame, [*keys, *BY_DIRECTION], caption, keys=len(keys), note=note)
-
-
-def pair_notes(result: "EarthquakeResult") -> list[str]:
-    """Return a sentence on pairs that move a structure in one direction, if there are some."""
-    case = tomllib.loads(str(result.dataset.attrs["case"]))
-    pairs = [one for one in case["motions"] if {"across", "across_component", "angle"} & set(one)]
-    if not pairs or case["structure"].get("plan"):
-        return []
-    some = f"{len(pairs)} of {len(case['motions'])} motions have two records or an angle"
-    return [f"{some}; the structure is in one direction and is moved by their component along x"]
 
 
 def rotation_measures_frame(result: "EarthquakeResult") -> pd.DataFrame:
@@ -251,11 +236,11 @@ def components_frame(result: "EarthquakeResult", one: "EarthquakeResult") -> pd.
     Of hinges and temperatures only the larger one is compared with that of two components. Runs
     that ended early are left out.
     """
-    keys = list(KEYS[:3])
-    two = {name: _peaks_by_run(result.sel(direction=name), keys) for name in DIRECTIONS}
+    keys = list(measures.KEYS[:3])
+    two = {name: _peaks_by_run(result.sel(direction=name), keys) for name in measures.DIRECTIONS}
     apart = {name: _peaks_by_run(one.sel(direction=name), keys) for name in one.directions}
     runs, none = two["x"].index, pd.DataFrame(columns=two["x"].columns, dtype=float)
-    x, y = (apart.get(name, none).reindex(runs) for name in DIRECTIONS[:2])
+    x, y = (apart.get(name, none).reindex(runs) for name in measures.DIRECTIONS[:2])
     still = ~runs.isin(apart["y"].index) if "y" in apart else np.ones(len(runs), dtype=bool)
     y.loc[still, list(COMPARED_PEAKS)] = 0.0  # no motion across the bridge
     parts = []
@@ -266,7 +251,7 @@ def components_frame(result: "EarthquakeResult", one: "EarthquakeResult") -> pd.
         elif name.endswith("_K"):
             found = {"larger": found["larger"]}
         for key, values in found.items():
-            both = two[key if key in DIRECTIONS else DIRECTIONS[-1]][name]
+            both = two[key if key in measures.DIRECTIONS else measures.DIRECTIONS[-1]][name]
             frame = pd.DataFrame({"one_component": values, "two_components": both.to_numpy()})
             frame["two_over_one"] = frame["two_components"] / frame["one_component"].replace(
                 0.0, np.nan
@@ -274,8 +259,8 @@ def components_frame(result: "EarthquakeResult", one: "EarthquakeResult") -> pd.
             frame.insert(0, "combination", key)
             frame.insert(0, "quantity", name)
             parts.append(pd.concat([runs.to_frame(index=False), frame], axis=1))
-    whole = pd.concat(parts, ignore_index=True)
-    return whole[whole["two_over_one"].notna()].reset_index(drop=True)
+    table = pd.concat(parts, ignore_index=True)
+    return table[table["two_over_one"].notna()].reset_index(drop=True)
 
 
 def _peaks_by_run(result: "EarthquakeResult", keys: list[str]) -> pd.DataFrame:
@@ -315,6 +300,10 @@ def _components_table(result: "EarthquakeResult") -> Table:
     return make_table(rows, [*keys, *columns], caption, keys=3, note=note)
 
 
+def _plurals(result: "EarthquakeResult") -> list[str]:
+    return [f"{kind}s" for kind in result.part_kinds]
+
+
 def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
     """Return the largest of every peak over all runs, lines and piers of each bearing."""
     rows = []
@@ -337,14 +326,15 @@ def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
 def _governing_table(result: "EarthquakeResult") -> Table:
     """Return the largest of all runs, lines and piers; empty for one run of one line."""
     frame = governing_runs(result)
-    caption = "The largest of all runs, lines and piers"
+    caption = f"The largest of all {joined(['runs', *_plurals(result)])}"
     if not len(frame) or (result.runs < 2 and not result.has_parts):
         return make_table(pd.DataFrame(), caption=caption)
     frame.loc[frame["what"] == "bearing strain", "largest"] *= 100.0
     words = frame["what"].replace("bearing strain", "bearing strain [%]")
     frame["what"] = [f"{text[:1].upper()}{text[1:]}".replace("deg", "°") for text in words]
     names = ["bearing", "what", "largest", "part", "motion", "ambient_degC"]
-    return make_table(frame, names, caption, keys=2, heads={"part": "Line or pier"})
+    head = " or ".join(result.part_kinds).capitalize()
+    return make_table(frame, names, caption, keys=2, heads={"part": head})
 
 
 def cold_ratios(result: "EarthquakeResult") -> pd.DataFrame:
@@ -425,7 +415,7 @@ def modes_frame(result: "EarthquakeResult") -> pd.DataFrame:
         if not {FAST, SLOW} <= set(runs):  # interrupted
             continue
         fast, slow = (table.loc[runs[mode]].to_dict() for mode in (FAST, SLOW))
-        row: dict[str, Any] = dict(zip(KEYS[:3], key, strict=True))
+        row: dict[str, Any] = dict(zip(measures.KEYS[:3], key, strict=True))
         for name, column in RATIOS.items():
             row[f"{name}_ratio"] = _over(fast[column], slow[column])
         rises = {mode: result.rises(run) for mode, run in runs.items()}
@@ -446,7 +436,8 @@ def _loops_table(result: "EarthquakeResult") -> Table:
     note = "Loop with the largest displacement, between two zeros of the displacement: K_eq = "
     note += "(|F+| + |F−|)/(|D+| + |D−|), h_eq and G_e as in a test (Eq. 3.1, 3.2)."
     caption = f"Largest loop of one bearing{_reported_line(result)} in each run"
-    names = [*LOOP][4:7] + [*LOOP][2:4] + [*LOOP][:2] + [*LOOP][7:]
+    loop = list(measures.LOOP)
+    names = [*loop[4:7], *loop[2:4], *loop[:2], *loop[7:]]
     closed = frame[frame["loop_K_eq_kN_mm"].notna()]
     return make_table(closed, [*keys, *names], caption, keys=len(keys), note=note)
 
@@ -478,13 +469,13 @@ def balance_table(result: "EarthquakeResult", *, bearing: bool = False) -> Table
     energy, keys = result.energy, _keys(result.table)
     frame = pd.concat([result.table[keys], energy], axis=1)
     if bearing:
-        names = [f"bearing_{name}_kN_mm" for name in BEARING]
+        names = [f"bearing_{name}_kN_mm" for name in measures.BEARING]
         names += ["mechanical_residual", "thermal_residual"]
         caption = f"Energy balance of one bearing{_reported_line(result)}"
         note = "Work in = heat released + recoverable; heat released = stored + lost; of a "
         note += "bilinear bearing all heat counts as stored."
     else:
-        known = [name for name in STRUCTURE if f"{name}_kN_mm" in energy]
+        known = [name for name in measures.STRUCTURE if f"{name}_kN_mm" in energy]
         names = [*(f"{name}_kN_mm" for name in known), "structure_residual"]
         caption = "Energy balance of the structure"
         note = f"Input = {' + '.join(known[1:])} (all bearings); the residual is relative to the "
@@ -536,8 +527,7 @@ def comparison_table(results: "dict[str, EarthquakeResult]") -> pd.DataFrame:
 
 
 def _labels(table: pd.DataFrame) -> list[tuple[Hashable, ...]]:
-    known = [name for name in KEYS if name in table]
-    return [tuple(row) for row in table[known].itertuples(index=False)]
+    return [tuple(row) for row in table[_keys(table)].itertuples(index=False)]
 
 
 def run_keys(result: "EarthquakeResult") -> dict[tuple[Hashable, ...], int]:
@@ -549,7 +539,7 @@ def _errors(
     truth: "EarthquakeResult", run: int, name: str, other: "EarthquakeResult", its: int
 ) -> dict[str, Any]:
     expected, found = truth.table.iloc[run], other.table.iloc[its]
-    row: dict[str, Any] = {key: expected[key] for key in KEYS if key in expected}
+    row: dict[str, Any] = {key: expected[key] for key in measures.KEYS if key in expected}
     row |= {"model": name, "outcome": found["outcome"]}
     places, those = truth.places(run), other.places(its)
     length = min(len(places[INNER]), len(those[INNER]))  # of one that ended early
@@ -590,6 +580,5 @@ def verdict(table: pd.DataFrame) -> str:
         f"a single temperature underestimates the inner layer in {len(mine) - len(missed)} of "
         f"{len(mine)} runs: error of its largest rise {low:+.1f} to {high:+.1f} K"
     )
-    known = [name for name in KEYS if name in mine]
-    not_in = [", ".join(str(part) for part in row) for row in missed[known].to_numpy()]
+    not_in = [", ".join(str(part) for part in row) for row in missed[_keys(mine)].to_numpy()]
     return f"{text}; not in {'; '.join(not_in)}" if not_in else text

@@ -21,7 +21,7 @@ from thermobearing.results.metrics import FEWEST_POINTS, CycleMeasures, measure_
 
 TEST, MODEL = "#8a8f98", "#CC3311"
 BINS = 3000
-LABELLED = 14  # parameters whose correlation is printed into the squares
+LABELLED = 2.0  # parameters in an inch whose correlation is printed into the squares
 BAND_WIDTH = 4.0  # of a test under the thin lines of models [pt]
 PALE_TEST = "#c3c8d0"
 DASHES = ("--", ":", "-.")  # of the temperatures of models
@@ -225,7 +225,7 @@ class IdentificationFigures(ComparisonFigures):
         ax.set_xticks(range(len(names)), names, fontsize=drawing.NORMAL, rotation=45)
         ax.set_yticks(range(len(names)), names, fontsize=drawing.NORMAL)
         for (i, j), value in np.ndenumerate(found.correlation):
-            if len(names) <= LABELLED:
+            if len(names) <= LABELLED * figure.get_figwidth():
                 colour = "white" if abs(value) > 0.6 else drawing.INK
                 text = f"{value:.2f}".replace("-", "\N{MINUS SIGN}")
                 ax.text(
@@ -241,7 +241,7 @@ class IdentificationFigures(ComparisonFigures):
         in the table, which compares short running means: extremes of noisy samples are too large.
         """
         title = self._title("test and model, each cycle")
-        figure, axes = drawing.panels(2, 2, (10.0, 6.4), title)
+        figure, axes = drawing.panels(2, 2, (10.0, 6.4), title, least=drawing.NARROW)
         fits = self._found.fits
         colours = drawing.ordered_colours(len(fits), "viridis")
         for ax, (measure, (title, unit, _)) in zip(axes, MEASURES.items(), strict=True):
@@ -286,7 +286,7 @@ class IdentificationFigures(ComparisonFigures):
         """Draw the loops at a temperature in their 95 % band, and the force at each reversal."""
         words = " (outside calibration range)" if band.beyond_tested else ""
         title = self._title(f"predicted at {drawing.degrees(band.ambient)}{words}")
-        figure, (loops, peaks) = drawing.panels(1, 2, (10.0, 4.4), title)
+        figure, (loops, peaks) = drawing.panels(1, 2, (10.0, 4.4), title, least=drawing.NARROW)
         x, force = band.displacement, band.best
         most = float(np.abs(x).max())
         turns = turning_points(x, TURN * most)

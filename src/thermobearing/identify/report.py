@@ -22,7 +22,7 @@ from thermobearing.report import content
 from thermobearing.report.content import TESTS
 from thermobearing.report.pieces import (
     EXCEEDED,
-    NOT_JUDGED,
+    NOT_ASSESSED,
     PASSED,
     Check,
     Pieces,
@@ -184,6 +184,9 @@ def agreement_table(records: Sequence[Row]) -> Table:
     return make_table(pd.DataFrame(rows), caption="Agreement with the tests", keys=2, note=note)
 
 
+CLOSING = "Small cycles that end a block of a test are counted but not listed."
+
+
 def cycles_table(cycles: pd.DataFrame) -> Table:
     """Return the measures of each cycle in the test and in the model, of cycles.csv."""
     frame = cycles.head(MOST_ROWS).copy()
@@ -198,7 +201,7 @@ def cycles_table(cycles: pd.DataFrame) -> Table:
     names += ["F+_test", "F+_model", "F-_test", "F-_model"]
     left = len(cycles) - len(frame)
     note = "K_eq and h_eq follow Eq. 3.1 and 3.2. The displacement is half the range of a cycle; "
-    note += "the model follows the measured displacement."
+    note += f"the model follows the measured displacement. {CLOSING}"
     note += f" {left} more cycles are in cycles.csv." if left else ""
     heads = dict.fromkeys(("K_eq_error", "h_eq_error", "energy_error"), "error")
     return make_table(
@@ -412,7 +415,7 @@ def _report_checks(summary: Row) -> list[Check]:
 def error_check(name: str, whose: str, error: float | None, limit: float, verdict: str) -> Check:
     """Return the check of the largest error of a quantity in a test."""
     value = float("nan") if error is None else abs(100.0 * error)
-    known = {"within": PASSED, "beyond": EXCEEDED}.get(str(verdict), NOT_JUDGED)
+    known = {"within": PASSED, "beyond": EXCEEDED}.get(str(verdict), NOT_ASSESSED)
     what = f"error of {name}, {whose}"
     return Check(what, value, 100.0 * limit, "%", "limit of the error", known)
 
@@ -439,7 +442,8 @@ def _assumptions(summary: Row, bearing: Row) -> list[str]:
 
 
 SIGNED = ("Tested by", "Calibrated by", "Approved by")
-MOST_CYCLES = 8  # of the page of a certificate
+PAGE_ROWS = 21  # of all tables on the page of a certificate with a title block and a logo
+MOST_LOOPS = 3  # panels of its figure
 ABOUT = ["test", "specimen", "laboratory", "date", "ambient_degC", "rubber_before", "cycles_found"]
 ABOUT += ["largest_strain", "largest_speed_mm_s", "R2"]
 
@@ -459,10 +463,14 @@ def build_certificate(saved: SavedResult) -> Pieces:
     bearing, _ = split_sources(read_toml(saved.path / IDENTIFIED))
     named = {**bearing, "name": summary["bearing"]}
     tests = [str(record["name"]) for record in summary["records"]]
+    parameters = replace(parameters_table(summary, BRIEF), note="")
     tables = {"tests": _certified_tests(summary["records"])}
-    if "cycles" in saved.tables:
-        tables["cycles"] = _certified_cycles(saved["cycles"])
-    tables["parameters"] = replace(parameters_table(summary, BRIEF), note="")
+    room = PAGE_ROWS - len(tests) - len(parameters.rows)
+    if "cycles" in saved.tables and room >= len(tests):
+        tables["cycles"] = _certified_cycles(saved["cycles"], room)
+    elif "cycles" in saved.tables:
+        tables["tests"] = replace(tables["tests"], note="The cycles are in cycles.csv.")
+    tables["parameters"] = parameters
     identity = content.saved_identity(saved, "thermobearing.identify_bearing(...) in Python")
     digests = [f"{what}: `{text}`." for what, text in identity.items() if "inputs" in what]
     return Pieces(
@@ -492,18 +500,25 @@ def _certified_tests(records: Sequence[Row]) -> Table:
     return make_table(pd.DataFrame(rows), ABOUT, "Tests", heads=heads, keep_keys=True)
 
 
-def _certified_cycles(cycles: pd.DataFrame) -> Table:
-    """Return K_eq, Q_d and h_eq of cycles in test and model, as many as have room on a page."""
-    tests = cycles["test"].nunique()
-    frame = cycles.groupby("test", sort=False).head(max(1, MOST_CYCLES // tests)).copy()
+def _certified_cycles(cycles: pd.DataFrame, room: int) -> Table:
+    """Return K_eq, Q_d and h_eq of cycles in test and model, in as many rows as there is room."""
+    groups = [rows for _, rows in cycles.groupby("test", sort=False)]
+    most = max(1, room // len(groups))
+    frame = pd.concat(
+        rows.iloc[np.linspace(0, len(rows) - 1, min(most, len(rows))).round().astype(int)]
+        for rows in groups
+    )
     frame["cycle_displacement_mm"] = 0.5 * (frame["D+_mm"] - frame["D-_mm"])
     names = ["test", "ambient_degC", "cycle", "cycle_displacement_mm"]
     for name in ("K_eq", "Q_d", "h_eq"):
         names += [f"{name}_test", f"{name}_model"]
-    left = len(cycles) - len(frame)
-    note = f"{left} more cycles are in cycles.csv." if left else ""
+    notes = []
+    if len(frame) < len(cycles):
+        listed = f"At most {counted(most, 'cycle')} of each test, spread evenly from the first to "
+        notes.append(f"{listed}the last; cycles.csv has all {len(cycles)}.")
+    notes += [CLOSING] * any(rows["cycle"].max() > len(rows) for rows in groups)
     caption = "Cycles in test and model"
-    return make_table(frame, names, caption, keys=3, note=note, keep_keys=True)
+    return make_table(frame, names, caption, keys=3, note=" ".join(notes), keep_keys=True)
 
 
 def _certified_range(bearing: Row, warnings: int) -> list[str]:
@@ -525,12 +540,13 @@ def _certified_range(bearing: Row, warnings: int) -> list[str]:
 
 def _certified_loops(saved: SavedResult) -> ReportFigure:
     """Return the loops of tests and model, in panels side by side."""
+    records = saved.summary["records"]
+    some = f", {MOST_LOOPS} of {len(records)} tests" if len(records) > MOST_LOOPS else ""
 
     def _draw() -> "Figure":
         from thermobearing.results import drawing
 
-        records = saved.summary["records"]
-        groups = list(saved["fit"].groupby("record", sort=False))[:3]
+        groups = list(saved["fit"].groupby("record", sort=False))[:MOST_LOOPS]
         figure, axes = drawing.panels(1, len(groups), (7.0, 1.6), "")
         for ax, (k, rows) in zip(axes, groups, strict=True):
             record = records[int(str(k))]
@@ -540,7 +556,8 @@ def _certified_loops(saved: SavedResult) -> ReportFigure:
             drawing.name_axes(ax, "displacement [mm]", "force [kN]", title)
         return figure
 
-    return ReportFigure("Loops of the test (grey band) and the model (red line).", draw=_draw)
+    caption = f"Loops of the test (grey band) and the model (red line){some}."
+    return ReportFigure(caption, draw=_draw)
 
 
 def _checked(saved: SavedResult) -> Pieces:

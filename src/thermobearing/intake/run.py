@@ -20,6 +20,7 @@ from thermobearing.border.text_file import file_names, write_file
 from thermobearing.core.records import Floats
 from thermobearing.identify.records.checks import CheckReport, check_test
 from thermobearing.identify.records.record import TestRecord, build_record
+from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.report.workbook import sheets_bytes
@@ -308,7 +309,7 @@ def write_template(
     if path.suffix.lower() != ".xlsx":
         raise InputError(f'template "{path}": its name must end with .xlsx')
     known = None if bearing is None else as_bearing(bearing)
-    layers = FEWEST_LAYERS if known is None else known.geometry.rubber_layers
+    layers = FEWEST_LAYERS if known is None else len(ModelOptions().build_stack(known).multiplicity)
     places = [f"Rubber {k + 1}" for k in range(layers)]
     places += ["Lead"] if known is None or known.lead is not None else []
     columns = [replace(quantity("time_s"), form=".6g")]
@@ -320,7 +321,10 @@ def write_template(
         (row.key, values.get(row.key, ""), row.unit or " or ".join(row.choices), row.meaning)
         for row in form.rows
     ]
-    words = "Samples of the test, a row each. Rubber 1 is the outer layer; columns may stay empty."
+    words = (
+        "Samples of the test, a row each. Rubber 1 is an outer layer, the last one is next to the "
+        "middle; columns may stay empty."
+    )
     heads = [Quantity(KEY), *map(Quantity, ("Value", "Unit", "Meaning"))]
     tables = {
         form.samples: Table("Samples of the test", columns, [], 1, note=words),

@@ -6,6 +6,7 @@ of the structure, ground motions, limits of fields and sentences.
 """
 
 import base64
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -23,6 +24,7 @@ from thermobearing.bearing.model import (
     SOFTEST,
     THINNEST_SEALING,
     Bearing,
+    RubberHysteresis,
     calibration_ranges,
 )
 from thermobearing.border.errors import InputError
@@ -31,15 +33,19 @@ from thermobearing.border.schema import field_limits
 from thermobearing.border.toml import read_toml
 from thermobearing.core.compiled.native import DESCRIPTION, FOLDER, read_description, read_library
 from thermobearing.core.lead_ends import longest_rest_step
-from thermobearing.core.numbers import PARTS
+from thermobearing.core.numbers import PARTS, LayerLaw
 from thermobearing.core.records import labels
 from thermobearing.core.types import COMPLETED, DEPTH, NEVER_MOVED, SOFTENED, Books
 from thermobearing.cyclic.protocol import LARGEST_STRAIN, Cycles, CyclicTest, Rest, cyclic_test
 from thermobearing.model.lead_ends import lead_sizes
 from thermobearing.model.lead_impedance import MOST_TERMS, ROOM
 from thermobearing.model.options import BearingModel, build_model
-from thermobearing.model.outcomes import NOT_PHYSICAL, PIER_BEYOND_LIMIT, possible_temperatures
-from thermobearing.model.outcomes import SENTENCES as OF_TESTS
+from thermobearing.model.outcomes import (
+    ALL_SENTENCES,
+    NOT_PHYSICAL,
+    PIER_BEYOND_LIMIT,
+    possible_temperatures,
+)
 from thermobearing.model.stack import MM_PER_M, EndFace
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.record import GroundMotion
@@ -50,7 +56,6 @@ from thermobearing.structure.run import (
     HALVINGS,
     ITERATIONS,
     OUTCOMES,
-    SENTENCES,
     TOLERANCE,
     Line,
     Method,
@@ -64,44 +69,16 @@ MODULE = "wasm32.wasm"
 BUILD = "This installation has no kernels for web pages. In a checkout, run `make kernels`."
 MOTIONS = ("jra-ii-i-1",)
 STRUCTURE = "pier-p1"
-KERNELS = (  # faces that the engine calls
-    "core.lead_ends.longest_rest_step",
-    "core.march.is_possible",
-    "results.loop.measure_loop",
-    "core.march.keep_row",
-    "core.march.march",
-    "core.numbers.conserve_heat",
-    "core.numbers.face_conductance",
-    "core.numbers.fill_cells",
-    "core.numbers.film_at_face",
-    "core.numbers.lay_cells",
-    "core.numbers.lead_numbers",
-    "core.numbers.rubber_numbers",
-    "core.numbers.source_rise",
-    "model.lead_impedance.fill_network",
-    "structure.forces.keep_motion",
-    "structure.newmark.newmark_march",
-    "structure.newmark.start_motion",
-)
-LAYERS = {  # numbers of a bearing file that make the law of a layer, as LayerLaw has them
-    "thickness": "geometry.rubber_thickness",
-    "post_yield_ratio": "hysteresis.post_yield_ratio",
-    "layer_stiffness": "hysteresis.layer_stiffness",
-    "shape": "hysteresis.shape",
-    "yield_displacement": "hysteresis.yield_displacement",
-    "hardening": "hysteresis.hardening",
-    "elastic_temperature_coefficient": "hysteresis.elastic_temperature_coefficient",
-    "hysteretic_temperature_coefficient": "hysteresis.hysteretic_temperature_coefficient",
-}
+CALLED = re.compile(r'kernels\.call\("([\w.]+)"')  # a kernel that the engine calls
+RUBBER = tuple(name for name in LayerLaw._fields if name in RubberHysteresis.model_fields)
+# Numbers of a bearing file that make the law of a layer, as LayerLaw has them.
+LAYERS = {"thickness": "geometry.rubber_thickness", **{k: f"hysteresis.{k}" for k in RUBBER}}
 EDITABLE = {  # tables of a bearing file whose numbers the page can change
     "geometry": (
         "rubber_layers", "rubber_thickness", "shim_thickness", "end_plate_thickness",
         "sealing_plate_thickness",
     ),
-    "hysteresis": (
-        "post_yield_ratio", "layer_stiffness", "shape", "yield_displacement", "hardening",
-        "elastic_temperature_coefficient", "hysteretic_temperature_coefficient",
-    ),
+    "hysteresis": RUBBER,
     "lead": ("cores", "diameter", "stiffness", "yield_stress", "softening"),
     "rate": ("stiffness", "damping"),
 }  # fmt: skip
@@ -161,7 +138,8 @@ def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any
             raise InputError(f"{bearing.name}: a live page cannot have a hysteresis_law")
     with _built():
         known = read_description(FOLDER)
-    entries = {name: known["entries"][name] for name in KERNELS}
+    called = sorted(set(CALLED.findall(engine_source())))
+    entries = {name: known["entries"][name] for name in called}
     coldest, hottest = possible_temperatures()
     return {
         "version": thermobearing.__version__,
@@ -191,7 +169,7 @@ def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any
             "names": {str(number): name for number, name in OUTCOMES.items()},
             "not_physical": NOT_PHYSICAL,
             "pier_beyond_limit": PIER_BEYOND_LIMIT,
-            "sentences": OF_TESTS | SENTENCES,
+            "sentences": ALL_SENTENCES,
         },
         "bearings": {bearing.name: _bearing(bearing, model) for bearing, model in models},
         "structures": {},
@@ -315,7 +293,7 @@ def structure_data(
     nothing = build_model(as_bearing(list_bearings()[0])).constants
     line = Line(nothing, np.zeros(len(nothing.cells.capacity)))
     system = build_system(prepared, [line] * len(prepared.structure.bearings))
-    where, structure = prepared.reported, prepared.structure
+    (pier, top, base), structure = prepared.piers[0], prepared.structure
     return {
         "name": structure.name,
         "description": structure.description,
@@ -329,14 +307,14 @@ def structure_data(
             "iterations": ITERATIONS,
             "halvings": HALVINGS,
         },
-        "deck": where.deck.tolist(),
-        "top": where.top.tolist(),
-        "base": where.base.tolist(),
-        "hinge": where.hinge,
+        "deck": prepared.deck.tolist(),
+        "top": top.tolist(),
+        "base": base.tolist(),
+        "hinge": pier.hinges[0],
         "line": reported_line(structure),
         "yield_rotations": [hinge.yield_rotation for hinge in structure.hinges],
         "piers": [
-            {"height_mm": pier.height, "moved": (top - base).tolist(), "hinge": pier.hinge}
+            {"height_mm": pier.height, "moved": (top - base).tolist(), "hinge": pier.hinges[0]}
             for pier, top, base in prepared.piers
         ],
         "limits": {"ductility": structure.limits.ductility, "drift": structure.limits.drift},

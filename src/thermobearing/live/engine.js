@@ -319,15 +319,15 @@ export class Engine {
     const found = [];
     if (leadArea >= area) {
       found.push({ field: "lead.diameter", value: values["lead.diameter"],
-        message: `the lead cores take ${general(leadArea)} mm2 of a plan of ${general(area)} mm2` });
+        message: `the lead cores have an area of ${general(leadArea)} mm2, the plan only ${general(area)} mm2` });
     }
     if (!(yielding >= earliest && yielding <= latest)) {
       found.push({ field: "hysteresis.yield_displacement", value: values["hysteresis.yield_displacement"],
-        message: `hysteresis.yield_displacement and geometry.rubber_thickness make a yield strain of ${general(yielding, 3)}: must be ${earliest} to ${latest}` });
+        message: `hysteresis.yield_displacement and geometry.rubber_thickness give a yield strain of ${general(yielding, 3)}: must be ${earliest} to ${latest}` });
     }
     if (!(modulus >= softest && modulus <= hardest)) {
       found.push({ field: "hysteresis.layer_stiffness", value: values["hysteresis.layer_stiffness"],
-        message: `hysteresis.layer_stiffness, plan and rubber_thickness make a shear modulus K_r t_r / A of ${general(modulus, 3)} MPa: must be ${softest} to ${hardest} MPa` });
+        message: `hysteresis.layer_stiffness, plan and rubber_thickness give a shear modulus K_r t_r / A of ${general(modulus, 3)} MPa: must be ${softest} to ${hardest} MPa` });
     }
     return found;
   }

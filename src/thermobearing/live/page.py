@@ -15,10 +15,9 @@ from markupsafe import Markup
 from thermobearing.bearing.library import as_bearing, list_bearings
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import EXPONENTS
-from thermobearing.border.errors import OutputError
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import field_limits
-from thermobearing.border.text_file import write_whole
+from thermobearing.border.text_file import check_file, write_file
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.protocol import Cycles
 from thermobearing.live.data import engine_source, live_data, live_module
@@ -69,13 +68,8 @@ def live_page(
     PosixPath('bearing.html')
     """
     file = Path(path)
-    if file.exists() and not overwrite:
-        raise OutputError(f"{file}: exists; overwrite replaces it")
-    content = page_html(bearing).encode()
-    try:
-        write_whole(file, content)
-    except OSError as error:
-        raise OutputError(f"{file}: cannot be written: {error.strerror or error}") from None
+    check_file(file, overwrite=overwrite)  # before the page, which takes a second
+    write_file(file, page_html(bearing), overwrite=overwrite)
     return file
 
 

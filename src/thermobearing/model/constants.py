@@ -151,23 +151,16 @@ def build_constants(
     return Constants(
         rubber=_rubber(
             bearing,
-            integrator,
-            monotone=hardening == "monotone",
-            closed_loops=small_loops == "closed",
+            EULER if integrator == "euler" else EXACT,
+            hardening == "monotone",
+            small_loops == "closed",
         ),
         lead=lead,
         viscous=_viscous(bearing, heats=scheme != "published"),
         law=_law_pieces(bearing.temperature_law),
         multiplicity=stack.multiplicity,
         layer_cells=stack.layers,
-        cells=Cells(
-            to_previous=rates.to_previous,
-            to_next=rates.to_next,
-            end_loss=rates.end_loss,
-            side_loss=rates.side_loss,
-            capacity=stack.heat_capacity,
-            beside_lead=stack.beside_lead,
-        ),
+        cells=Cells(*rates, capacity=stack.heat_capacity, beside_lead=stack.beside_lead),
         lead_cells=network.cells,
         lead_ports=network.ports,
         lead_modes=network.modes,
@@ -176,7 +169,7 @@ def build_constants(
             bearing.area - bearing.lead_area,
             bearing.geometry.rubber_thickness,
         ),
-        side_implicit=rates.side_implicit,
+        side_implicit=scheme == "conservative",
         heat_source=HEAT_FROM_DISSIPATION if heat_source == "dissipation" else HEAT_FROM_WORK,
         limits=limits_of_a_step(),
     )
@@ -189,14 +182,12 @@ def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Con
     must have the geometry and materials that `constants` and `stack` were built from.
     """
     rubber, law = constants.rubber, bearing.temperature_law
-    integrator: Integrator = "euler" if rubber.integrator == EULER else "exact"
+    choices = rubber.integrator, rubber.monotone, rubber.closed_loops
     bearing = exposed(bearing)
     lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
     lead = lead._replace(clock_rate=constants.lead.clock_rate)  # keep the chosen clock
     return constants._replace(
-        rubber=_rubber(
-            bearing, integrator, monotone=rubber.monotone, closed_loops=rubber.closed_loops
-        ),
+        rubber=_rubber(bearing, *choices),
         lead=lead,
         viscous=_viscous(bearing, heats=constants.viscous.heats),
         law=constants.law if law is None or law.law is None else _law_pieces(law),
@@ -271,9 +262,7 @@ def _own_law(bearing: Bearing) -> dict[str, Any]:
     return {"law": on_line, "law_in_plane": in_plane, **numbers}
 
 
-def _rubber(
-    bearing: Bearing, integrator: Integrator, *, monotone: bool, closed_loops: bool
-) -> Rubber:
+def _rubber(bearing: Bearing, integrator: int, monotone: bool, closed_loops: bool) -> Rubber:
     """Return the constants of one rubber layer (Eq. 4.34-4.37)."""
     h, virgin = bearing.hysteresis, bearing.scragging or SCRAGGED
     law = LayerLaw(
@@ -299,7 +288,7 @@ def _rubber(
         monotone=monotone,
         yield_displacement=h.yield_displacement,
         unloading_curvature=unloading,
-        integrator=EULER if integrator == "euler" else EXACT,
+        integrator=integrator,
         closed_loops=closed_loops,
         virgin=bearing.scragging is not None,
         scragging_amplitude=virgin.amplitude,

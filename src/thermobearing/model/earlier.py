@@ -47,17 +47,11 @@ TIGHT = 1e6  # lead exchanges heat this fast with the single temperature [kN mm/
 
 @dataclass(frozen=True)
 class BilinearParameters:
-    """Backbone of the bearing.
+    """Backbone of the bearing."""
 
-    Attributes
-    ----------
-    strength : Q_d, force at zero displacement [kN].
-    post_yield, initial : stiffness K_2 and K_1 [kN/mm].
-    """
-
-    strength: float
-    post_yield: float
-    initial: float
+    strength: float  # Q_d, force at zero displacement [kN]
+    post_yield: float  # K_2 [kN/mm]
+    initial: float  # K_1 [kN/mm]
 
 
 def _adiabatic(constants: Constants) -> Constants:

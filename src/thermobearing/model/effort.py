@@ -18,7 +18,7 @@ def too_much(steps: float, cells: int, kept: float) -> list[str]:
 
     `steps`: of all runs together; `kept`: numbers in all rows that are kept.
     """
-    change = "take a larger dt, fewer ambient temperatures"
+    change = "use a larger dt, fewer ambient temperatures"
     if steps > MAX_STEPS:
         return [f"needs {steps:.3g} steps; the limit is {MAX_STEPS}: {change}"]
     if steps * cells > MAX_CELL_STEPS:

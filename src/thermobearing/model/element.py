@@ -39,18 +39,11 @@ DEFAULT_AMBIENT = 23.0  # [degC]
 
 @dataclass(frozen=True)
 class Trial:
-    """Response to one trial displacement.
+    """Response to one trial displacement."""
 
-    Attributes
-    ----------
-    force : restoring force [kN], positive with positive displacement.
-    tangent : its slope [kN/mm].
-    outcome : "completed", or the reason why the step ended early.
-    """
-
-    force: float
-    tangent: float
-    outcome: str
+    force: float  # restoring force [kN], positive with positive displacement
+    tangent: float  # its slope [kN/mm]
+    outcome: str  # "completed", or the reason why the step ended early
 
 
 @dataclass(frozen=True)

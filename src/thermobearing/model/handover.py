@@ -53,17 +53,6 @@ COUNT = "layer_turns"
 ENDS = "lead_terms"
 MEMORY = (*LAYERS, *BRANCHES, *BOOKS, ENDS)
 OF_LOOPS = (COUNT, *TURNS)
-ACROSS = (  # what has a component across in a plane
-    "layer_displacement",
-    "layer_hysteretic",
-    "core_force",
-    "maxwell_force",
-    "displacement",
-    "force",
-    "rubber_force",
-    "lead_force",
-    "viscous_force",
-)
 # Dataset dimension of each history variable that is no scalar.
 DIMENSIONS = {**dict.fromkeys([*LAYERS, COUNT], "layer"), **dict.fromkeys(TURNS, "turn")}
 DIMENSIONS[ENDS] = "lead_term"
@@ -82,6 +71,9 @@ class AcrossState(Strict):
     rubber_force: Force
     lead_force: Force
     viscous_force: Force
+
+
+ACROSS = tuple(AcrossState.model_fields)  # what has a component across in a plane
 
 
 class SpecimenState(Strict):

@@ -4,9 +4,10 @@ from typing import Annotated, Final
 
 import numpy as np
 
-from thermobearing.border.library import read_data
+from thermobearing.border.library import data_path, read_data
 from thermobearing.border.schema import Strict, in_unit
-from thermobearing.core.march import is_possible
+from thermobearing.border.toml import read_toml
+from thermobearing.core.march import LEAST, MISSING, is_possible
 from thermobearing.core.plane import plain
 from thermobearing.core.types import (
     COMPLETED,
@@ -31,41 +32,10 @@ NAMES: Final = {
     EULER_UNSTABLE: "euler_unstable",
     TEMPERATURE_RUNAWAY: "temperature_runaway",
 }
-SENTENCES: Final = {
-    "completed": "The analysis was completed.",
-    "layer_forces_not_converged": (
-        "The layer forces did not converge in a step. Try a smaller dt, or integrator exact."
-    ),
-    "not_finite": (
-        "A force or temperature became infinite or undefined. Try a smaller dt and check the "
-        "units of the bearing file."
-    ),
-    "euler_unstable": (
-        "The explicit Euler integration of Z is unstable. Try a smaller dt, or integrator exact."
-    ),
-    "temperature_runaway": (
-        "A rubber layer left -273 to 400 degC (it decomposes) or the lead reached 327 degC (it "
-        "melts). Try fewer cycles, a smaller amplitude or a slower motion, and check the units of "
-        "stiffness, plan and heat capacity. With very stiff rubber, heat_source dissipation can "
-        "cause this during holds."
-    ),
-    NOT_PHYSICAL: (
-        "A bearing was strained beyond 500 % (it tears), a plate left -273 to 1500 degC, or the "
-        "energy balance does not close. Check the units of stiffness, thicknesses, conductivities "
-        "and temperature coefficients, and try a smaller dt."
-    ),
-    INTERRUPTED: "The run was interrupted; the results up to that time were saved.",
-}
-EQUAL_FORCES: Final = "equal_layer_forces"
-SOFTENED_LAYERS: Final = "softened_layers"
-SHARING_SENTENCES: Final = {
-    EQUAL_FORCES: "All rubber layers carried the same force in every step.",
-    SOFTENED_LAYERS: (
-        "The tangent stiffness of a layer was not safely positive in some steps (large strain in "
-        "the cold, just after reversal): there the hardening factor was taken partly at the mean "
-        "strain; layer_force_mismatch_max_kN is the difference from the force of the layer law."
-    ),
-}
+_TEXTS = read_toml(data_path("reports", "outcomes.toml"))
+SENTENCES: Final[dict[str, str]] = _TEXTS["analysis"]
+ALL_SENTENCES: Final = SENTENCES | _TEXTS["structure"]
+SHARING_SENTENCES: Final[dict[str, str]] = _TEXTS["layer_forces"]
 
 
 class TemperatureLimits(Strict):
@@ -102,12 +72,15 @@ def is_physical(constants: Constants, state: State, recoverable_before: float = 
     checked where the balance cannot close: of the published scheme, and where the rounding of the
     temperature of a lead of endless heat capacity (the bilinear model) is a noticeable heat.
     """
+    lead = constants.lead
+    rounding = lead.cores * lead.capacity * np.spacing(abs(state.branches[0].lead_temperature))
+    noticeable = rounding > MISSING * LEAST
     return bool(
         plain(is_possible, state)(
             np.ascontiguousarray(state.temperature),
             state.books,
             recoverable_before,
             *possible_temperatures(),
-            not constants.lead.published and constants.viscous.heats,
+            not lead.published and constants.viscous.heats and not noticeable,
         )
     )

@@ -112,16 +112,6 @@ class Stack:
         """Heat capacity of each cell, for the full bearing [kN mm/K]."""
         return self.fold * self.volumetric_heat * self.area * self.thickness
 
-    @property
-    def first_cell(self) -> Ints:
-        """Number of the first cell of each modelled layer."""
-        return self.layers["first"]
-
-    @property
-    def last_cell(self) -> Ints:
-        """One past the last cell of each modelled layer."""
-        return self.layers["last"]
-
     def middles(self) -> tuple[Ints, Ints]:
         """The two cells next to each layer's mid-thickness (the same one, if it lies there)."""
         return self.layers["upper_middle"], self.layers["lower_middle"]
@@ -175,7 +165,7 @@ def build_stack(
     steel, rubber = bearing.materials.steel, bearing.materials.rubber
     count = len(cells.part)
     heat, capacity = CellHeat(cells.thickness, *np.empty((3, count))), np.empty(count)
-    beside = BesideLead(np.empty(count), np.empty(count, dtype=np.bool_))
+    lead = BesideLead(np.empty(count), np.empty(count, dtype=np.bool_))
     fill = Fill(
         steel_conductivity=steel.conductivity / MM_PER_M,
         steel_heat=steel.volumetric_heat,
@@ -185,7 +175,7 @@ def build_stack(
         lead_area=bearing.lead_area,
         fold=2 if half else 1,
     )
-    fill_cells(fill, cells.part, heat, capacity, beside)
+    fill_cells(fill, cells.part, heat, capacity, lead)
     lumps = np.flatnonzero(cells.part == MASS)
     starts = np.concatenate([[True], cells.interface[:-1]])
     faces = behind[:1] if half else behind
@@ -202,8 +192,8 @@ def build_stack(
         lone_shim=(cells.part == SHIM) & starts & np.append(starts[1:], True),
         layers=cells.layers,
         multiplicity=cells.multiplicity,
-        beside_lead=beside.height,
-        touches_lead_end=beside.touches_end,
+        beside_lead=lead.height,
+        touches_lead_end=lead.touches_end,
         fold=fill.fold,
         perimeter=bearing.geometry.plan.perimeter,
         side_film=side_film / MM_PER_M**2,
@@ -228,17 +218,6 @@ def through_side(bearing: Bearing, film: float, cover: float) -> float:
     along = (rubber * m.rubber.conductivity + steel * m.steel.conductivity) / (rubber + steel)
     inside = 0.5 * g.plan.area / g.plan.perimeter / along
     return 1.0 / (1.0 / film + (cover / m.rubber.conductivity + inside) / MM_PER_M)
-
-
-@dataclass(frozen=True)
-class Rates:
-    """Heat exchange rates of the cells [1/s]; see core/heat.py."""
-
-    to_previous: Floats
-    to_next: Floats
-    end_loss: Floats
-    side_loss: Floats
-    side_implicit: bool
 
 
 def _end_conductance(face: EndFace, conductivity: float, thickness: float) -> float:
@@ -266,7 +245,7 @@ def _end_losses(stack: Stack, upper: EndFace, lower: EndFace | None, capacity: F
     return loss
 
 
-def conservative_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> Rates:
+def conservative_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> CellRates:
     """Finite-volume balance: what leaves one cell enters the next."""
     k, thickness = stack.conductivity, stack.thickness
     above = _end_conductance(upper, k[0], thickness[0])
@@ -274,11 +253,11 @@ def conservative_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> R
     heat = CellHeat(thickness, k, stack.volumetric_heat, stack.area)
     rates = CellRates(*np.empty((4, len(thickness))))
     conserve_heat(heat, stack.perimeter, stack.side_film, above, below, rates)
-    return Rates(*rates, side_implicit=True)
+    return rates
 
 
-def published_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> Rates:
-    """The printed coefficients, Eq. 4.23-4.31, with their departures P1 and P2.
+def published_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> CellRates:
+    """Return the printed coefficients, Eq. 4.23-4.31, with their departures P1 and P2.
 
     2 beta/dt of Shen (2023) is `diffusion` here. A shim of one cell receives twice the flux
     its neighbours lose (Eq. 4.28, 4.31), and theta uses the rubber's c rho everywhere.
@@ -291,13 +270,12 @@ def published_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> Rate
     to_previous = np.where(inside, 1.0, 2.0 * (1.0 - gamma_below)) * diffusion[1:]
     to_next *= np.where(stack.lone_shim[:-1], 2.0, 1.0)
     to_previous *= np.where(stack.lone_shim[1:], 2.0, 1.0)
-    rubber = stack.volumetric_heat[stack.first_cell[0]]
+    rubber = stack.volumetric_heat[stack.layers["first"][0]]
     side = stack.side_film * stack.perimeter / stack.area / rubber
     capacity = stack.heat_capacity / stack.fold
-    return Rates(
+    return CellRates(
         to_previous=np.concatenate([[0.0], to_previous]),
         to_next=np.concatenate([to_next, [0.0]]),
         end_loss=_end_losses(stack, upper, lower, capacity),
         side_loss=side,
-        side_implicit=False,
     )

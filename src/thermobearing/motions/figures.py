@@ -1,6 +1,6 @@
 """Figures of ground motions: histories and response spectra."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -44,11 +44,8 @@ class MotionFigures(drawing.Figures):
     """Figures of one ground motion."""
 
     vector = True
+    names = ("motion", "spectrum")
     _result: MotionResult
-
-    def draw_all(self) -> dict[str, Callable[[], Figure]]:
-        """Return the function that draws each figure, by name of its file."""
-        return {"motion": self.motion, "spectrum": self.spectrum}
 
     def motion(self) -> Figure:
         """Acceleration, velocity and displacement of the ground, the significant part shaded."""

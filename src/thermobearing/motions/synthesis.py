@@ -234,13 +234,13 @@ def make_motion(
 
     Examples
     --------
-    >>> make_motion("II", "I", seed=1).name
+    >>> make_motion("II", "I", seed=1, dt=0.02).name
     'jra-ii-i-1'
     """
     kind, ground = kind_and_ground(kind, ground)
     if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed <= LARGEST_SEED:
         raise InputError(f"seed: {seed!r} is not an integer from 0 to {LARGEST_SEED}")
-    _check_step(dt, "make_motion")
+    _check_step(dt, "make_motion()")
 
     target = spectrum or standard_target(kind, ground, zone_factor)
     fit: Matched | None = None
@@ -304,7 +304,7 @@ def match_spectrum(
 
     Examples
     --------
-    >>> record = make_motion("II", "I", seed=1)
+    >>> record = make_motion("II", "I", seed=1, dt=0.02)
     >>> match_spectrum(record, "II", "II").name
     'jra-ii-i-1-as-ii-ii'
     """

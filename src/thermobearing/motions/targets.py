@@ -141,7 +141,7 @@ def standard_spectrum(
     key = kind_and_ground(kind, ground)
     values = number_list(periods, "periods [s]")
     if (values < 1.0 / HUGEST).any():
-        raise InputError("periods [s]: must be > 0", "standard_spectrum")
+        raise InputError("periods [s]: must be > 0", "standard_spectrum()")
     return standard_target(*key, zone_factor).at(values)
 
 
@@ -151,7 +151,7 @@ def standard_target(kind: str, ground: str, zone_factor: float = 1.0) -> DesignS
         raise InputError(
             f"zone_factor: {zone_factor:g} is outside [{SMALLEST_ZONE_FACTOR:g}, "
             f"{LARGEST_ZONE_FACTOR:g}]",
-            "standard_spectrum",
+            "standard_spectrum()",
         )
     words = f"the standard spectrum of Level 2 Type {kind}, ground {ground}, c_z = {zone_factor:g}"
     caveat, curve = "NOT an accelerogram of the specifications", _spectra()[kind, ground]

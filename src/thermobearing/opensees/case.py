@@ -41,11 +41,7 @@ class Units(NamedTuple):
 
     @classmethod
     def named(cls, name: str) -> Self:
-        """Return the factors of a name such as "kN-m".
-
-        >>> Units.named("N-m")
-        Units(force=0.001, length=1000.0)
-        """
+        """Return the factors of a name such as "kN-m"."""
         force, length = name.split("-")
         return cls(conversion(force, "kN")[0], conversion(length, "mm")[0])
 
@@ -97,11 +93,7 @@ class ServedCase(Strict):
 def make_served_case(
     table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
 ) -> ServedCase:
-    """Check a case from a table of a file and overrides, with the defaults filled in.
-
-    >>> make_served_case({}, "example", bearing="shen-hdr-bridge", count=5).count
-    5
-    """
+    """Check a case from a table of a file and overrides, with the defaults filled in."""
     table, given, faults = load_all(table, overrides, {"bearing": load_bearing}, folder)
     table = overridden(table, given, ServedCase, {"analysis": ModelOptions})
     own: dict[str, str] = {}
@@ -127,28 +119,16 @@ def load_served_case(path: str | Path, **overrides: Any) -> ServedCase:
 
 
 class Layout(NamedTuple):
-    """Which springs an element of OpenSees has.
+    """Which springs an element of OpenSees has."""
 
-    Attributes
-    ----------
-    pairs : bearings in the element, each between two nodes.
-    dofs : degrees of freedom of each node, numbered as in OpenSees.
-    directions : those of them in which the bearing shears.
-    vertical : the vertical one; None where the element has shear springs only.
-    """
-
-    pairs: int
-    dofs: tuple[int, ...]
-    directions: tuple[int, ...]
-    vertical: int | None
+    pairs: int  # bearings in the element, each between two nodes
+    dofs: tuple[int, ...]  # of each node, numbered as in OpenSees
+    directions: tuple[int, ...]  # those in which the bearing shears
+    vertical: int | None  # None where the element has shear springs only
 
     @classmethod
     def of(cls, pairs: int, directions: Any, vertical: int | None, where: str) -> Self:
-        """Return the layout of an element, checked.
-
-        >>> Layout.of(1, (1,), 3, "example").dofs
-        (1, 2, 3, 4, 5, 6)
-        """
+        """Return the layout of an element, checked."""
         given = directions if isinstance(directions, list | tuple) else (directions,)
         faults = []
         if not given or not set(given) <= set(HORIZONTAL) or len(set(given)) != len(given):

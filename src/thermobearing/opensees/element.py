@@ -19,7 +19,6 @@ from thermobearing.opensees.wire import Action, Request
 
 SHORTEST = 1e-6  # duration of a step in which the time does not advance [s]
 RESTING = 0.1  # displacement of a bearing that a gravity stage may cause [mm]
-FIRST_ROWS = 4096  # of a history, doubled when it is full
 NOT_ADVANCING = (
     "the time of the model goes back from {0:g} to {1:g} while the bearing moves without velocity, "
     "as in displacement control, where the time is the load factor: give the speed of the static "
@@ -61,41 +60,32 @@ class _Recorded:
         cells = bearing.constants.layer_cells
         self._upper, self._lower = cells["upper_middle"], cells["lower_middle"]
         self.initial = bearing.state.temperature.copy()
-        self._rows = 0
-        self._time = np.empty(FIRST_ROWS)
-        self._books: Any = np.empty(FIRST_ROWS, dtype=np.asarray(bearing.state.books).dtype)
-        self._rubber = np.empty((FIRST_ROWS, len(cells)))
+        self._rows: list[tuple[float, Any, Floats]] = []  # time, books, rubber
         self.outcome = "completed"
         self.keep(0.0)
 
     def keep(self, time: float) -> None:
         """Append the committed state."""
-        row = self._rows
-        if row == len(self._time):
-            self._time, self._books, self._rubber = (
-                np.concatenate([old, np.empty_like(old)])
-                for old in (self._time, self._books, self._rubber)
-            )
         state = self.bearing.state
-        self._time[row] = time
-        self._books[row] = state.books[0]
-        self._rubber[row] = 0.5 * (state.temperature[self._upper] + state.temperature[self._lower])
-        self._rows = row + 1
+        rubber = 0.5 * (state.temperature[self._upper] + state.temperature[self._lower])
+        self._rows.append((time, state.books.copy(), rubber))
 
     @property
     def moved(self) -> bool:
         """Whether the bearing was displaced: a gravity stage alone leaves no history."""
-        return bool(np.ptp(self._books["displacement"][: self._rows], axis=0).any())
+        at = [books["displacement"][0] for _, books, _ in self._rows]
+        return bool(np.ptp(at, axis=0).any())
 
     def served(self, tag: int, pair: int, directions: Sequence[int], run: int) -> list[Served]:
         """Return the history so far, in each direction."""
-        kept = slice(self._rows)
-        books = {name: self._books[name][kept].copy() for name in self._books.dtype.names}
+        times, each, rubber = zip(*self._rows, strict=True)
+        kept = np.concatenate(each)
+        books = {name: kept[name].copy() for name in kept.dtype.names or ()}
         return [
             Served(
-                *(tag, pair, direction, run, self.outcome, self._time[kept].copy()),
+                *(tag, pair, direction, run, self.outcome, np.array(times)),
                 {key: one[:, place] if one.ndim > 1 else one for key, one in books.items()},
-                *(self._rubber[kept].copy(), self.initial, self.bearing.state.temperature.copy()),
+                *(np.array(rubber), self.initial, self.bearing.state.temperature.copy()),
             )
             for place, direction in enumerate(directions)
         ]

@@ -112,7 +112,10 @@ def _keep(channel: socket.socket, server: int, patience: float) -> None:
             if not data:
                 if held:
                     os.write(2, MESSAGE.encode())
-                _flood_all(list(held.values()))
+                connections = list(held.values())
+                while connections:  # until all are closed
+                    connections = [one for one in connections if flood(one)]
+                    time.sleep(PAUSE)
                 return
             if data == ALIVE:
                 limit = 1e3 * patience
@@ -121,10 +124,3 @@ def _keep(channel: socket.socket, server: int, patience: float) -> None:
             for new in numbers:
                 held[new] = socket.socket(fileno=new)
                 events.register(new, 0)  # no event but the end
-
-
-def _flood_all(connections: list[socket.socket]) -> None:
-    """Flood connections until all are closed."""
-    while connections:
-        connections = [one for one in connections if flood(one)]
-        time.sleep(PAUSE)

@@ -4,14 +4,7 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any
 
-from thermobearing.cyclic.reported import (
-    analysis_table,
-    bearing_tables,
-    bearing_words,
-    early_end,
-    model_assumptions,
-    residual_rows,
-)
+from thermobearing.cyclic import reported
 from thermobearing.cyclic.tables import energy_table
 from thermobearing.model.options import ModelOptions
 from thermobearing.opensees.result import ServedResult
@@ -49,16 +42,19 @@ def build_pieces(result: ServedResult) -> Pieces:
         _answer(result),
         checks=content.limit_checks(range_rows, content.IN_EARTHQUAKES, source),
         rate_rows=range_rows,
-        residuals=residual_rows(result.energy, case["analysis"]),
+        residuals=reported.residual_rows(result.energy, case["analysis"]),
         inputs={
-            **bearing_tables(case["bearing"], own),
+            **reported.bearing_tables(case["bearing"], own),
             "serving": content.input_table("Serving", inputs, otherwise="input"),
-            "analysis": analysis_table(case["analysis"], ModelOptions()),
+            "analysis": reported.analysis_table(case["analysis"], ModelOptions()),
         },
         tables={"elements": result.tables()["elements"]},
         figures={"elements": ReportFigure(CAPTION, draw=result.plot.elements)},
         books=energy_table(result.energy),
-        assumptions=[*ASSUMPTIONS, *model_assumptions(case["analysis"], [case["bearing"]])],
+        assumptions=[
+            *ASSUMPTIONS,
+            *reported.model_assumptions(case["analysis"], [case["bearing"]]),
+        ],
         **content.result_parts(result, str(data.attrs["case"]), "serve", range_given=known),
     )
 
@@ -67,7 +63,7 @@ def _question(result: ServedResult, case: Mapping[str, Any]) -> str:
     elements = len(set(result.dataset["tag"].values.tolist()))
     side_by_side = counted(int(case.get("count", 1)), "bearing")
     return (
-        f"This report gives the response of {bearing_words(case['bearing'])} as "
+        f"This report gives the response of {reported.bearing_words(case['bearing'])} as "
         f"{counted(elements, 'element')} of an OpenSees model, each of {side_by_side}, at ambient "
         f"temperature {quantity(case['ambient'])}."
     )
@@ -85,4 +81,4 @@ def _answer(result: ServedResult) -> list[str]:
     )
     if result.has_lead:
         found += f", the lead {number(table['lead_highest_degC'].max())} °C"
-    return [*early_end("The analysis", "", result), f"{found}."]
+    return [*reported.early_end("The analysis", "", result), f"{found}."]

@@ -245,10 +245,10 @@ def _damping(prepared: Prepared) -> tuple[float, list[float], float]:
     shapes = prepared.modes.shapes / np.sqrt(prepared.modes.frequencies)
     source = prepared.structure.damping.kind == "source"
     own = [prepared.matrices.mass * source, *_own_stiffness(prepared.structure)]
-    *parts, whole = ((shapes.T @ one @ shapes).ravel() for one in (*own, prepared.damping))
-    (a, *b), _ = nnls(np.column_stack(parts), whole)
-    lost = np.abs(np.column_stack(parts) @ [a, *b] - whole).max()
-    return float(a), [float(one) for one in b], float(lost / max(np.abs(whole).max(), TINY))
+    *parts, damping = ((shapes.T @ one @ shapes).ravel() for one in (*own, prepared.damping))
+    (a, *b), _ = nnls(np.column_stack(parts), damping)
+    lost = np.abs(np.column_stack(parts) @ [a, *b] - damping).max()
+    return float(a), [float(one) for one in b], float(lost / max(np.abs(damping).max(), TINY))
 
 
 def _laws(

@@ -19,22 +19,10 @@ from collections.abc import Callable
 from typing import Any
 
 from thermobearing.border.errors import InputError
+from thermobearing.opensees import wire
 from thermobearing.opensees.case import Layout, ServedCase
 from thermobearing.opensees.element import Served, ServedElement, StepError, finite
 from thermobearing.opensees.keeper import Keeper, flood
-from thermobearing.opensees.wire import (
-    HEADER,
-    SETUP,
-    SILENT,
-    ZERO,
-    Action,
-    Request,
-    Setup,
-    UtSim,
-    WireError,
-    acknowledge,
-    prepare,
-)
 
 HALF = 10.0  # longest time for the rest of a message [s]
 TICK = 0.5  # between two looks at unfinished messages [s]
@@ -52,7 +40,7 @@ class Connection:
         self.client, self.layout, self.tag, self.run = client, layout, tag, run
         self.buffer = bytearray()
         self.since = 0.0  # when the first bytes of an unfinished message arrived
-        self.setup: Setup | UtSim | None = None
+        self.setup: wire.Setup | wire.UtSim | None = None
         self.element: ServedElement | None = None
         self.lost = False  # receives NaN from now on
         self.answered = False  # whether the last bytes received had an answer
@@ -106,8 +94,8 @@ class Server:
                 self._receive(earlier)  # its end may have arrived
         run = self._runs[number] = self._runs.get(number, 0) + 1
         client.setblocking(False)
-        prepare(client)
-        acknowledge(client)
+        wire.prepare(client)
+        wire.acknowledge(client)
         connection = Connection(client, layout, number, run)
         if any(other.tag == number and not other.lost for other in self._open.values()):
             self.problem(connection, "a second client connects while the first is served")
@@ -178,8 +166,8 @@ class Server:
             try:
                 self._answer_all(connection)
                 if not connection.answered:  # else the answer has acknowledged
-                    acknowledge(client)
-            except (WireError, StepError, InputError) as error:
+                    wire.acknowledge(client)
+            except (wire.WireError, StepError, InputError) as error:
                 self.problem(connection, str(error))
                 self._drown(connection)
             except OSError as error:
@@ -189,12 +177,12 @@ class Server:
         """Answer the complete messages in the buffer."""
         buffer = connection.buffer
         if connection.setup is None:
-            if UtSim.sends(buffer):
-                self._begin(connection, UtSim(buffer[: HEADER.size], self.case.step))
-                del buffer[: HEADER.size]
-            elif len(buffer) >= SETUP.size:
-                self._begin(connection, Setup.decode(bytes(buffer[: SETUP.size])))
-                del buffer[: SETUP.size]
+            if wire.UtSim.sends(buffer):
+                self._begin(connection, wire.UtSim(buffer[: wire.HEADER.size], self.case.step))
+                del buffer[: wire.HEADER.size]
+            elif len(buffer) >= wire.SETUP.size:
+                self._begin(connection, wire.Setup.decode(bytes(buffer[: wire.SETUP.size])))
+                del buffer[: wire.SETUP.size]
             else:
                 connection.since = connection.since or time.monotonic()
                 return
@@ -203,18 +191,18 @@ class Server:
         assert element is not None
         while requests := setup.take(buffer):
             for request in requests:
-                if request.action == Action.END:
+                if request.action == wire.Action.END:
                     self._leave(connection, "")
                     return
                 self._answer(connection, element, request, setup)
         connection.since = time.monotonic() if buffer else 0.0
 
-    def _begin(self, connection: Connection, setup: Setup | UtSim) -> None:
+    def _begin(self, connection: Connection, setup: wire.Setup | wire.UtSim) -> None:
         """Begin to serve an element whose sizes are known."""
         layout = connection.layout
         connection.setup = setup
         if setup.dofs != layout.size:
-            raise WireError(
+            raise wire.WireError(
                 f"OpenSees lists {setup.dofs} degrees of freedom, but the bearing has "
                 f"{layout.size}: {len(layout.dofs)} ({', '.join(map(str, layout.dofs))}) of each "
                 f"of {2 * layout.pairs} nodes; use the arguments of line.element()"
@@ -222,17 +210,21 @@ class Server:
         connection.element = ServedElement(self.case, layout, connection.tag, connection.run)
 
     def _answer(
-        self, connection: Connection, element: ServedElement, request: Request, setup: Setup | UtSim
+        self,
+        connection: Connection,
+        element: ServedElement,
+        request: wire.Request,
+        setup: wire.Setup | wire.UtSim,
     ) -> None:
         """Carry out one request; NaN answers a step that fails, so that OpenSees tries another."""
-        connection.answered = request.action not in SILENT
-        if request.action in ZERO:
+        connection.answered = request.action not in wire.SILENT
+        if request.action in wire.ZERO:
             _send(connection.client, setup.reply([], request.action))
             return
         try:
             values = element.answer(request)
         except StepError as error:
-            if request.action != Action.COMMIT:
+            if request.action != wire.Action.COMMIT:
                 self.note(connection, str(error))
             else:
                 raise StepError(f"OpenSees committed a step that had failed: {error}") from None
@@ -240,7 +232,7 @@ class Server:
             return
         if element.note:
             self.note(connection, element.note)
-        if request.action in SILENT:
+        if request.action in wire.SILENT:
             return
         assert values is not None
         if not finite(values):

@@ -55,24 +55,14 @@ CODES = {float(action): action for action in Action}
 
 
 class Setup(NamedTuple):
-    """Sizes that a client announces once.
+    """Sizes that a client announces once."""
 
-    Attributes
-    ----------
-    dofs : degrees of freedom of all nodes of the element.
-    size : length of every later message [doubles].
-    """
-
-    dofs: int
-    size: int
+    dofs: int  # of all nodes of the element
+    size: int  # length of every later message [doubles]
 
     @classmethod
     def smallest(cls, dofs: int, size: int = 0) -> "Setup":
-        """Return the setup of an element; messages have at least `size` doubles, as in OpenSees.
-
-        >>> Setup.smallest(2), Setup.smallest(6)
-        (Setup(dofs=2, size=8), Setup(dofs=6, size=36))
-        """
+        """Return the setup of an element; messages have at least `size` doubles, as in OpenSees."""
         return cls(dofs, max(size, 3 * dofs + 2, dofs * dofs))
 
     @property
@@ -261,11 +251,7 @@ class UtSim:
 
 
 def encode_reply(values: Sequence[float] | NDArray[np.float64], setup: Setup) -> bytes:
-    """Return the message of a vector, or of a matrix by columns; the rest is zero.
-
-    >>> len(encode_reply([1.0, -1.0], Setup.smallest(2)))
-    64
-    """
+    """Return the message of a vector, or of a matrix by columns; the rest is zero."""
     if isinstance(values, np.ndarray):
         data = np.ravel(values, order="F").astype(np.float64).tobytes()
     else:
@@ -277,13 +263,7 @@ def encode_reply(values: Sequence[float] | NDArray[np.float64], setup: Setup) ->
 
 
 def decode_reply(data: bytes | bytearray, action: Action, setup: Setup) -> NDArray[np.float64]:
-    """Return the force vector or the matrix of a reply.
-
-    >>> setup, matrix = Setup.smallest(2), np.array([[1, 2], [3, 4]])
-    >>> decode_reply(encode_reply(matrix, setup), Action.TANGENT, setup)
-    array([[1., 2.],
-           [3., 4.]])
-    """
+    """Return the force vector or the matrix of a reply."""
     if len(data) != setup.length:
         raise WireError(f"a reply has {len(data)} bytes instead of {setup.length}")
     n = setup.dofs

@@ -39,15 +39,15 @@ class Quantity:
     ('Strain [%]', '261', '1')
     """
 
-    head: str
-    unit: str = ""
-    form: str = ".3g"
-    name: str = ""
-    stored: str = ""
-    factor: float = 1.0
-    meaning: str = ""
-    symbol: str = ""
-    variable: str = ""
+    head: str  # words above a column, without the unit
+    unit: str = ""  # that readers see, such as "kN"; "" for words and pure numbers
+    form: str = ".3g"  # Python format of a number in `unit`
+    name: str = ""  # in tables and CSV files, such as "bearing_force_max_kN"
+    stored: str = ""  # unit of the stored number; "1" for pure numbers
+    factor: float = 1.0  # from a stored number to one in `unit`
+    meaning: str = ""  # long name in datasets, and label of an axis
+    symbol: str = ""  # in equations, such as "K_eq"
+    variable: str = ""  # name in datasets; `name` where the row does not give another one
 
     @property
     def title(self) -> str:

@@ -18,37 +18,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Table:
-    """A table that an engineer can quote.
+    """A table that an engineer can quote."""
 
-    Attributes
-    ----------
-    caption : str
-        What it holds, without a full stop.
-    columns : sequence of Quantity
-        Heads, units and formats.
-    rows : sequence of sequences
-        Values in the units of the columns; numbers stay numbers.
-    keys : int
-        Leading columns that say what a row is.
-    marked : frozenset of (row, column)
-        Cells outside the calibration range; drawn with a mark.
-    note : str
-        Below the table: what marks and symbols mean.
-    failed : frozenset of int
-        Rows of runs that did not complete.
-    governing : str
-        Name of the column whose largest values govern: an HTML page opens a long table with
-        their rows.
-    """
-
-    caption: str
-    columns: Sequence[Quantity]
-    rows: Sequence[Sequence[Any]]
-    keys: int = 1
-    marked: frozenset[tuple[int, int]] = frozenset()
-    note: str = ""
-    failed: frozenset[int] = frozenset()
-    governing: str = ""
+    caption: str  # what it holds, without a full stop
+    columns: Sequence[Quantity]  # heads, units and formats
+    rows: Sequence[Sequence[Any]]  # in the units of the columns; numbers stay numbers
+    keys: int = 1  # leading columns that say what a row is
+    marked: frozenset[tuple[int, int]] = frozenset()  # (row, column) outside the calibration range
+    note: str = ""  # below the table: what marks and symbols mean
+    failed: frozenset[int] = frozenset()  # rows of runs that did not complete
+    governing: str = ""  # name of the column whose largest values open a long table in a page
 
     def __len__(self) -> int:
         return len(self.rows)

@@ -21,7 +21,7 @@ from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.report.pieces import (
     EXCEEDED,
-    NOT_JUDGED,
+    NOT_ASSESSED,
     PASSED,
     Check,
     Pieces,
@@ -179,7 +179,7 @@ def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table
     cells, warnings = [], []
     for what, value, limit, source in rows:
         judged = value == value and limit == limit
-        verdict = (PASSED if abs(value) <= limit else EXCEEDED) if judged else NOT_JUDGED
+        verdict = (PASSED if abs(value) <= limit else EXCEEDED) if judged else NOT_ASSESSED
         cells.append([what, abs(value), limit, source, verdict])
         if verdict == EXCEEDED:
             warnings.append(
@@ -200,9 +200,9 @@ def summarize_checks(checks: Sequence[Check]) -> str:
     if not checks:
         return "No limit was given."
     many, verdicts = counted(len(checks), "check"), [check.verdict for check in checks]
-    exceeded, unknown = (verdicts.count(one) for one in (EXCEEDED, NOT_JUDGED))
+    exceeded, unknown = (verdicts.count(one) for one in (EXCEEDED, NOT_ASSESSED))
     if not exceeded + unknown:
-        return f"All {many} are passed." if len(checks) > 1 else "The check is passed."
+        return f"No limit is exceeded ({many})."
     found = [f"{exceeded} exceed{'s' * (exceeded == 1)} the limit"] if exceeded else []
     found += [f"{unknown} cannot be assessed"] if unknown else []
     return f"Of {many}, {joined(found)}."
@@ -398,7 +398,7 @@ CAPTIONS = {
     "comparison": "Earlier models compared with the multi-layer one.",
     "comparison_loops": "Loops of the multi-layer model and of a single temperature.",
 }
-NOTE = "Model less multi-layer model; rms: root mean square."
+NOTE = "Model minus multi-layer model; rms: root mean square."
 ALIKE = ("motion", "mode")  # said once where all runs have the same
 
 

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from thermobearing.core.records import Floats
 
 # Verdicts of a check, and their signs; the third where there is no limit, or no value.
-PASSED, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
-VERDICTS = {PASSED: "\N{CHECK MARK}", EXCEEDED: "\N{MULTIPLICATION X}", NOT_JUDGED: "\N{EN DASH}"}
+PASSED, EXCEEDED, NOT_ASSESSED = "within", "exceeded", "not assessed"
+VERDICTS = {PASSED: "\N{CHECK MARK}", EXCEEDED: "\N{MULTIPLICATION X}", NOT_ASSESSED: "\N{EN DASH}"}
 
 
 class Link(str):
@@ -34,6 +34,11 @@ class Link(str):
 LONGEST_WORD, BRIEF = 24, 15  # letters of a word that is not broken, of a text that stays on a line
 
 
+def _count(text: str) -> int:
+    """Return how many letters of mean width a text is as wide as; an m is wider than others."""
+    return len(text) + round(0.5 * sum(map(text.count, "mMW")))
+
+
 def column_letters(table: Table, texts: Sequence[Sequence[str]]) -> list[tuple[int, int]]:
     """Return the letters that each column needs, wrapped at its words, and on one line.
 
@@ -43,14 +48,14 @@ def column_letters(table: Table, texts: Sequence[Sequence[str]]) -> list[tuple[i
     numbers, found = table.numeric(), []
     for place, column in enumerate(table.columns):
         cells = [row[place] for row in texts]
-        head = [len(word) for word in column.head.split()] + [len(column.unit) + 2]
+        head = [_count(word) for word in column.head.split()] + [_count(column.unit) + 2]
         words = [
             word
             for cell in cells
             for word in ([cell] if place in numbers or len(cell) < BRIEF else cell.split())
         ]
-        least = max([*head, *(min(len(word), LONGEST_WORD) for word in words)])
-        found.append((least, max([least, len(column.head), *map(len, cells)])))
+        least = max([*head, *(min(_count(word), LONGEST_WORD) for word in words)])
+        found.append((least, max([least, _count(column.head), *map(_count, cells)])))
     return found
 
 

@@ -24,7 +24,7 @@ from thermobearing.quantities.tables import Table
 from thermobearing.report.content import TESTED_RANGE
 from thermobearing.report.pieces import (
     EXCEEDED,
-    NOT_JUDGED,
+    NOT_ASSESSED,
     PASSED,
     Block,
     Bullets,
@@ -49,9 +49,10 @@ ACTIONS = {  # what to do about a check, by its verdict and the beginning of the
     "the range by tests of the bearing.",
     f"{EXCEEDED} rig": "Reduce the amplitude or the speed of the test, or choose another rig.",
     EXCEEDED: "Change the bearing or the structure until no limit is exceeded.",
-    NOT_JUDGED: "Compare values without a limit with the limits of your design code.",
+    f"{NOT_ASSESSED} needs": "Repeat the analysis with the inputs that missing values need.",
+    NOT_ASSESSED: "Compare values without a limit with the limits of your design code.",
 }
-SEVERITY = (EXCEEDED, NOT_JUDGED, PASSED)
+SEVERITY = (EXCEEDED, NOT_ASSESSED, PASSED)
 
 
 def document(

@@ -56,7 +56,8 @@ def plain(words: str) -> str:
 def quantity(text: str) -> str:
     """Return a number with its unit, as TOML has it, in a sentence: "−10 °C"."""
     value, _, unit = str(text).partition(" ")
-    return plain(f"{number(float(value), '.6g')} {printed_unit(unit)[0] or unit}".strip())
+    shown = plain(f"{number(float(value), '.6g')} {printed_unit(unit)[0] or unit}".strip())
+    return shown.replace(" 1/", "/")
 
 
 def tidy(sentence: str) -> str:

@@ -105,7 +105,7 @@ def _history_tables(histories: Mapping[str, History]) -> dict[str, Table]:
     """Return histories of runs that have the same columns below each other, as a table each."""
     total = sum(len(history.values) for history in histories.values())
     every = max(1, -(-total // MOST_HISTORY_ROWS))
-    note = f"Every {every}. of the samples that the result keeps." if every > 1 else ""
+    note = f"One of every {every} samples of the result." if every > 1 else ""
     groups: dict[tuple[str, ...], list[History]] = {}
     for history in histories.values():
         heads = (*history.keys, *(column.title for column in history.columns))

@@ -11,7 +11,7 @@ import re
 import textwrap
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
@@ -20,6 +20,7 @@ from typing import Any, ClassVar, Literal
 import matplotlib as mpl
 import numpy as np
 from matplotlib import colormaps, font_manager
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, to_hex
@@ -30,6 +31,8 @@ from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
+from thermobearing.border.library import data_path
+from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats, Ints
 from thermobearing.results.figure_style import COLUMNS, INCH, STYLE, figure_style
 from thermobearing.results.figure_style import SMALLEST as SMALLEST
@@ -67,6 +70,7 @@ FLATTER = 0.6  # power of the factor by which a figure becomes narrower, for its
 LETTER, BOLD_LETTER = 0.56, 0.66  # mean width of a letter, of the font size
 MARGIN = 0.7  # between panels, for their labels [inch]
 BELOW, LOWEST = 1.0, 1.3  # legend and labels below the panels, and a panel, in height [inch]
+LOW = 0.65  # height of panels that go below each other, of their width
 NARROWEST = 1.3  # panel of a paper; below it with few ticks [inch]
 NARROW = 2.5  # panels below this width break the note on the calibration range [inch]
 SHORTEST_LINE = 12  # letters of a title or a label before it is broken
@@ -78,25 +82,18 @@ COLD_TO_WARM = LinearSegmentedColormap.from_list(
     "cold_to_warm", ["#0077BB", "#33BBEE", "#009988", "#EE7733", "#CC3311"]
 )
 COLD, WARM = -20.0, 23.0  # ends of the scale for a single ambient temperature [degC]
+HISTORY_POINTS = 1500  # of a line in time
 MOST_LOOP_POINTS = 60_000
 MARKERS = "os^Dv<>p"
 SIDES = {0.02: "left", 0.5: "center", 0.98: "right"}  # places of a note, and how it is aligned
 HEIGHTS = {0.02: "bottom", 0.5: "center", 0.98: "top"}
+AROUND = 3.0  # a note, where markers may not lie [pt]
 BOX: Look = {"facecolor": "white", "pad": 0.5, "linewidth": 0}  # behind a note in a panel
 LIMIT: Look = {"color": "#a33", "linewidth": 0.8, "linestyle": (0, (6, 2, 1, 2))}
 UNTESTED = "#f6dede"  # outside the calibration range
 DRAWING = threading.RLock()  # fonts of matplotlib are shared, and not for several threads
 FORMULAS = MathTextParser("agg")
-# Fonts with East Asian letters that systems have, in the order of preference; DejaVu Sans, the
-# font of the figures, has Latin, Greek and Cyrillic letters.
-EAST_ASIAN = (
-    *("Noto Sans CJK JP", "Noto Sans JP", "Source Han Sans JP", "IPAexGothic", "IPAGothic"),
-    *("Yu Gothic", "Meiryo", "MS Gothic", "Hiragino Sans", "TakaoGothic", "VL Gothic"),
-    *("Noto Sans CJK SC", "Noto Sans SC", "Microsoft YaHei", "SimHei", "PingFang SC"),
-    *("WenQuanYi Micro Hei", "WenQuanYi Zen Hei", "Noto Sans CJK TC", "Microsoft JhengHei"),
-    *("Noto Sans CJK KR", "Noto Sans KR", "Malgun Gothic", "Apple SD Gothic Neo", "NanumGothic"),
-    *("Arial Unicode MS", "Droid Sans Fallback"),
-)
+EAST_ASIAN = tuple(read_toml(data_path("reports", "fonts.toml"))["east_asian"])
 FIRST_EAST_ASIAN = "\u2e80"  # radicals of Chinese letters
 NO_GLYPH = re.compile(r"Glyph (\d+) \(.*\) missing from font")
 MOST_CODES = 20  # of missing letters in a sentence
@@ -229,6 +226,7 @@ def panels(
     *,
     share: bool | Literal["row", "col"] = False,
     widths: list[float] | None = None,
+    least: float = 0.0,
 ) -> tuple[Figure, list[Axes]]:
     """Return a figure of so many inches with its panels row by row, styled but empty.
 
@@ -238,6 +236,11 @@ def panels(
     """
     style = STYLE.get()
     wide = style.width or min(size[0], WIDEST)
+    count = rows * columns
+    if style.width and wide / columns < least:
+        columns = max(int(wide / least), 1)
+        rows = math.ceil(count / columns)
+        size = wide, LOW * wide * rows / columns
     if style.width and wide / columns < NARROWEST:
         wide = max(wide, COLUMNS["double-column"] / INCH)
     size = wide, min(1.0, wide / size[0]) ** FLATTER * size[1]
@@ -247,7 +250,9 @@ def panels(
     figure = Picture(figsize=size, layout="constrained")
     room = int(size[0] * 72.0 / (BOLD_LETTER * LARGE))
     lines = title.replace(": ", ":\n", 1) if len(title) > room else title
-    wrapped = "\n".join(textwrap.fill(line, room) for line in lines.splitlines())
+    wrapped = "\n".join(
+        textwrap.fill(line, room, break_on_hyphens=False) for line in lines.splitlines()
+    )
     if title:
         figure.suptitle(wrapped, fontsize=LARGE, fontweight="bold", color=INK)
     shared: Look = {"squeeze": False, "sharex": share, "sharey": share, "width_ratios": widths}
@@ -259,7 +264,14 @@ def panels(
         ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
         ax.spines[:].set(color=GREY, linewidth=0.7)
         ax.grid(True, color="#dddddd", linewidth=0.6)
-    return figure, list(axes.flat)
+    for ax in axes.flat[count:]:
+        ax.set_visible(False)
+    return figure, list(axes.flat[:count])
+
+
+def fitting(count: int) -> int:
+    """Return how many letters or columns fit in the width of `figure_style`, of those on a page."""
+    return int(count * min(1.0, (STYLE.get().width or WIDEST) / WIDEST))
 
 
 def save_figure(figure: Figure, path: str | Path | io.BytesIO, dpi: int | None = None) -> None:
@@ -318,7 +330,7 @@ class _Note(Text):
 
         def _covered(place: tuple[float, float]) -> int:
             self.set(position=place, ha=SIDES[place[0]], va=HEIGHTS[place[1]])
-            own = self.get_window_extent(renderer)
+            own = self.get_window_extent(renderer).padded(renderer.points_to_pixels(AROUND))
             inside = sum(int(own.count_contains(path.vertices)) for path in paths)
             crossed = sum(path.intersects_bbox(own, filled=False) for path in paths)
             return inside + crossed + MOST_POINTS * own.count_overlaps(boxes)
@@ -369,6 +381,7 @@ class Figures:
     holds data for, by name of its file.
     """
 
+    names: ClassVar[tuple[str, ...]] = ()  # of methods that draw a figure
     vector: ClassVar[bool] = False  # as SVG too
 
     def __init__(self, result: Any) -> None:
@@ -376,7 +389,7 @@ class Figures:
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return the function that draws each figure, by name of its file."""
-        return {}
+        return {name: getattr(self, name) for name in self.names}
 
     def save_all(self, folder: str | Path, **style: Any) -> list[Path]:
         """Write every figure that the result has data for, and return the files.
@@ -442,13 +455,13 @@ def ambient_handle() -> Line2D:
     return Line2D([], [], color=GREY, linewidth=1.0, linestyle=":", label="ambient")
 
 
-def legend_below(figure: Figure, handles: list[Line2D]) -> None:
+def legend_below(figure: Figure, handles: Sequence[Artist]) -> None:
     """Draw one legend for all panels, in as few rows as the width of the figure allows."""
     room = figure.get_figwidth() * 72.0 / SMALL
-    wide = sum(LETTER * len(str(handle.get_label())) + HANDLE for handle in handles)
+    lines = [str(handle.get_label()).splitlines() for handle in handles]
+    wide = [LETTER * max(map(len, some), default=0) + HANDLE for some in lines]
     look: Look = {"loc": "outside lower center", "fontsize": SMALL, "frameon": False}
-    most = max(LETTER * len(str(handle.get_label())) + HANDLE for handle in handles)
-    rows = math.ceil(max(wide / room, len(handles) / max(room // most, 1.0)))
+    rows = math.ceil(max(sum(wide) / room, len(handles) / max(room // max(wide), 1.0)))
     figure.legend(handles=handles, ncols=math.ceil(len(handles) / rows), **look)
 
 
@@ -458,6 +471,47 @@ def common_limits(axes: list[Axes]) -> tuple[float, float]:
     low, high = min(a for a, _ in limits), max(b for _, b in limits)
     room = 0.06 * max(high - low, 1e-9)
     return low - room, high + room
+
+
+def temperature_looks(columns: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """Return name and colour of the columns of a history that are temperatures."""
+    places = [column for column in columns if column.endswith("_degC")]
+    names = [place.removesuffix("_degC").replace("rubber", "layer ") for place in places]
+    pairs = zip(names, ordered_colours(len(places), "viridis"), strict=True)
+    looks = [(name, INK if name == "lead" else colour) for name, colour in pairs]
+    return dict(zip(places, looks, strict=True))
+
+
+def draw_histories(title: str, histories: Mapping[str, Any], force: str = "force [kN]") -> Figure:
+    """Draw force over displacement, and temperatures in time, a column for each history.
+
+    A history has the columns displacement_mm, force_kN, time_s, and temperatures (`_degC`).
+    """
+    count = len(histories)
+    figure, axes = panels(2, count, (max(4.5, 0.9 + 2.3 * count), 5.2), title)
+    looks = temperature_looks(map(str, next(iter(histories.values()))))
+    for k, (name, history) in enumerate(histories.items()):
+        loop, warm = axes[k], axes[count + k]
+        x, f, time = (history[n].to_numpy() for n in ("displacement_mm", "force_kN", "time_s"))
+        kept = thin_loops(x, f, max(np.ptp(x), 1e-9), max(np.ptp(f), 1e-9))
+        loop.plot(x[kept], f[kept], color=GREY, linewidth=0.8)
+        loop.plot(x[:1], f[:1], "o", color=GREY, markersize=3)
+        name_axes(loop, "displacement [mm]", force if k == 0 else "", name)
+        scale, unit = (60.0, "min") if time[-1] > 600.0 else (1.0, "s")
+        for place, (_, colour) in looks.items():
+            values = history[place].to_numpy(dtype=float)
+            kept = thin(values, HISTORY_POINTS)
+            warm.plot(time[kept] / scale, values[kept], color=colour, linewidth=1.0)
+        name_axes(warm, f"time [{unit}]", "temperature [°C]" if k == 0 else "")
+    for row in (axes[:count], axes[count:]):
+        for ax in row:
+            ax.set_ylim(*common_limits(row))
+    reach = max(abs(value) for ax in axes[:count] for value in ax.get_xlim())
+    for ax in axes[:count]:
+        ax.set_xlim(-reach, reach)
+    handles = [Line2D([], [], color=colour, label=name) for name, colour in looks.values()]
+    legend_below(figure, handles)
+    return figure
 
 
 def shade_untested(

@@ -29,7 +29,7 @@ TESTED = {  # of a bearing: unit in rows; title, factor and unit in sentences
     "strain": ("1", "strain", 100.0, " %"),
     "strain_rate": ("1/s", "strain rate", 1.0, "/s"),
     "ambient": ("degC", "ambient", 1.0, " degC"),
-    "cycles": ("1", "cycles in a row", 1.0, ""),
+    "cycles": ("1", "consecutive cycles", 1.0, ""),
     "lead_temperature": ("degC", "lead", 1.0, " degC"),
 }
 
@@ -133,7 +133,6 @@ def outside_tests(
     rows: Sequence[Row],
     ranges: Mapping[str, Ends] | None,
     *,
-    given: bool = True,
     skip: Collection[str] = (),
 ) -> list[str]:
     """Return a sentence for each quantity in which runs leave the calibration range of a bearing.
@@ -141,8 +140,7 @@ def outside_tests(
     Without `ranges` one sentence says so; quantities in `skip` are left out.
     """
     if ranges is None:
-        said = f"{name}: {NOT_GIVEN} (tested_range in its file), so validity cannot be checked"
-        return [said] if given else []
+        return [f"{name}: {NOT_GIVEN} (tested_range in its file), so validity cannot be checked"]
     runs, found = len({row["run"] for row in rows}), []
     ends = (("above", "largest", 1.0), ("below", "lowest", -1.0))
     for limit, (side, end, sign) in product([n for n in TESTED if n not in skip], ends):

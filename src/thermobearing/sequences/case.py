@@ -13,17 +13,8 @@ from thermobearing.border.cases import absolute, load_all, load_things, read_cas
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit, overridden
 from thermobearing.border.toml import to_toml
+from thermobearing.cyclic import protocol
 from thermobearing.cyclic.case import DEFAULT_BEARING, Analysis, Case, Rig, Temperature, load_rig
-from thermobearing.cyclic.protocol import (
-    Cycles,
-    CyclicTest,
-    Ramp,
-    Recorded,
-    Rest,
-    Seconds,
-    Step,
-    survey,
-)
 from thermobearing.earthquake.case import (
     DEFAULTS,
     EarthquakeAnalysis,
@@ -57,28 +48,28 @@ class CyclicPart(Part):
 
     part: Literal["cyclic"] = "cyclic"
     dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=10)] = 0.005
-    steps: Annotated[list[Step], Field(min_length=1, max_length=10_000)]
+    steps: Annotated[list[protocol.Step], Field(min_length=1, max_length=10_000)]
 
-    def test(self) -> CyclicTest:
-        """The displacement test of the part."""
-        return CyclicTest(name=self.name or "cyclic", dt=self.dt, steps=self.steps)
+    def test(self) -> protocol.CyclicTest:
+        """Return the displacement test of the part."""
+        return protocol.CyclicTest(name=self.name or "cyclic", dt=self.dt, steps=self.steps)
 
 
 class RestPart(Part):
     """A pause: for a time, or until every cell is `within` some kelvin of the ambient."""
 
     part: Literal["rest"] = "rest"
-    duration: Seconds | None = None
+    duration: protocol.Seconds | None = None
     within: Annotated[float, in_unit("K"), Field(ge=1e-6, le=1000)] | None = None
 
     @classmethod
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        return Rest._conflicts(given)
+        return protocol.Rest._conflicts(given)
 
-    def test(self) -> CyclicTest:
-        """The displacement test of the part."""
-        rest = Rest(duration=self.duration, within=self.within)
-        return CyclicTest(name=self.name or "rest", steps=[rest])
+    def test(self) -> protocol.CyclicTest:
+        """Return the displacement test of the part."""
+        rest = protocol.Rest(duration=self.duration, within=self.within)
+        return protocol.CyclicTest(name=self.name or "rest", steps=[rest])
 
 
 class HybridPart(Part, Stepping):
@@ -175,8 +166,8 @@ class SequenceCase(Strict):
                 known = self.between == "unloaded"
                 continue
             test = part.test()
-            moving = [step for step in test.steps if not isinstance(step, Rest)]
-            if not known and moving and not isinstance(moving[0], Ramp):
+            moving = [step for step in test.steps if not isinstance(step, protocol.Rest)]
+            if not known and moving and not isinstance(moving[0], protocol.Ramp):
                 found.append(
                     f"parts[{number}]: the displacement after a hybrid test is not known in "
                     "advance; begin with a ramp, such "
@@ -186,7 +177,7 @@ class SequenceCase(Strict):
             if test.in_plane:
                 found.append(f"parts[{number}]: a path in the plane cannot be part of a sequence")
                 continue
-            faults, steps = survey(test, rubber, at)
+            faults, steps = protocol.survey(test, rubber, at)
             found += [f"parts[{number}].{text}" for text in faults]
             known, total = known or bool(moving), total + steps
             at = 0.0 if self.between == "unloaded" else _end_state_at(test, rubber, at)
@@ -206,14 +197,14 @@ class SequenceCase(Strict):
         return [*found, *case.faults(), *case.motion_faults([case.motions[0].load()])]
 
 
-def _end_state_at(test: CyclicTest, rubber: float, at: float) -> float:
+def _end_state_at(test: protocol.CyclicTest, rubber: float, at: float) -> float:
     """Return the displacement after a test that begins at `at` [mm]."""
     for step in test.steps:
-        if isinstance(step, Ramp):
+        if isinstance(step, protocol.Ramp):
             at = step.target(rubber)
-        elif isinstance(step, Cycles):
+        elif isinstance(step, protocol.Cycles):
             at = 0.0
-        elif isinstance(step, Recorded):
+        elif isinstance(step, protocol.Recorded):
             with contextlib.suppress(InputError):  # reported by the survey
                 at = float(step.points(None)[1][-1])
     return at
@@ -222,16 +213,7 @@ def _end_state_at(test: CyclicTest, rubber: float, at: float) -> float:
 def make_sequence_case(
     table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
 ) -> SequenceCase:
-    """Check a case from a table of a file and overrides, defaults filled in.
-
-    Numbers of the table have a unit as text; `overrides` are values by key of `SequenceCase` or of
-    its analysis, None leaves the table's. Paths in the table are relative to `folder`.
-
-    >>> parts = [{"part": "hybrid", "duration": "2 s"}, {"part": "rest", "duration": "1 h"}]
-    >>> case = make_sequence_case({"parts": parts, "ambient": "-20 degC"}, "example")
-    >>> [case.label(k) for k in range(2)]
-    ['01-hybrid', '02-rest']
-    """
+    """Check a case from a table, whose paths are relative to `folder`, and overrides by key."""
     table = {"ambient": "23 degC", "bearing": DEFAULT_BEARING} | table
     table, given, faults = load_all(table, overrides, THINGS, folder)
     table = overridden(table, given, SequenceCase, {"analysis": SequenceAnalysis})

@@ -9,16 +9,9 @@ import numpy as np
 import pandas as pd
 
 import thermobearing
+from thermobearing.cyclic import reported
 from thermobearing.cyclic.dataset import written_part
 from thermobearing.cyclic.report import rig_table, words_of_test
-from thermobearing.cyclic.reported import (
-    analysis_table,
-    bearing_tables,
-    bearing_words,
-    early_end,
-    model_assumptions,
-    residual_rows,
-)
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.measures import BEARING
 from thermobearing.quantities.register import Quantity
@@ -26,9 +19,8 @@ from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
 from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
 from thermobearing.report.words import change, counted, identity_rows, number, quantity, tidy
-from thermobearing.results.drawing import INK
+from thermobearing.results import drawing
 from thermobearing.sequences.case import SequenceAnalysis
-from thermobearing.sequences.figures import place_looks
 from thermobearing.sequences.result import SequenceResult
 from thermobearing.structure.report import structure_table
 
@@ -62,7 +54,7 @@ def build_pieces(result: SequenceResult) -> Pieces:
         warnings=result.warnings,
         range_given=case["bearing"].get("tested_range") is not None,
         checks=_checks(result, case),
-        residuals=residual_rows(_energies(result), case["analysis"]) if parts else [],
+        residuals=reported.residual_rows(_energies(result), case["analysis"]) if parts else [],
         inputs=_inputs(result, case),
         tables=result.tables(),
         figures=_figures(result) if parts else {},
@@ -78,7 +70,7 @@ def build_pieces(result: SequenceResult) -> Pieces:
             "variables of rubber and lead at the end of the previous one.",
             BETWEEN[str(case["between"])],
             "Hybrid parts begin with the structure undeformed, at rest and in equilibrium.",
-            *model_assumptions(case["analysis"], [case["bearing"]]),
+            *reported.model_assumptions(case["analysis"], [case["bearing"]]),
         ],
     )
 
@@ -86,8 +78,8 @@ def build_pieces(result: SequenceResult) -> Pieces:
 def _question(case: Case) -> str:
     parts = [f"{k}. {_words_of_part(part)}" for k, part in enumerate(case["parts"], 1)]
     return (
-        f"This report gives the response of {bearing_words(case['bearing'])} in a sequence of "
-        f"tests on one specimen at ambient temperature {quantity(case['ambient'])}. "
+        f"This report gives the response of {reported.bearing_words(case['bearing'])} in a "
+        f"sequence of tests on one specimen at ambient temperature {quantity(case['ambient'])}. "
         f"{'; '.join(parts)}."
     )
 
@@ -97,7 +89,7 @@ def _words_of_part(part: Case) -> str:
     name = str(part.get("name") or kind)
     ambient = f" at {quantity(part['ambient'])}" if "ambient" in part else ""
     if kind == "cyclic":
-        return words_of_test({"name": name, "steps": part["steps"]}) + ambient
+        return f"{name}: {words_of_test(part)}{ambient}"
     if kind == "rest":
         if "duration" in part:
             return f"{name}: rest of {quantity(part['duration'])}{ambient}"
@@ -111,7 +103,7 @@ def _answer(result: SequenceResult) -> list[str]:
     if not result.parts:
         return [f"No part was finished: {tidy(result.sentence)}"]
     part = f" in part {len(result.parts)} of {len(result.case.parts)}"
-    early = early_end("The sequence", part, result)
+    early = reported.early_end("The sequence", part, result)
     table, rubber = result.table, result.case.bearing.total_rubber_thickness
     force = table[["force_max_kN", "force_min_kN"]].abs().max(axis=1)
     far = table["displacement_max_mm"]
@@ -188,14 +180,14 @@ def _inputs(result: SequenceResult, case: Case) -> dict[str, Table]:
     heads = ("Test", "Ambient", "Time step")
     columns = (Quantity("Part", form="d"), *(Quantity(head) for head in heads))
     found = {"sequence": Table(f"Sequence: {case['name']}", columns, rows)}
-    found |= bearing_tables(case["bearing"], own.get(str(case["bearing"]["name"])))
+    found |= reported.bearing_tables(case["bearing"], own.get(str(case["bearing"]["name"])))
     for part in case["parts"]:
         if "structure" in part:
             name = str(part["structure"]["name"])
             found.setdefault(f"structure.{name}", structure_table(part["structure"], own.get(name)))
     if "rig" in case:
         found["rig"] = rig_table(case["rig"], own.get(case["rig"].get("name")))
-    found["analysis"] = analysis_table(case["analysis"], SequenceAnalysis())
+    found["analysis"] = reported.analysis_table(case["analysis"], SequenceAnalysis())
     return found
 
 
@@ -205,10 +197,9 @@ def _figures(result: SequenceResult) -> dict[str, ReportFigure]:
     for number_ in range(len(result.parts)):
         frame, label = result.history(number_), result.case.label(number_)
         values = {str(name): frame[name].to_numpy(dtype=np.float64) for name in frame}
-        loops[label] = [Trace(label, values["displacement_mm"], values["force_kN"], INK)]
+        loops[label] = [Trace(label, values["displacement_mm"], values["force_kN"], drawing.INK)]
         warm[label] = []
-        looks = place_looks([name for name in values if name.endswith("_degC")])
-        for place, (name, colour) in looks.items():
+        for place, (name, colour) in drawing.temperature_looks(values).items():
             line = "dashed" if name == "lead" else "line"
             warm[label].append(Trace(name, values["time_s"], values[place], colour, line))
     found = {

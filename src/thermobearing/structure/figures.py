@@ -41,6 +41,7 @@ LEGEND = 105  # letters of a line of the legend
 TEXT: drawing.Look = {"textcoords": "offset points", "fontsize": drawing.SMALL}
 TEXT |= {"zorder": 8, "color": drawing.INK}
 ON_DECK: drawing.Look = {"color": "white", "fontsize": drawing.SMALLEST}
+ROOM_OF_MODEL = 2.2  # in height, that a narrow figure of the model can do without [inch]
 BELOW: drawing.Look = {"loc": "outside lower center", "frameon": False, "fontsize": drawing.SMALL}
 NONE: drawing.Look = {"linestyle": "none"}
 SIDES = {  # of a point where its name may be: offset [pt] and alignment
@@ -212,13 +213,24 @@ class StructureFigures(drawing.Figures):
 
     def model(self) -> Figure:
         """Return bodies, masses, springs, hinges and bearings; the legend states their sizes."""
-        layout, structure = self._layout, self._structure
+        size, title = self._model_size(), f"{self._structure.name}: the model"
+        figure, (ax,) = drawing.panels(1, 1, size, title)
+        figure.set_figheight(max(figure.get_figheight(), size[1] - ROOM_OF_MODEL))
+        self._model(ax)
+        return figure
+
+    def _model_size(self) -> tuple[float, float]:
+        """Return width and height of the figure of the model [inch]."""
+        layout = self._layout
         places = [*layout.columns.values(), *layout.seats.values()]
         supports = 1.0 + np.ptp(places) / layout.spacing if layout.placed else len(set(places))
-        wide = max(6.5, 3.0 + 1.3 * float(supports))
-        labels = self._sizes()
-        height = 4.6 + 0.16 * sum(1 + label.count("\n") for _, label in labels)
-        figure, (ax,) = drawing.panels(1, 1, (wide, height), f"{structure.name}: the model")
+        lines = sum(1 + label.count("\n") for _, label in self._sizes())
+        return max(6.5, 3.0 + 1.3 * float(supports)), 4.6 + 0.16 * lines
+
+    def _model(self, ax: Axes) -> None:
+        """Draw the model in a panel, with the legend below all panels."""
+        layout, structure, figure = self._layout, self._structure, drawing.parent_figure(ax)
+        places = [*layout.columns.values(), *layout.seats.values()]
         ax.grid(False, axis="x")
         low = min(low for low, _ in layout.ends.values())
         alike: dict[Any, list[str]] = {}
@@ -242,11 +254,10 @@ class StructureFigures(drawing.Figures):
         ax.set_xlim(min(places) - 0.6 * layout.spacing, max(places) + 0.6 * layout.spacing)
         ax.margins(y=0.12)
         drawing.name_axes(ax, ALONG if layout.placed else "", self._height())
-        handles = [Line2D([], [], label=label, **HANDLES[part]) for part, label in labels]
+        handles = [Line2D([], [], label=label, **HANDLES[part]) for part, label in self._sizes()]
         figure.legend(handles=handles, **BELOW)
         _separate(figure, bodies)
         _make_room(ax, heads, _separate(figure, heads))
-        return figure
 
     def plan(self) -> Figure:
         """Return decks, piers and bearing lines in plan, to scale, with their coordinates."""
@@ -279,7 +290,7 @@ class StructureFigures(drawing.Figures):
             ax.annotate(way, tuple(at), (0, 0), **TEXT | CENTRED)
         drawing.name_axes(ax, ALONG, ACROSS)
         handles = {str(line.get_label()): line for line in ax.lines}
-        place: drawing.Look = BELOW | {"ncols": 3, "markerscale": 0.6}
+        place: drawing.Look = BELOW | {"ncols": drawing.fitting(3), "markerscale": 0.6}
         figure.legend(handles=list(handles.values()), **place)
         self._part_names(ax, names, below, [origin, origin + 1.5 * arm])
         return figure
@@ -291,8 +302,7 @@ class StructureFigures(drawing.Figures):
         figure = drawing.parent_figure(ax)
         for name in (*above, *below):
             name.set_in_layout(False)
-        for _ in range(2):  # a layout with a fixed aspect moves once more
-            figure.draw_without_rendering()
+        figure.draw_without_rendering()
         point = figure.dpi / 72.0
         marks = [
             Bbox([at, at]).padded(0.5 * point * line.get_markersize())
@@ -302,18 +312,12 @@ class StructureFigures(drawing.Figures):
         marks.append(Bbox(ax.transData.transform(arrows)))
         placed = _separate(figure, above, marks, "ablr")
         placed += _separate(figure, below, [*marks, *placed], "balr")
-        for _ in range(4):  # a layout may move again once the figure is higher
-            frame = ax.get_window_extent()
-            over = max(max(box.y1 - frame.y1, frame.y0 - box.y0) for box in placed) + 4.0 * point
-            if over <= 0.0:
-                break
-            over /= frame.height
-            low, high = ax.get_ylim()
-            ax.set_ylim(low - over * (high - low), high + over * (high - low))
-            figure.set_figheight(figure.get_figheight() + 2.0 * over * frame.height / figure.dpi)
-            for _ in range(2):
-                figure.draw_without_rendering()
-            placed = [name.get_window_extent() for name in (*above, *below)]
+        frame = ax.get_window_extent()
+        over = max(max(box.y1 - frame.y1, frame.y0 - box.y0) for box in placed) + 4.0 * point
+        over = max(over, 0.0) / frame.height
+        low, high = ax.get_ylim()
+        ax.set_ylim(low - over * (high - low), high + over * (high - low))
+        figure.set_figheight(figure.get_figheight() + 2.0 * over * frame.height / figure.dpi)
 
     def _outline(self, deck: str) -> Floats:
         """Return the corners of a deck in plan [m]: a little more than its lines and masses."""
@@ -377,12 +381,12 @@ class StructureFigures(drawing.Figures):
 
     def _sizes(self) -> list[tuple[str, str]]:
         """Return a line of the legend for each kind of part: equal ones share their size."""
-        found = []
+        found, room = [], drawing.fitting(LEGEND)
         for part, table in self._result.parts.groupby("part", sort=False):
             each = table.groupby("name", sort=False)["size"].agg(", ".join)
             names = each.reset_index().groupby("size", sort=False)["name"].agg(", ".join)
             text = "; ".join(f"{size} ({who})" for size, who in names.items())
-            found.append((str(part), textwrap.fill(f"{part}: {text}", LEGEND)))
+            found.append((str(part), textwrap.fill(f"{part}: {text}", room)))
         return found
 
     def modes(self) -> Figure:

@@ -17,6 +17,7 @@ from thermobearing.core.lanes.memory import WIDTH, aligned, each_lane, side_by_s
 from thermobearing.core.records import Floats, Ints, Rows, rows
 from thermobearing.core.types import COMPLETED, Books, Constants, SharedCells
 from thermobearing.model.outcomes import NOT_PHYSICAL
+from thermobearing.structure import types
 from thermobearing.structure.forces import Bearings, Kind, build_bearings, line_kinds, start_states
 from thermobearing.structure.newmark import lanes_march, peaks_march, plane_lanes_march, plane_march
 from thermobearing.structure.run import (
@@ -34,17 +35,6 @@ from thermobearing.structure.run import (
     new_motion,
     room_for,
     start_arguments,
-)
-from thermobearing.structure.types import (
-    HingePeak,
-    LinePeak,
-    MotionBooks,
-    MotionRows,
-    Peaks,
-    Scheme,
-    Shaking,
-    System,
-    Watch,
 )
 
 COLDEST = -1e9  # degC: below every temperature, where the largest one begins
@@ -76,25 +66,15 @@ class RunPeaks(NamedTuple):
     steps: int
     iterations: int
     substeps: int
-    watches: Rows[Watch]  # [p]
-    lines: Rows[LinePeak]  # [b]
-    hinges: Rows[HingePeak]  # [h]
-    books: Rows[MotionBooks]  # [1] energies at the end
+    watches: Rows[types.Watch]  # [p]
+    lines: Rows[types.LinePeak]  # [b]
+    hinges: Rows[types.HingePeak]  # [h]
+    books: Rows[types.MotionBooks]  # [1] energies at the end
     bearings: Rows[Books]  # [b] of the modelled bearing of each line, at the end
     alone: bool  # whether it was run alone
 
 
-class Left(NamedTuple):
-    """Records at the end of a run, with separate arrays."""
-
-    bearings: Bearings
-    books: Rows[MotionBooks]  # [1]
-    watches: Rows[Watch]
-    lines: Rows[LinePeak]
-    hinges: Rows[HingePeak]
-
-
-def _no_rows(system: System, bearings: Bearings) -> MotionRows:
+def _no_rows(system: types.System, bearings: Bearings) -> types.MotionRows:
     """Return no room for rows; in double precision, as lanes need it."""
     cells: Any = tuple(np.zeros((0, len(kind.lines), 0)) for kind in bearings)
     return room_for(system, bearings, 0)._replace(cells=cells)
@@ -111,14 +91,14 @@ def _watched(run: Run) -> tuple[Floats, Floats]:
     return np.ascontiguousarray(places, np.float64), np.ascontiguousarray(carried, np.float64)
 
 
-def _empty_peaks(run: Run, system: System) -> Peaks:
+def _empty_peaks(run: Run, system: types.System) -> types.Peaks:
     places, carried = _watched(run)
-    peaks = Peaks(
+    peaks = types.Peaks(
         places=places,
         carried=carried,
-        watches=rows(Watch, len(places), components=system.load.ndim),
-        lines=rows(LinePeak, len(run.lines), components=system.load.ndim),
-        hinges=rows(HingePeak, len(system.hinges)),
+        watches=rows(types.Watch, len(places), components=system.load.ndim),
+        lines=rows(types.LinePeak, len(run.lines), components=system.load.ndim),
+        hinges=rows(types.HingePeak, len(system.hinges)),
     )
     peaks.lines["rubber_temperature"] = peaks.lines["lead_temperature"] = COLDEST
     return peaks
@@ -146,28 +126,29 @@ def _modelled_books(bearings: Bearings, lines: int) -> Rows[Books]:
     return found
 
 
-def _build_scheme(run: Run, halvings: int) -> Scheme:
-    return Scheme(BETA[run.method], GAMMA, TOLERANCE, ITERATIONS, halvings)
+def _build_scheme(run: Run, halvings: int) -> types.Scheme:
+    return types.Scheme(BETA[run.method], GAMMA, TOLERANCE, ITERATIONS, halvings)
 
 
 def _collect_peaks(
-    left: Left, recoverable: Floats, steps: int, outcome: int, *, alone: bool
+    bearings: Bearings, books: Any, noted: Sequence[Any], stored: Floats, steps: int, outcome: int
 ) -> RunPeaks:
     """Return the peaks of a run alone from its records; `stored` [b] is the energy at its start."""
     named = OUTCOMES[outcome]
-    if named == "completed" and not all_physical(left.bearings, recoverable):
+    if named == "completed" and not all_physical(bearings, stored):
         named = NOT_PHYSICAL
+    watches, lines, hinges = noted
     return RunPeaks(
         outcome=named,
         steps=steps,
-        iterations=int(left.books[0].iterations),
-        substeps=int(left.books[0].substeps),
-        watches=left.watches,
-        lines=left.lines,
-        hinges=left.hinges,
-        books=left.books,
-        bearings=_modelled_books(left.bearings, len(recoverable)),
-        alone=alone,
+        iterations=int(books[0].iterations),
+        substeps=int(books[0].substeps),
+        watches=watches,
+        lines=lines,
+        hinges=hinges,
+        books=books,
+        bearings=_modelled_books(bearings, len(stored)),
+        alone=True,
     )
 
 
@@ -178,27 +159,26 @@ def run_peaks(run: Run) -> RunPeaks:
     the steps up to there are done again.
     """
     _check_method(run)
-    left, stored, done, outcome, _ = _marched(run, 0)
-    found = _collect_peaks(left, stored, done, outcome, alone=True)
-    if outcome == COMPLETED:
+    found, _ = _marched(run, 0)
+    if found.steps == len(run.ground) - 1:
         return found
     virgin = build_bearings(*start_arguments(run.prepared, run.lines))
-    books, ended = rows(MotionBooks, 1), _modelled_books(virgin, len(run.lines))
-    if done > 0:
-        kept = _marched(run, done)[-1]
+    books, ended = rows(types.MotionBooks, 1), _modelled_books(virgin, len(run.lines))
+    if found.steps > 0:
+        _, kept = _marched(run, found.steps)
         books = kept.books
         for line in range(len(run.lines)):
             ended[line] = kept.bearings[0, line]
     return found._replace(books=books, bearings=ended)
 
 
-def _marched(run: Run, kept: int) -> tuple[Left, Floats, int, int, MotionRows]:
-    """Return the end of a run, the energy stored at its start, steps, outcome, row of `kept`."""
+def _marched(run: Run, kept: int) -> tuple[RunPeaks, types.MotionRows]:
+    """Return the peaks of a run, and its state after `kept` steps (0: none) as a row."""
     system = build_system(run.prepared, run.lines)
     bearings = build_bearings(*start_arguments(run.prepared, run.lines))
     motion, peaks = new_motion(system), _empty_peaks(run, system)
     air = np.full(len(run.ground) - 1, run.ambient)
-    shaking = Shaking(np.ascontiguousarray(run.ground), float(run.dt), air, _none_kept(run))
+    shaking = types.Shaking(np.ascontiguousarray(run.ground), float(run.dt), air, _none_kept(run))
     stored = _stored_in([(kind.lines, kind.states) for kind in bearings], len(run.lines))
     room = room_for(system, bearings, min(kept, 1))
     if kept:
@@ -206,8 +186,7 @@ def _marched(run: Run, kept: int) -> tuple[Left, Floats, int, int, MotionRows]:
     march = peaks_march if system.load.ndim == 1 else plane_march
     scheme = _build_scheme(run, HALVINGS)
     done, _, outcome = march(system, bearings, motion, scheme, shaking, room, peaks)
-    left = Left(bearings, motion.books, peaks.watches, peaks.lines, peaks.hinges)
-    return left, stored, int(done), int(outcome), room
+    return _collect_peaks(bearings, motion.books, peaks[2:], stored, int(done), int(outcome)), room
 
 
 def _check_method(run: Run) -> None:
@@ -308,7 +287,7 @@ class Company:
         work = tuple((b.durations, b.work, b.elastic, b.hysteretic) for b in self.bearings)
         self.scratch = side_by_side([(work, self.motion, self.peaks)] * WIDTH)
         self.rows = side_by_side([_no_rows(system, self.bearings)] * WIDTH)
-        self._systems: dict[Any, System] = {}
+        self._systems: dict[Any, types.System] = {}
         self._made: dict[Any, tuple[Sequence[Any], Any]] = {}
 
     def shake(self, runs: Sequence[Run]) -> list[RunPeaks]:
@@ -339,11 +318,11 @@ class Company:
             for lane, run in enumerate(runs)
         ]
 
-    def _shaking(self, runs: Sequence[Run]) -> Shaking:
+    def _shaking(self, runs: Sequence[Run]) -> types.Shaking:
         ground, dt = side_by_side([(run.ground, float(run.dt)) for run in runs])
         ambient = aligned((len(self.keep), WIDTH), np.float64)
         ambient[:] = [run.ambient for run in runs]
-        return Shaking(ground, dt, ambient, self.keep)
+        return types.Shaking(ground, dt, ambient, self.keep)
 
     def _bearings(self, runs: Sequence[Run], starts: Sequence[Any], work: Any) -> Any:
         """Return the bearings of some runs as one, with their states at the start."""
@@ -356,7 +335,7 @@ class Company:
             found.append(Kind(constants, kind.lines, *own))
         return tuple(found)
 
-    def _system(self, run: Run) -> System:
+    def _system(self, run: Run) -> types.System:
         """Return the structure of a run; runs with the same one and the same lines share it."""
         lines = tuple((line.speed, line.warmer, id(line.begun)) for line in run.lines)
         key = id(run.prepared), lines
@@ -382,4 +361,5 @@ class Company:
         )
         lines = [kind.lines for kind in self.bearings]
         stored = _stored_in(list(zip(lines, start, strict=True)), len(run.lines))
-        return _collect_peaks(Left(ended, books, *noted), stored, steps, COMPLETED, alone=False)
+        found = _collect_peaks(ended, books, noted, stored, steps, COMPLETED)
+        return found._replace(alone=False)

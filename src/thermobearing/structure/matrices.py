@@ -149,10 +149,10 @@ def displacement_row(
 def mean_height(structure: Structure, name: str) -> float:
     """Return the mean height of the masses of a body [mm]; its base if it has none."""
     mine = [mass for mass in structure.masses if mass.body == name]
-    whole = sum(mass.mass for mass in mine)
+    total = sum(mass.mass for mass in mine)
     if not mine:
         return structure.body(name).base_height
-    return sum(mass.mass * mass.height for mass in mine) / whole
+    return sum(mass.mass * mass.height for mass in mine) / total
 
 
 def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -> Matrices:
@@ -469,8 +469,8 @@ def _check_sign(matrix: Floats, mass: Floats, damping: Damping, where: str) -> N
     values = eigh(matrix, mass, eigvals_only=True)
     if values[0] < NEGATIVE * abs(values[-1]):
         raise InputError(
-            f'damping.kind = "{damping.kind}" feeds energy into some motion: what gives two modes '
-            "these ratios gives others a negative one; choose other modes or ratios, or "
-            'kind = "modal"',
+            f'damping.kind = "{damping.kind}" adds energy to some motions: with these ratios '
+            "of two modes, those of other modes are negative; choose other modes or ratios, "
+            'or kind = "modal"',
             where,
         )

@@ -170,7 +170,7 @@ class Damping(Strict):
         kind = given.get("kind", "modal")
         faults = []
         if "ratios" in given and "kind" not in given:
-            faults.append("ratios: say the kind too: modal, rayleigh or source")
+            faults.append("ratios: require kind, one of modal, rayleigh and source")
         if "ratios" in given and kind in ("element", "none"):
             faults.append(f'ratios: kind = "{kind}" has none')
         if "modes" in given and kind != "rayleigh":
@@ -267,7 +267,7 @@ class Structure(Sourced):
             if body.on is not None and body.on not in (*known, GROUND):
                 faults.append(f'body "{body.name}" stands on "{body.on}", which is not above it')
             if body.on is not None and body.moves:
-                faults.append(f'body "{body.name}" is carried by "{body.on}" and cannot move too')
+                faults.append(f'body "{body.name}" is carried by "{body.on}": remove moves')
             if body.on is None and not body.moves:
                 faults.append(f'body "{body.name}" needs moves = true, or a body that carries it')
             known.append(body.name)
@@ -279,8 +279,8 @@ class Structure(Sourced):
             faults.append(f'report.line: no bearing line is called "{line}"{nearest(line, lines)}')
         if self.report.pier == GROUND and any(line.base != GROUND for line in self.bearings):
             faults.append(
-                "report.pier: which body is the pier, and report.pier_top, how high its top is? "
-                "Only a deck whose bearings all stand on the ground needs none"
+                "report.pier (the body that is the pier) and report.pier_top (the height of "
+                "its top) are required, unless all bearings stand on the ground"
             )
         used = [mass.body for mass in self.masses]
         parts: tuple[Spring | Hinge | BearingLine, ...] = (*self.springs, *self.hinges)
@@ -327,9 +327,9 @@ class Structure(Sourced):
         if not lines or held or len(points) > 1:
             return []
         return [
-            f'bearings: body "{body.name}" twists, and all that holds it is at one point of the '
-            "plan, x = {:g} mm, y = {:g} mm, so that nothing holds the twist; place bearing lines "
-            "at different x or y, or leave out twists".format(*points.pop())
+            f'bearings: body "{body.name}" twists, and all that holds it is at one point of '
+            "the plan, x = {:g} mm, y = {:g} mm, so that nothing resists the twist; "
+            "place bearing lines at different x or y, or remove twists".format(*points.pop())
         ]
 
     def body(self, name: str) -> Body:
@@ -353,13 +353,7 @@ STRUCTURES = Library("structure", "structures")
 
 
 def list_structures() -> list[str]:
-    """Return the names of the built-in structures.
-
-    Examples
-    --------
-    >>> list_structures()
-    ['five-span-bridge', 'five-span-girder', 'hybrid-pier', 'hybrid-pier-two-bearings', 'pier-p1']
-    """
+    """Return the names of the built-in structures."""
     return STRUCTURES.names()
 
 
@@ -393,11 +387,6 @@ class Pier(NamedTuple):
     hinges: tuple[int | None, ...]  # number of its hinge in each direction; None without one
     height: float  # from the base of its body to its top [mm]
 
-    @property
-    def hinge(self) -> int | None:
-        """Number of its hinge along the bridge."""
-        return self.hinges[0]
-
 
 def reported_line(structure: Structure, own: Collection[str] = ()) -> int:
     """Return the number of the bearing line of histories and of the table of peaks.
@@ -413,6 +402,15 @@ def reported_line(structure: Structure, own: Collection[str] = ()) -> int:
     usual = [k for k in (*between, *range(len(lines))) if names[k] not in own]
     found: int = [*usual, *between, 0][0]
     return found
+
+
+def line_faults(structure: Structure, given: Sequence[str], key: str) -> list[str]:
+    """Return faults of the names of lines in a case: unknown, or given twice."""
+    known = [line.name for line in structure.bearings]
+    unknown = [name for name in given if name not in known]
+    found = [f'{key}: no bearing line is called "{one}"{nearest(one, known)}' for one in unknown]
+    twice = dict.fromkeys(name for name in given if given.count(name) > 1)
+    return found + [f'{key}: "{name}" is given more than once' for name in twice]
 
 
 def list_hinges(structure: Structure) -> list[Hinge]:
@@ -480,8 +478,8 @@ def fixed_base(structure: Structure) -> Structure:
     held = carriers & springs
     if not held:
         raise InputError(
-            "fixed_base: no body stands on springs to the ground and carries another; a pier whose "
-            'own stiffness is a spring keeps it (give a body on = "ground" to hold one)',
+            "fixed_base: there is no foundation, which is a body on springs to the ground "
+            'that carries another body; to fix a body, give it on = "ground"',
             structure.name,
         )
     bodies = [

@@ -240,18 +240,18 @@ def newmark_march(
     for k in range(len(ground) - 1):
         done = 0  # of the step, in units of its smallest part
         too_hot = False
-        whole = 1 << scheme.halvings
-        part = whole
-        while done < whole:
-            share = (done + part) / whole
+        parts = 1 << scheme.halvings
+        part = parts
+        while done < parts:
+            share = (done + part) / parts
             change = minus(ground[k + 1], ground[k])
             target = plus(ground[k], scaled(change, share))
-            sub = shaking.dt * part / whole
+            sub = shaking.dt * part / parts
             air = shaking.ambient[k]
             outcome = _newmark_step(system, bearings, motion, scheme, sub, target, air, scale)
             failed = outcome != COMPLETED
             if not all_lanes(failed | (broken != COMPLETED)):
-                before = plus(ground[k], scaled(change, done / whole))
+                before = plus(ground[k], scaled(change, done / parts))
                 add_books(system, motion, before, target)
                 commit(system, bearings, motion, sub)
                 broken = select(broken == COMPLETED, outcome, broken)

@@ -57,8 +57,8 @@ def build_pieces(saved: SavedResult) -> Pieces:
     answer = [
         f"The first of {counted(len(modes), 'period')} is {first['period_s']:.3g} s, with a "
         f"damping of {percent(first['damping_ratio'], 1)} and {_mass_share(first)}.",
-        f"All masses together are {summary['mass_t']:.4g} t ({summary['mass_model']} mass); "
-        f"viscous damping: {summary['damping']}.",
+        f"The total mass is {summary['mass_t']:.4g} t ({summary['mass_model']} mass); viscous "
+        f"damping: {summary['damping']}.",
     ]
     structure = validated(Structure, case, str(saved.path / RESOLVED))
     found = build_tables(structure, saved["parts"], saved["periods"])

@@ -64,9 +64,9 @@ def _derived(structure: Structure, prepared: Prepared) -> list[tuple[str, str, f
         ("mass of the deck", "", TONNES * deck),
     ]
     for pier in list_piers(structure):
-        if pier.hinge is None:
+        if pier.hinges[0] is None:
             continue
-        hinge = list_hinges(structure)[pier.hinge]
+        hinge = list_hinges(structure)[pier.hinges[0]]
         found.append(("yield_rotation", f"{hinge.name}: ", hinge.yield_rotation))
         height = pier.top - structure.body(hinge.body).base_height
         if height > 0.0:
@@ -189,7 +189,7 @@ class StructureResult(Result):
         say(": ".join(filter(None, (structure.name, structure.description))), "bold")
         show_table(found["parts"])
         say(
-            f"\n{TONNES * self.mass:g} t in all, {self.mass_model} mass, damping "
+            f"\ntotal mass {TONNES * self.mass:g} t ({self.mass_model} matrix), damping "
             f"{structure.damping.kind}; bearings with their equivalent stiffness"
         )
         show_table(found["periods"])
@@ -216,8 +216,8 @@ class StructureResult(Result):
                     "base": pier.base,
                     "top_mm": pier.top,
                     "hinge": None
-                    if pier.hinge is None
-                    else list_hinges(structure)[pier.hinge].name,
+                    if pier.hinges[0] is None
+                    else list_hinges(structure)[pier.hinges[0]].name,
                 }
                 for pier in list_piers(structure)
             ],

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import ceil
-from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from thermobearing.model.outcomes import (
     INTERRUPTED,
     NAMES,
     NOT_PHYSICAL,
-    PIER_BEYOND_LIMIT,
     is_physical,
 )
 from thermobearing.structure.forces import Bearings, build_bearings, keep_motion
@@ -35,7 +34,6 @@ from thermobearing.structure.model import (
     MassModel,
     Pier,
     Structure,
-    first_hinges,
     list_hinges,
     list_piers,
 )
@@ -63,19 +61,6 @@ from thermobearing.structure.types import (
     Watch,
 )
 
-
-class Reported(NamedTuple):
-    """Displacements of deck and pier per coordinate, relative to the ground.
-
-    Each is [n], or [n, 2] in plan.
-    """
-
-    deck: Floats
-    top: Floats  # of the pier
-    base: Floats  # of the pier top if only its base moves
-    hinge: int | None  # number of the pier's hinge along the bridge; None without one
-
-
 Method = Literal["average-acceleration", "linear-acceleration", "predictor-corrector"]
 BETA = {
     "average-acceleration": 1.0 / 4.0,
@@ -90,36 +75,6 @@ SPECIMEN_LOST = "specimen_lost"
 FORCE_LIMIT = "force_limit"
 DISPLACEMENT_LIMIT = "displacement_limit"
 OUTCOMES = {**NAMES, NO_EQUILIBRIUM: "no_equilibrium", DIVERGED: "diverged"}
-SENTENCES = {
-    "no_equilibrium": (
-        "Newton's method found no equilibrium, even in the smallest part of a step. Try a smaller "
-        "dt, or method average-acceleration."
-    ),
-    "diverged": (
-        "A coordinate left every sensible range. Try a smaller dt: explicit correction and "
-        "linear acceleration are stable for small steps only."
-    ),
-    PIER_BEYOND_LIMIT: (
-        "A pier exceeded the ductility or the drift in `limits` of the structure, beyond which the "
-        "hinge law (no loss of strength) and equations without P-delta say nothing: count the pier "
-        "as failed, or give limits that a test of such a pier supports."
-    ),
-    SPECIMEN_LOST: (
-        "The specimen did not answer in time, closed the connection, or sent a force that is no "
-        "number; what was measured until then was saved. Check the program at its address, or try "
-        "a larger time_out."
-    ),
-    FORCE_LIMIT: (
-        "The measured force exceeded force_limit: the specimen was held and the test was ended; "
-        "what was measured until then was saved. Try a smaller factor of the motion, or a larger "
-        "limit that specimen and rig support."
-    ),
-    DISPLACEMENT_LIMIT: (
-        "The next displacement would have exceeded displacement_limit: the specimen was held "
-        "before it and the test was ended; what was measured until then was saved. Try a smaller "
-        "factor of the motion, or a larger limit that specimen and rig support."
-    ),
-}
 
 
 @dataclass(frozen=True)
@@ -207,15 +162,10 @@ class Prepared:
     predictor: Floats = field(repr=False)  # [n, n] stiffness of the predictor
 
     @cached_property
-    def reported(self) -> Reported:
-        """Deck and pier whose peaks are reported."""
-        structure, report = self.structure, self.structure.report
-        return Reported(
-            deck=displacement_row(structure, report.deck, structure.body(report.deck).base_height),
-            top=displacement_row(structure, report.pier, report.pier_top),
-            base=displacement_row(structure, report.pier_base, report.pier_top),
-            hinge=first_hinges(structure, report.pier)[0],
-        )
+    def deck(self) -> Floats:
+        """Displacement of the deck per coordinate, relative to the ground: [n], or [n, 2]."""
+        deck = self.structure.report.deck
+        return displacement_row(self.structure, deck, self.structure.body(deck).base_height)
 
     @cached_property
     def piers(self) -> list[tuple[Pier, Floats, Floats]]:

@@ -8,13 +8,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from thermobearing.report.content import words
 from thermobearing.results import drawing
 from thermobearing.results.profiles import COLOURS
 from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.statistics.demand import counted, describe_failures, equal_classes
+from thermobearing.studies.statistics.demand import (
+    counted,
+    describe_failures,
+    equal_classes,
+    in_classes,
+)
 from thermobearing.studies.statistics.fragility import FRACTILES, Fragility, Ida
 from thermobearing.studies.statistics.hazard import Hazard, Rate
 from thermobearing.studies.statistics.variance import REST
@@ -54,8 +60,7 @@ COLOUR, RED = "#0077BB", "#CC3311"
 
 def _legend(figure: Figure, ax: Axes) -> None:
     """Draw the legend of an axis below the figure."""
-    handles: list[Any] = ax.get_legend_handles_labels()[0]
-    drawing.legend_below(figure, handles)
+    drawing.legend_below(figure, ax.get_legend_handles_labels()[0])
 
 
 def _draw_demand(found: pd.DataFrame, result: StudyResult, across: str, note: str) -> Figure:
@@ -99,6 +104,7 @@ def _draw_demand(found: pd.DataFrame, result: StudyResult, across: str, note: st
 
 POINTS = 160
 FRAGILITY_ROOM = 1.1  # right end of the curves over the largest intensity of the runs
+MARK_STEP = 0.01  # between marks of two temperatures, of the width
 MOST_MARKS, MARKS = 40, 15  # intensities with a mark each; classes of more
 
 
@@ -116,16 +122,20 @@ def _draw_fragility(
     figure, (ax,) = drawing.panels(1, 1, (5.6, 4.2), title)
     at = np.concatenate([curve.counts[curve.intensity].to_numpy() for curve in curves.values()])
     im = np.linspace(0.0, FRAGILITY_ROOM * float(at.max()), POINTS + 1)[1:]
-    for (name, curve), colour in zip(curves.items(), _level_colours(list(curves)), strict=True):
+    aside = MARK_STEP * float(im[-1]) * (np.arange(len(curves)) - 0.5 * (len(curves) - 1))
+    for (name, curve), colour, shift in zip(
+        curves.items(), _level_colours(list(curves)), aside, strict=True
+    ):
         label = drawing.degrees(name) if isinstance(name, int | float) else str(name)
         if curve.estimate.known:
             _curve(ax, curve, im, colour, len(curves) < 3, label)
         else:
             ax.plot([], [], color=colour, linewidth=1.4, label=f"{label} (no curve)")
-        _marks(ax, curve, colour, len(curves))
+        _marks(ax, curve, colour, len(curves), float(shift))
     if climate is not None:
         _curve(ax, climate, im, drawing.INK, True, climate.name)
-    ax.plot([], [], "o", color=drawing.GREY, markersize=3.5, label="share of runs")
+    many = " (side by side)" * (len(curves) > 1)
+    ax.plot([], [], "o", color=drawing.GREY, markersize=3.5, label=f"share of runs{many}")
     ax.set_xlim(0.0, float(im[-1]))
     ax.set_ylim(-0.02, 1.02)
     drawing.name_axes(ax, _title(some.intensity), "probability of exceedance")
@@ -149,27 +159,54 @@ def _curve(ax: Axes, curve: Fragility, im: Any, colour: str, filled: bool, label
     ax.plot(im, curve.probability(im), color=colour, linewidth=wide, label=label)
 
 
-def _marks(ax: Axes, curve: Fragility, colour: str, count: int) -> None:
+def _marks(ax: Axes, curve: Fragility, colour: str, count: int, shift: float) -> None:
     counts = curve.counts
     if len(counts) > MOST_MARKS:
         sums = counts.groupby(equal_classes(counts[curve.intensity].to_numpy(), MARKS))
         counts = (
             sums[["runs", "beyond"]].sum().assign(**{curve.intensity: sums[curve.intensity].mean()})
         )
-    share = counts["beyond"] / counts["runs"]
+    at, share = counts[curve.intensity] + shift, counts["beyond"] / counts["runs"]
     look: drawing.Look = {"color": colour, "linestyle": "none", "marker": "o"}
-    ax.plot(counts[curve.intensity], share, markersize=3.5 if count < 6 else 2.5, alpha=0.8, **look)
+    ax.plot(at, share, markersize=3.5 if count < 6 else 2.5, alpha=0.8, **look)
 
 
 LOOKS = dict(zip(FRACTILES, (":", "-", "--"), strict=True))
 MOST_CURVES = 400  # that are drawn; of more every n-th
 
 
-def _draw_ida(ida: Ida, capacity: float) -> Figure:
-    title = f"incremental dynamic analysis, {column_words(ida.demand)}: {ida.sentence}"
-    figure, (ax,) = drawing.panels(1, 1, (5.2, 4.2), title)
+def _draw_ida(parts: Mapping[str, Ida], demand: str, note: str, capacity: float) -> Figure:
+    title = f"incremental dynamic analysis, {column_words(demand)}: {note}"
+    columns = min(len(parts), MOST_COLUMNS)
+    count = -(-len(parts) // columns)
+    size = (max(WIDTH * columns + 0.6, 5.2), max(HEIGHT * count, 3.3) + 0.9)
+    near: Any = {"share": True, "least": WIDTH}  # in a narrow figure, panels below each other
+    figure, axes = drawing.panels(count, columns, size, title, **near)
+    grid: Any = axes[0].get_gridspec()
+    columns = grid.ncols
+    for place, (name, ida) in enumerate(parts.items()):
+        _ida_panel(axes[place], ida, capacity)
+        last, first = place + columns >= len(parts), place % columns == 0
+        names = _title(demand) if last else "", _title(ida.intensity) if first else ""
+        many = f"{len(ida.curves)} curves"
+        drawing.name_axes(axes[place], *names, f"{name}, {many}" if name else many)
+        axes[place].tick_params(labelbottom=last)
+    for ax in axes[len(parts) :]:
+        ax.set_visible(False)
+    curves = [curve for ida in parts.values() for curve in ida.curves]
+    widest = float(max(curve.demand[np.isfinite(curve.demand)].max() for curve in curves))
+    widest = min(widest, max(4.0 * capacity, 1e-300)) if np.isfinite(capacity) else widest
+    axes[0].set_xlim(0.0, 1.03 * widest)
+    axes[0].set_ylim(0.0, 1.03 * max(float(curve.intensity[-1]) for curve in curves))
+    shown = [handle for ax in axes for handle in ax.get_legend_handles_labels()[0]]
+    drawing.legend_below(figure, list({one.get_label(): one for one in shown}.values()))
+    return figure
+
+
+def _ida_panel(ax: Axes, ida: Ida, capacity: float) -> None:
+    """Draw the curves of motions and their fractiles."""
     every = -(-len(ida.curves) // MOST_CURVES)
-    label, cross = f"{len(ida.curves)} curves", "last before collapse"
+    label, cross = "single curves", "last before collapse"
     for curve in ida.curves[::every]:
         stood = np.isfinite(curve.demand)
         first = len(stood) if stood.all() else int((~stood).argmax())
@@ -188,15 +225,8 @@ def _draw_ida(ida: Ida, capacity: float) -> Figure:
         stood = np.isfinite(x)
         look: drawing.Look = {"color": COLOUR, "linewidth": 1.6, "linestyle": line}
         ax.plot(x[stood], y[stood], label=f"{100 * share:g} % fractile", **look)
-    widest = float(max(curve.demand[np.isfinite(curve.demand)].max() for curve in ida.curves))
     if np.isfinite(capacity):
         ax.axvline(capacity, label="capacity", **drawing.LIMIT)
-        widest = min(widest, max(4.0 * capacity, 1e-300))
-    ax.set_xlim(0.0, 1.03 * widest)
-    ax.set_ylim(0.0, 1.03 * max(float(curve.intensity[-1]) for curve in ida.curves))
-    drawing.name_axes(ax, _title(ida.demand), _title(ida.intensity))
-    _legend(figure, ax)
-    return figure
 
 
 WRAPPED = 120  # characters of a line of a note
@@ -207,18 +237,20 @@ def _draw_rates(
     hazard: Hazard, rates: Mapping[Any, Rate], title: str, unit: str, note: str
 ) -> Figure:
     """Draw the hazard curve, and the annual rate of each temperature or climate."""
-    figure, (left, right) = drawing.panels(1, 2, (7.1, 3.2), title)
+    figure, (left, right) = drawing.panels(1, 2, (7.1, 3.2), title, least=drawing.NARROW)
     left.loglog(hazard.intensity, hazard.rate, color=drawing.INK, linewidth=1.4, marker="o", ms=3)
     measure = hazard.measure or "intensity"
-    drawing.name_axes(
-        left, f"{measure} [{unit}]" if unit else measure, "rate of exceedance [1/year]"
-    )
-    left.set_title("hazard curve of the site", fontsize=drawing.NORMAL, loc="left")
+    measure = f"{measure} [{unit}]" if unit else measure
+    drawing.name_axes(left, measure, "rate of exceedance [1/year]", "hazard curve of the site")
     _bars(right, rates)
-    right.set_title("exceedance of the capacity", fontsize=drawing.NORMAL, loc="left")
+    drawing.name_axes(right, title="exceedance of the capacity")
     notes = dict.fromkeys([note, *(text for rate in rates.values() for text in rate.notes)])
-    below = "\n".join(textwrap.fill(text, WRAPPED) for text in notes if text)
+    room = drawing.fitting(WRAPPED)
+    below = "\n".join(textwrap.fill(text, room) for text in notes if text)
     figure.supxlabel(below, x=0.02, ha="left", fontsize=drawing.SMALL, color=drawing.GREY)
+    left.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+    left.xaxis.set_major_formatter("{x:g}")
+    left.xaxis.set_minor_formatter("{x:g}")
     left.tick_params(which="both", labelsize=drawing.SMALL)
     return figure
 
@@ -308,9 +340,17 @@ class StudyFigures(drawing.Figures):
         return _draw_demand(found, result, across, _count_sentence(result))
 
     def ida(self) -> Figure:
-        """Draw IDA curves of single motions with their fractiles."""
-        question = self._result.question
-        return _draw_ida(self._result.ida(failed=question.failed), question.capacity or np.nan)
+        """Draw IDA curves of motions with their fractiles; a panel for each temperature."""
+        result, question = self._result, self._result.question
+        demand = result.demand_name
+        runs = counted(result.table, demand, question.failed)
+        table, by = in_classes(runs.table, AMBIENT)
+        levels = np.unique(table[AMBIENT]).tolist() if by == AMBIENT else []
+        parts = {"": result}
+        if len(levels) > 1:
+            parts = {drawing.degrees(level): result.select(ambient_degC=level) for level in levels}
+        found = {name: part.ida(demand, failed=question.failed) for name, part in parts.items()}
+        return _draw_ida(found, demand, runs.sentence, question.capacity or np.nan)
 
     def fragility(self) -> Figure:
         """Draw the fragility curves of each temperature and over the climate."""

@@ -11,6 +11,7 @@ from thermobearing.border.errors import OutputError
 from thermobearing.border.text_file import file_names, write_file
 from thermobearing.border.toml import to_table
 from thermobearing.cyclic.reported import heat_flow
+from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import pieces_of_saved
@@ -38,7 +39,7 @@ IN_CAPTION = ["method", "capacity", "left_out", "collapsed", "sentence"]  # not 
 CAPTIONS = {
     "demand": "Demand against temperature: median with its band, and fractiles of the runs.",
     "variance": "Share of each factor in the variance of the demand.",
-    "ida": "Incremental dynamic analysis: a line for each motion, and fractiles of the demand.",
+    "ida": "Incremental dynamic analysis at each temperature: lines of motions, and fractiles.",
     "fragility": "Probability of exceedance of the capacity, with confidence bands.",
     "rates": "Hazard curve, and annual rate of exceedance of the capacity.",
 }
@@ -214,12 +215,17 @@ def _curve_tables(part: StudyResult, name: str) -> dict[str, Table]:
     im, unit = column_words(part.intensity), find_unit(part.intensity)
     medians = [end for end in map(str, table) if end.startswith("median")]
     heads = {end: _head(end.replace("median", f"median {im}")) for end in medians}
+    units = dict.fromkeys(medians, unit)
+    if unit == "m/s²":  # levels are often given in g
+        in_g = table["median"] / (STANDARD_GRAVITY / 1000.0)
+        table.insert(list(table).index("median") + 1, "median_g", in_g)
+        heads["median_g"], units["median_g"] = heads["median"], "g"
     demand = f"{column_words(part.demand_name)} above {limit_words(part)}"
     found = {
         f"fragility{ending}": _table(
             table.drop(columns=IN_CAPTION),
             f"{demand}: lognormal fragility by {part.question.method}{of}",
-            units=dict.fromkeys(medians, unit),
+            units=units,
             heads=heads | {"name": ambient, "beyond": "Exceedances"},
             note="; ".join(f"{joined(levels)}: {text}" for text, levels in notes.items()),
         )

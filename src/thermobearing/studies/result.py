@@ -16,7 +16,7 @@ from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.text_file import write_file
 from thermobearing.border.toml import read_toml, to_table
 from thermobearing.border.units import parse_quantity, with_unit
-from thermobearing.climate.generator import list_climates
+from thermobearing.climate.generator import CLIMATES
 from thermobearing.climate.hourly import Hourly
 from thermobearing.climate.site import as_weather
 from thermobearing.earthquake.run import bearing_weather
@@ -138,7 +138,7 @@ def _make_question(table: Mapping[str, Any], where: str, folder: Path = Path()) 
     hazard, weather = given.get("hazard"), given.get("weather")
     if isinstance(hazard, str):
         given["hazard"] = _hazard_table(folder / hazard)
-    if isinstance(weather, str) and weather not in list_climates():
+    if isinstance(weather, str) and weather not in CLIMATES.names():
         given["weather"] = str((folder / weather).resolve())
     question = validated(Question, given, where)
     try:
@@ -282,7 +282,7 @@ class StudyResult(Result):
                 "incremental dynamic analysis is skipped: it needs the same draws at several "
                 "intensities (`paired = true` in [design])"
             )
-        return found
+        return found + self.study.pair_notes
 
     def tables(self) -> dict[str, Table]:
         """Return tables of failures, demand, fragility, rates and variance, where they exist."""
@@ -457,8 +457,8 @@ class StudyResult(Result):
         """
         if not all(isinstance(name, int | float) for name in curves):
             raise InputError(
-                "these curves belong to classes of a drawn temperature: `fragility` of all runs is "
-                "the fragility over its climate"
+                "these curves belong to classes of a random temperature; use `fragility` of "
+                "all runs for the fragility over the climate"
             )
         return combine_curves(curves, shares_of_time(list(curves), temperatures), CLIMATE)
 

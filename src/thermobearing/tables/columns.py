@@ -181,7 +181,7 @@ class Table(NamedTuple):
         return values * scale + offset
 
 
-def read_number(text: str) -> float:
+def read_number(text: str, most: float = HUGEST) -> float:
     """Return a finite float of a plausible size; Python would also take "1_0" and "nan"."""
     try:
         value = float(text.replace("_", "x").replace("D", "E").replace("d", "e"))
@@ -190,8 +190,8 @@ def read_number(text: str) -> float:
         raise InputError(f'"{shortened(text)}" is not a {finite}number') from None
     if not math.isfinite(value):
         raise InputError(f'"{shortened(text)}" is not a finite number')
-    if abs(value) > HUGEST:
-        raise InputError(f'"{shortened(text)}" is too large, more than {HUGEST:g}')
+    if abs(value) > most:
+        raise InputError(f'"{shortened(text)}" is too large, more than {most:g}')
     return value
 
 

@@ -158,6 +158,7 @@ def _described_keys(sheets: list[Sheet]) -> dict[str, Any]:
             if row.choices and value.lower() not in row.choices:
                 allowed = " or ".join(row.choices)
                 raise InputError(f'sheet "{sheet.name}": {key} = "{value}": must be {allowed}')
+            value = value.removesuffix("T00:00:00")  # of a cell that holds a day
             given[key] = value.lower() == "yes" if row.choices else f"{value} {row.unit}".strip()
     return given
 

@@ -99,9 +99,9 @@ def open_library() -> tuple[Library | None, str]:
     """
     choice = os.environ.get(CHOICE, "")
     if choice == "jit":
-        return None, f"{CHOICE}=jit asks for kernels compiled by numba."
+        return None, f"{CHOICE}=jit requests kernels compiled by numba."
     if choice and choice not in LEVELS:
-        warnings.warn(f"{CHOICE}={choice}: known are jit, {', '.join(LEVELS)}.", stacklevel=2)
+        warnings.warn(f"{CHOICE}={choice}: known: jit, {', '.join(LEVELS)}.", stacklevel=2)
         choice = ""
     if not (FOLDER / DESCRIPTION).is_file():
         return None, "This installation has no compiled kernels."

@@ -112,7 +112,7 @@ def _lower_call(context: Any, builder: Any, sig: Any, values: Any) -> Any:
         place = ir.Constant(PLACE, lane)
         each = called(*(builder.extract_element(one, place) for one in numbers))
         found = [
-            builder.insert_element(whole, one, place)
-            for whole, one in zip(found, each, strict=True)
+            builder.insert_element(joined, one, place)
+            for joined, one in zip(found, each, strict=True)
         ]
     return context.make_tuple(builder, sig.return_type, found)

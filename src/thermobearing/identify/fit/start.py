@@ -233,7 +233,7 @@ def drop_needless(problem: Problem, cube: Floats, added: Sequence[str]) -> tuple
 
     E2 of lead without softening is one: free, it would end at 0 in half of all calibrations.
     """
-    known = {key: kinds.KINDS[key].end for key in added}
+    known = {p.kind.key: p.kind.end for p in problem.pset.free if p.kind.key in added}
     ends = {key: end for key, end in known.items() if end is not None}
     if not ends:
         return problem, cube

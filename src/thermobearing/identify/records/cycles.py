@@ -213,9 +213,9 @@ def _loop(
     x = record.displacement[rows]
     high, low = float(x.max()), float(x.min())
     test, model = _measures(x, record.force[rows]), _measures(x, force[rows])
-    whole = slice(max(0, first - 1), last + 2)  # with the crossings of zero at both ends
-    x = record.displacement[whole]
-    strengths = _strength(x, record.force[whole]), _strength(x, force[whole])
+    extended = slice(max(0, first - 1), last + 2)  # with the crossings of zero at both ends
+    x = record.displacement[extended]
+    strengths = _strength(x, record.force[extended]), _strength(x, force[extended])
     return Loop(first, last, cycle, number, 0.5 * (high - low), high, low, test, model, strengths)
 
 

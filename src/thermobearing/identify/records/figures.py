@@ -46,9 +46,10 @@ def draw_record(
     title = f"{printable(record.name)}: {report.outcome}, {len(record.time)} samples, "
     title += f"ambient {drawing.degrees(record.ambient)}{' (assumed)' if assumed else ''}"
     sentences = [f"- {finding.level}: {finding.sentence}" for finding in report.findings]
-    shown = "\n".join(textwrap.fill(printable(text), LETTERS) for text in sentences)
+    room = drawing.fitting(LETTERS)
+    shown = "\n".join(textwrap.fill(printable(text), room) for text in sentences)
     size = (drawing.WIDEST, (7.6 if warm else 5.0) + LINE * (shown.count("\n") + 1))
-    figure, axes = drawing.panels(3 if warm else 2, 2, size, title)
+    figure, axes = drawing.panels(3 if warm else 2, 2, size, title, least=drawing.NARROW)
     _draw_history(axes[0], report, axis, "displacement")
     _draw_history(axes[1], report, axis, "force")
     x, force, loops = record.displacement, record.force, axes[2]

@@ -39,10 +39,6 @@ class ChamberNumbers(Strict):
     ambient_drift: Annotated[float, in_unit("K"), Field(gt=0)]
 
 
-def _chamber_numbers() -> ChamberNumbers:
-    return read_data(ChamberNumbers, "identify", "ambient.toml")
-
-
 def _describe_drift(time: Floats, ambient: Floats) -> str:
     """Return a sentence if the ambient temperature [degC] drifts within a test, else ""."""
     if not (np.diff(time) > 0.0).all():  # a look at the test refuses it
@@ -51,7 +47,8 @@ def _describe_drift(time: Floats, ambient: Floats) -> str:
     middles = np.array([np.median(ambient[part == k]) for k in np.unique(part)])
     line = float(np.polyfit(time - time.mean(), ambient, 1)[0] * np.ptp(time))
     wandered = max(abs(line), float(np.ptp(middles)))
-    if round(wandered, READ_TO) < _chamber_numbers().ambient_drift:
+    known = read_data(ChamberNumbers, "identify", "ambient.toml")
+    if round(wandered, READ_TO) < known.ambient_drift:
         return ""
     straight = abs(line) >= 0.5 * wandered
     way = "wanders" if not straight else "rises" if line > 0.0 else "falls"

@@ -30,6 +30,7 @@ from thermobearing.identify.records.cycles import (
     turning_points,
 )
 from thermobearing.identify.records.record import PAUSE, TestRecord
+from thermobearing.report.words import counted
 
 Flags = NDArray[np.bool_]
 UNITS = {"displacement": "mm", "force": "kN"}
@@ -336,7 +337,7 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
     record = found.record
     if found.rests:
         part = sum(last - first + 1 for first, last in found.rests) / len(record.time)
-        said = f"{_count(len(found.rests), 'rest')}, {part:.0%} of the samples: a calibration "
+        said = f"{counted(len(found.rests), 'rest')}, {part:.0%} of the samples: a calibration "
         yield note("rests", said + "holds their displacement at its mean and ignores their force")
     shown = [f"{v:.2g} {UNITS[name]} in the {name}" for name, v in found.noise.items() if v]
     if shown:
@@ -346,7 +347,7 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
             values = getattr(record, name)
             off = np.abs(values - _bridge(record.time, values, flags))
             worst = int(np.argmax(off))
-            said = f"{_count(len(split_runs(flags)), 'spike')} in the {name}, the largest "
+            said = f"{counted(len(split_runs(flags)), 'spike')} in the {name}, the largest "
             said += f"{off[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
             ask = "not removed; give despike = true in the sidecar, or --despike, to remove them"
             level, end = (note, "removed (despike)") if record.despike else (warn, ask)
@@ -360,7 +361,3 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
                 f': not removed; detrend = "{name}" in the sidecar, or --detrend {name}, removes '
             )
             yield warn("drift", f"{said}a straight line in time")
-
-
-def _count(count: int, name: str) -> str:
-    return f"{count} {name}{'' if count == 1 else 's'}"

@@ -82,18 +82,13 @@ class Groups(Strict):
     groups: list[Group]
 
 
-def _usual_groups() -> tuple[Group, ...]:
-    """Return the default uncertainties."""
-    return tuple(read_data(Groups, "identify", "assumed.toml").groups)
-
-
 def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
     """Return the default uncertainties, some of them replaced.
 
     `given` holds relative standard uncertainties in [0, 2] by the name of a group or a key of one;
     that of "ambient" is in K.
     """
-    groups = list(_usual_groups())
+    groups = list(read_data(Groups, "identify", "assumed.toml").groups)
     for name, value in (given or {}).items():
         places = [i for i, g in enumerate(groups) if name == g.name or name in g.keys]
         if not places:

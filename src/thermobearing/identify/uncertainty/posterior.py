@@ -33,7 +33,6 @@ from thermobearing.tables.text import read_text
 
 WALKERS_PER = 3  # walkers for each parameter
 LOW, HIGH = 0.025, 0.975
-MOST_STEPS = 100_000  # of a walker
 STEPS, BURN = 300, 100  # of a walker, kept and thrown away
 MOST = 10_000  # of samples
 FAR = 10.0  # standard deviations from the mean of the samples, ...
@@ -183,10 +182,6 @@ def _posterior_samples(
     found: Identification, *, steps: int = STEPS, burn: int = BURN, seed: int = 0
 ) -> Samples:
     """Draw by the ensemble sampler of emcee: each walker makes `steps` after `burn`."""
-    if not (1 <= steps <= MOST_STEPS and 0 <= burn <= MOST_STEPS):
-        raise InputError(
-            f"steps = {steps}, burn = {burn}: must be 1 to {MOST_STEPS} and 0 to {MOST_STEPS}"
-        )
     need_emcee()
     import emcee
 

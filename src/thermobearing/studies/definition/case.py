@@ -23,6 +23,7 @@ from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
 from thermobearing.structure.model import load_structure
+from thermobearing.studies.definition import record
 from thermobearing.studies.definition.designs import (
     list_targets,
     moves_warmth,
@@ -30,28 +31,15 @@ from thermobearing.studies.definition.designs import (
     spelled,
 )
 from thermobearing.studies.definition.motions import STAND_IN, motions_to_be, with_kept
-from thermobearing.studies.definition.record import (
-    AmbientFactor,
-    BearingFactor,
-    Design,
-    Factors,
-    Keep,
-    MotionFactor,
-    NumberFactor,
-    Posterior,
-    ScaleFactor,
-    StructureFactor,
-    Study,
-)
 
 M = TypeVar("M", bound=Strict)
 NAMED = {"bearings": "bearing", "motions": "motion", "structure": "structure", "ambient": "ambient"}
 FACTORS = {
-    "structure": StructureFactor,
-    "bearing": BearingFactor,
-    "motion": MotionFactor,
-    "scale": ScaleFactor,
-    "ambient": AmbientFactor,
+    "structure": record.StructureFactor,
+    "bearing": record.BearingFactor,
+    "motion": record.MotionFactor,
+    "scale": record.ScaleFactor,
+    "ambient": record.AmbientFactor,
 }
 DEFAULT = "pier-p1"  # structure, as in `bridge`
 KEY = re.compile(r"[a-z_][\w.\[\]]*(?: = |: )")  # start of a problem that begins with its key
@@ -65,21 +53,18 @@ REFUSED = {
 STUDIES = Library("study", "studies")
 
 
-def load_study(name_or_path: str | Path) -> Study:
-    """Return a study from its TOML file (docs/files/study.md), or an example such as "cold-town".
-
-    Names of files are relative to its folder. InputError lists all errors of the file.
-    """
+def load_study(name_or_path: str | Path) -> record.Study:
+    """Return a study from its TOML file, or an example; InputError lists all errors of the file."""
     path = STUDIES.path(name_or_path)
     return with_kept(make_study(case_table(path), str(path), path.parent), path.parent)
 
 
-def make_study(table: dict[str, Any], where: str, folder: Path = Path()) -> Study:
+def make_study(table: dict[str, Any], where: str, folder: Path = Path()) -> record.Study:
     """Check a study from the table of a file; paths in it are relative to `folder`."""
     unknown = [
-        f'unknown key "{key}"{nearest(key, Study.model_fields)}'
+        f'unknown key "{key}"{nearest(key, record.Study.model_fields)}'
         for key in table
-        if key not in Study.model_fields
+        if key not in record.Study.model_fields
     ]
     if table.get("kind") != "study":
         raise InputError([f'kind = {table.get("kind")!r}: must be "study"', *unknown], where)
@@ -89,12 +74,12 @@ def make_study(table: dict[str, Any], where: str, folder: Path = Path()) -> Stud
     return study
 
 
-def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[str]]:
+def _settled(table: dict[str, Any], folder: Path) -> tuple[record.Study | None, list[str]]:
     """Return the study of a table, or None, and the errors."""
     faults: list[str] = []
     case, given = _parted(table, faults)
     parts: dict[str, Any] = {}
-    for key, model in (("design", Design), ("keep", Keep)):
+    for key, model in (("design", record.Design), ("keep", record.Keep)):
         parts[key] = _checked(model, table.get(key, {}), key, faults)
     motions: list[GroundMotion] = []
     if "motion" in given:
@@ -105,7 +90,7 @@ def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[st
     if "ambient" in given:
         _settle_weather(given["ambient"], folder)
     made: dict[str, Any] = {
-        name: _checked(FACTORS.get(name, NumberFactor), item, f"factors.{name}", faults)
+        name: _checked(FACTORS.get(name, record.NumberFactor), item, f"factors.{name}", faults)
         for name, item in given.items()
     }
     numbers = {name: made.pop(name) for name in list(made) if name not in FACTORS}
@@ -124,10 +109,10 @@ def _settled(table: dict[str, Any], folder: Path) -> tuple[Study | None, list[st
     try:
         if made["motion"].matched is not None:
             motions = motions_to_be(made["motion"])
-        factors = validated(Factors, made | {"numbers": numbers}, "")
+        factors = validated(record.Factors, made | {"numbers": numbers}, "")
         found = _with_case(case, factors, motions, folder)
         merged = {"name": called, "case": found[0], "factors": found[1]}
-        study = validated(Study, merged | parts, "")
+        study = validated(record.Study, merged | parts, "")
     except InputError as error:
         return None, error.lines()
     return study, _study_faults(study)
@@ -217,12 +202,12 @@ def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> l
 
 
 def _with_case(
-    case: dict[str, Any], factors: Factors, motions: list[GroundMotion], folder: Path
-) -> tuple[EarthquakeCase, Factors]:
+    case: dict[str, Any], factors: record.Factors, motions: list[GroundMotion], folder: Path
+) -> tuple[EarthquakeCase, record.Factors]:
     """Return the common case of all runs, and factors with complete structures."""
     ambient = factors.ambient.levels[0] if factors.ambient.levels else 0.0
     bearings = [
-        one.bearing if isinstance(one, Posterior) else one for one in factors.bearing.levels
+        one.bearing if isinstance(one, record.Posterior) else one for one in factors.bearing.levels
     ]
     if factors.ambient.hourly:
         case = dict(case)
@@ -247,13 +232,13 @@ def _with_case(
     return made[0], factors.model_copy(update={"structure": structures})
 
 
-def _plan_faults(study: Study) -> list[str]:
-    """Return what does not go with structures in plan, which are shaken by pairs."""
+def _plan_faults(study: record.Study) -> list[str]:
+    """Return what cannot be combined with structures in plan, which are moved by pairs."""
     motion, plans = study.factors.motion, [one.plan for one in study.factors.structure.levels]
     if not any(plans):
         return []
     if not all(plans):
-        return ["factors.structure: structures in plan and in one direction are two studies"]
+        return ["factors.structure: structures in plan and others require separate studies"]
     pairs = motion.matched is None and all(one.is_pair for one in motion.levels or [])
     if not pairs or study.case.components == 1:
         return [
@@ -261,18 +246,18 @@ def _plan_faults(study: Study) -> list[str]:
             "every motion across, and leave out components"
         ]
     if study.keep.histories != "none":
-        return ["keep.histories: not of structures in plan"]
+        return ["keep.histories: not available for structures in plan"]
     return []
 
 
-def _study_faults(study: Study) -> list[str]:
+def _study_faults(study: record.Study) -> list[str]:
     """Return the errors in the combination of the parts of a study."""
     factors, faults = study.factors, []
     laboratory = study.case.laboratory
     if laboratory is not None and len(laboratory.mode) > 1:
         faults.append("case.laboratory.mode: a study has one mode")
     if study.case.specimen is not None:
-        faults.append("case.laboratory.specimen: a study is calculated; leave it out")
+        faults.append("case.laboratory.specimen: a study cannot use a real specimen; remove it")
     faults += _plan_faults(study)
     keys: dict[tuple[str, str], list[str]] = {}
     for name in factors.numbers:
@@ -295,7 +280,7 @@ def _study_faults(study: Study) -> list[str]:
     return faults
 
 
-def _heat_faults(study: Study) -> list[str]:
+def _heat_faults(study: record.Study) -> list[str]:
     """Return the errors of varied thermal properties where many runs share their temperatures."""
     ambient = study.factors.ambient
     names = [target.name for target in list_targets(study) if moves_warmth(target)]
@@ -316,7 +301,7 @@ def _heat_faults(study: Study) -> list[str]:
     return faults
 
 
-AnyLevel = Bearing | BilinearBearing | Posterior | Any  # others are found by later checks
+AnyLevel = Bearing | BilinearBearing | record.Posterior | Any  # others are found by later checks
 ANY = "shen-bilinear-bridge"
 OF_POSTERIOR = ("posterior", "bearing", "count", "name")
 OF_DRAWING = ("compound", "size", "name")
@@ -328,7 +313,11 @@ def _settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> 
     """Replace the levels of a table `factors.bearing` by records of bearings and posteriors."""
     own: dict[str, Any] = {}
     if {"posterior", "compound"} & set(table):
-        own = {key: table.pop(key) for key in list(table) if key not in BearingFactor.model_fields}
+        own = {
+            key: table.pop(key)
+            for key in list(table)
+            if key not in record.BearingFactor.model_fields
+        }
     if own and "levels" in table:
         faults.append(
             f"factors.bearing: {', '.join(sorted(own))} in addition to levels; add a level "
@@ -360,7 +349,7 @@ def _level(item: Any, folder: Path) -> list[AnyLevel]:
     return [item]
 
 
-def _posterior(item: dict[str, Any], folder: Path) -> Posterior:
+def _posterior(item: dict[str, Any], folder: Path) -> record.Posterior:
     """Return the checked samples of a calibration, from its directory or file."""
     _refuse_unknown(item, OF_POSTERIOR)
     given = item["posterior"]
@@ -384,7 +373,7 @@ def _posterior(item: dict[str, Any], folder: Path) -> Posterior:
     if not isinstance(bearing, Bearing):
         raise InputError("bearing: must be the name or the file of a bearing")
     more = {"count": item["count"]} if "count" in item else {}
-    made = Posterior(
+    made = record.Posterior(
         name=item.get("name", bearing.name), posterior=str(path), bearing=bearing, **more
     )
     posterior_bearings(made.bearing, path, made.count)

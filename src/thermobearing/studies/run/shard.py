@@ -24,37 +24,21 @@ import pandas as pd
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.protocol import lengths
-from thermobearing.earthquake.measures import (
-    BEARING,
-    KN_MM_PER_KN_M,
-    MM_PER_M,
-    STRUCTURE_ENERGIES,
-    compute_measures,
-    compute_residuals,
-    drift,
-    farthest,
-    governing_peaks,
-    history_traces,
-    line_peaks,
-    pier_peaks,
-    structure_traces,
-    with_resultant,
-)
-from thermobearing.earthquake.run import Task, judged, lines_to_shake, run_task
+from thermobearing.earthquake import measures
+from thermobearing.earthquake.run import Task, find_outcome, lines_to_shake, run_task
 from thermobearing.laws import load_again, loaded_files
-from thermobearing.model.outcomes import SENTENCES as RUN_SENTENCES
+from thermobearing.model.outcomes import ALL_SENTENCES
 from thermobearing.quantities.register import quantity
 from thermobearing.results.base import COMPLETED
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
 from thermobearing.structure.model import list_hinges
-from thermobearing.structure.run import SENTENCES, StructureHistory
+from thermobearing.structure.run import StructureHistory
 from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.prepare import Preparer, Warm
 from thermobearing.studies.run.processes import AHEAD, KEPT, is_stopped
 
 BAD_INPUT: Final = "bad_input"  # a drawn number that gives no valid bearing or structure
 BROKEN: Final = "broken"  # an error of this program
-ALL_SENTENCES: Final = RUN_SENTENCES | SENTENCES
 TEXTS: Final = ("outcome", "sentence")
 COUNTS: Final = ("steps", "iterations", "substeps")
 OF_RUN: Final = {  # columns of an earthquake analysis: name of the measure
@@ -101,7 +85,11 @@ def _measure_all(
         return
     for task in tasks:
         history = run_task(task)
-        traces = history_traces(task, history) if every else structure_traces(task, history)
+        traces = (
+            measures.history_traces(task, history)
+            if every
+            else measures.structure_traces(task, history)
+        )
         numbers = _numbers(task, history, traces)
         kept = {
             name: np.ascontiguousarray(values[::every], dtype=np.float32)
@@ -120,17 +108,17 @@ def _to_shake(task: Task) -> Run:
         shaking.ground,
         shaking.dt,
         task.ambient,
-        places=np.array([*watched, task.prepared.reported.deck]),
+        places=np.array([*watched, task.prepared.deck]),
         carried=np.array([*[0.0, 1.0] * len(piers), 1.0]),  # the ground carries tops and deck
         method=task.case.analysis.method,
     )
 
 
 def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]) -> dict[str, Any]:
-    lines, piers = line_peaks(task, history), pier_peaks(task, history)
+    lines, piers = measures.line_peaks(task, history), measures.pier_peaks(task, history)
     return _row(
         task,
-        compute_measures(task, history, traces, (lines, piers)),
+        measures.compute_measures(task, history, traces, (lines, piers)),
         left=np.array([history.bearing(b)["displacement"][-1] for b in range(len(lines))]),
         tops=[row[DRIFTS] for row in piers],
         deck=traces["deck_displacement"][-1],
@@ -145,14 +133,14 @@ def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     tops = peaks.watches["displacement"][:DECK:2].tolist()
     if peaks.outcome == COMPLETED:
         moved = [line["displacement"] for line in _named(peaks.lines)]
-        found["outcome"] = judged(task, moved, peaks.hinges["rotation"].tolist(), tops)
+        found["outcome"] = find_outcome(task, moved, peaks.hinges["rotation"].tolist(), tops)
     each = list(zip(_named(peaks.lines), [one.device for one in task.lines], strict=True))
     return _row(
         task,
         found,
         left=peaks.bearings["displacement"],
         tops=tops,
-        deck=with_resultant(peaks.watches["residual"])[DECK],
+        deck=measures.with_resultant(peaks.watches["residual"])[DECK],
         rubber=(peak["rubber_temperature"] for peak, one in each if one.stack is not None),
         lead=(peak["lead_temperature"] for peak, one in each if one.has_lead),
     )
@@ -193,21 +181,21 @@ def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
             "pier_part_displacement_max": piers[2 * k]["displacement"],
             "pier_part_displacement_residual": piers[2 * k]["residual"],
             "pier_part_top_displacement_max": piers[2 * k + 1]["displacement"],
-            "pier_part_top_acceleration_max": piers[2 * k + 1]["acceleration"] / MM_PER_M,
+            "pier_part_top_acceleration_max": piers[2 * k + 1]["acceleration"] / measures.MM_PER_M,
             **_hinge_peaks(task, peaks, pier.hinges),
         }
         for k, (pier, _, _) in enumerate(task.prepared.piers)
     ]
     return {
         "outcome": peaks.outcome,
-        **governing_peaks(of_lines),
-        **governing_peaks(of_piers),
+        **measures.governing_peaks(of_lines),
+        **measures.governing_peaks(of_piers),
         "deck_displacement_max": deck["displacement"],
-        "deck_acceleration_max": deck["acceleration"] / MM_PER_M,
+        "deck_acceleration_max": deck["acceleration"] / measures.MM_PER_M,
         "layer_force_mismatch_max": lines[task.reported_line]["mismatch"],
         **{name: getattr(peaks, name) for name in COUNTS},
-        **{f"energy_{name}": books[name] for name in STRUCTURE_ENERGIES},
-        **{f"heat_{name}": bearing[name] for name in BEARING},
+        **{f"energy_{name}": books[name] for name in measures.STRUCTURE_ENERGIES},
+        **{f"heat_{name}": bearing[name] for name in measures.BEARING},
     }
 
 
@@ -219,7 +207,7 @@ def _hinge_peaks(task: Task, peaks: RunPeaks, hinges: Sequence[int | None]) -> d
         if hinge is not None:
             found = _named(peaks.hinges)[hinge]
             limit = list_hinges(task.case.structure)[hinge].yield_rotation
-            rotation, moment = found["rotation"], found["moment"] / KN_MM_PER_KN_M
+            rotation, moment = found["rotation"], found["moment"] / measures.KN_MM_PER_KN_M
         each.append((rotation, rotation / limit, moment))
     names = ("pier_part_rotation_max", "pier_part_ductility", "pier_part_moment_max")
     largest = each[0] if len(each) == 1 else np.fmax.reduce(each).tolist()
@@ -243,13 +231,13 @@ def _row(
         "sentence": "" if ended == COMPLETED else ALL_SENTENCES.get(ended, ""),
         **{name: _overall(found[key]) for name, key in OF_RUN.items()},
         "bearing_displacement_residual_mm": float(
-            farthest(left if left.ndim == 1 else lengths(left))
+            measures.farthest(left if left.ndim == 1 else lengths(left))
         ),
-        "pier_drift_max": drift(task, tops),
+        "pier_drift_max": measures.drift(task, tops),
         "deck_displacement_residual_mm": _overall(deck),
         "rubber_max_degC": _hottest(rubber),
         "lead_max_degC": _hottest(lead),
-        **compute_residuals(found),
+        **measures.compute_residuals(found),
     }
 
 

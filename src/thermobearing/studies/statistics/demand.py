@@ -251,15 +251,12 @@ def demand_against(
     *,
     by: Sequence[str] = (),
     failed: Failed = "left-out",
-    shares: Sequence[float] = FRACTILES,
-    level: float = LEVEL,
 ) -> pd.DataFrame:
     """Return mean, `FRACTILES` and band of the median of a demand at each temperature.
 
     More than 20 different values of `across` are put into 12 classes of equal size, at their
     mean; each combination of the columns `by` has its rows. A collapse is an infinite demand.
     """
-    check_level(level)
     runs = counted(table, demand, failed)
     at = _numbers(table, across)
     values, place = np.unique(at, return_inverse=True)
@@ -279,29 +276,25 @@ def demand_against(
         known = np.sort(every[mine][~np.isnan(every[mine])])
         row: dict[str, Any] = {**dict(zip(by, label, strict=True)), across: values[cell]}
         row |= {"runs": len(known), "failed": int((~runs.completed[mine]).sum())}
-        rows.append(row | _spread(known, shares, level))
+        rows.append(row | _spread(known))
     return pd.DataFrame(rows)
 
 
-def _spread(known: Floats, shares: Sequence[float], level: float) -> dict[str, float]:
-    names = [f"{share:g}" for share in shares]
+def _spread(known: Floats) -> dict[str, float]:
+    names = [f"{share:g}" for share in FRACTILES]
     if len(known) == 0:
         return dict.fromkeys(["mean", *names, "median_low", "median_high"], np.nan)
-    low, high = _median_places(len(known), level)
+    low, high = _median_places(len(known), LEVEL)
     return {
         "mean": float(known.mean()),
-        **{name: quantile(known, share) for name, share in zip(names, shares, strict=True)},
+        **{name: quantile(known, share) for name, share in zip(names, FRACTILES, strict=True)},
         "median_low": float(known[low]) if low >= 0 else -np.inf,
         "median_high": float(known[high]) if high < len(known) else np.inf,
     }
 
 
 def _median_places(count: int, level: float) -> tuple[int, int]:
-    """Return the places of the ordered values that bound the median with that confidence.
-
-    >>> _median_places(20, 0.95)  # the 6th and the 15th
-    (5, 14)
-    """
+    """Return the places of the ordered values that bound the median; (5, 14) of 20 at 0.95."""
     from scipy.stats import binom  # takes a second to read; starting a study does without
 
     rest = int(binom.ppf(0.5 * (1.0 - level), count, 0.5))

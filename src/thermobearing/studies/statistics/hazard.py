@@ -87,12 +87,9 @@ class Hazard:
         return np.asarray(intensity.ravel()), np.asarray(weight.ravel())
 
 
-def load_hazard(path: str | Path, measure: str = "PGA", unit: str | None = None) -> Hazard:
+def load_hazard(path: str | Path, measure: str = "PGA") -> Hazard:
     """Return a hazard curve from a file with columns of intensity and of rate or return period."""
-    unit = unit or INTENSITY_UNITS.get(measure)
-    if unit is None:
-        known = ", ".join(INTENSITY_UNITS)
-        raise InputError(f'the unit of "{measure}" is missing; only {known} need none')
+    unit = INTENSITY_UNITS[measure]
     name, period = plain_title(measure), "return period"
     wanted = {name: unit, "rate": "1/year", period: "year"}
     found = read_columns(path, wanted, optional=("rate", period))

@@ -50,8 +50,8 @@ MORE_BETWEEN = (
     "no run exceeds the capacity up to {0:.4g}, all do from {1:.4g}: add intensities between"
 )
 ONE_MIXED = (
-    "no run exceeds the capacity below {0:.4g}, {1:.0f} of {2:.0f} at {0:.4g}, and all above: one "
-    "intensity does not determine the dispersion; add intensities close to it"
+    "only at {0:.4g} do some runs exceed the capacity and others not ({1:.0f} of {2:.0f} do): one "
+    "intensity does not determine the dispersion; add {3}"
 )
 REASONS = {
     "none_beyond": "no run exceeds the capacity: add larger intensities",
@@ -384,7 +384,9 @@ def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str
         last, first = levels[no > 0].max(), levels[yes > 0].min()
         if last == first:
             here = int(np.flatnonzero(levels == first)[0])
-            return "apart", ONE_MIXED.format(first, yes[here], yes[here] + no[here])
+            ends = [word for word, end in (("smaller", 0), ("larger", -1)) if levels[end] == first]
+            more = f"{' and '.join(ends)} intensities" if ends else "intensities close to it"
+            return "apart", ONE_MIXED.format(first, yes[here], yes[here] + no[here], more)
         return "apart", MORE_BETWEEN.format(last, first)
     if best.slope[0] <= FLAT:
         return "not_rising", REASONS["not_rising"]

@@ -24,10 +24,7 @@ from thermobearing.studies.statistics.demand import (
     LEVEL,
     MOST_LEVELS,
     SAMPLES,
-    Counted,
     Draw,
-    Failed,
-    check_level,
     column,
     counted,
     equal_classes,
@@ -64,8 +61,6 @@ def sobol_table(
     table: pd.DataFrame,
     demand: str,
     *,
-    failed: Failed = "left-out",
-    level: float = LEVEL,
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> pd.DataFrame:
@@ -74,7 +69,7 @@ def sobol_table(
     The table has the columns `matrix` ("A", "B", "AB <factor>") and `sample`, for one combination
     of levels. The result has `first` and `total` with their bands, `rows` and `left_out`.
     """
-    runs = _runs(table, demand, failed, level)
+    runs = counted(table, demand)
     matrix, sample = column(table, MATRIX), column(table, SAMPLE)
     factors = list(dict.fromkeys(m[len(SWAPPED) :] for m in matrix if m.startswith(SWAPPED)))
     names = ["A", "B", *(f"{SWAPPED}{factor}" for factor in factors)]
@@ -101,7 +96,7 @@ def sobol_table(
     draw = Draw.of_labels(None, values.shape[1], samples, seed)
     first, total = _sobol_indices(values[0], values[1], values[2:])
     firsts, totals = _sobol_indices(values[0], values[1], values[2:], draw)
-    (low, high), (least, most) = percentiles(firsts, level), percentiles(totals, level)
+    (low, high), (least, most) = percentiles(firsts, LEVEL), percentiles(totals, LEVEL)
     found: dict[str, Any] = {"factor": factors, "first": first, "first_low": low}
     found |= {"first_high": high, "total": total, "total_low": least, "total_high": most}
     return pd.DataFrame(found).assign(rows=int(complete.sum()), left_out=int((~complete).sum()))
@@ -113,8 +108,6 @@ def variance_shares(
     factors: Sequence[str],
     *,
     together: Sequence[str] = (),
-    failed: Failed = "left-out",
-    level: float = LEVEL,
     samples: int = SAMPLES,
     seed: int = 0,
 ) -> pd.DataFrame:
@@ -123,7 +116,7 @@ def variance_shares(
     The factors `together` have the same draws and therefore one share. The last row is the
     interaction, and what else no factor explains alone.
     """
-    runs = _runs(table, demand, failed, level)
+    runs = counted(table, demand)
     values = runs.demand - runs.demand.mean()
     if len(values) < LEAST_ROWS or np.ptp(values) == 0.0:
         raise InputError(
@@ -147,19 +140,11 @@ def variance_shares(
     shares = np.append(estimates, max(1.0 - estimates.sum(), 0.0))
     again = np.column_stack([again, np.maximum(1.0 - again.sum(axis=1), 0.0)])
     # Runs that are drawn twice make classes look uniform: the samples are moved to the estimate.
-    low, high = percentiles(again - again.mean(axis=0) + shares, level)
+    low, high = percentiles(again - again.mean(axis=0) + shares, LEVEL)
     found: dict[str, Any] = {"factor": [*apart, REST], "share": shares}
     found |= {"share_low": low, "share_high": high}
     table = pd.DataFrame(found).assign(levels=[*(int(c.max()) + 1 for c in codes), 0])
     return table.assign(rows=len(values), left_out=runs.left_out)
-
-
-def _runs(table: pd.DataFrame, demand: str, failed: Failed, level: float) -> Counted:
-    """Return the runs that count; InputError if failed ones count as collapse."""
-    check_level(level)
-    if failed == "collapse":
-        raise InputError('an infinite demand has no variance: set failed = "left-out"')
-    return counted(table, demand, failed)
 
 
 def _codes(values: list[Any]) -> Ints:

@@ -1,4 +1,4 @@
-"""What documents say from files beside a result: earlier models; a structure that is looked at."""
+"""What documents say from files next to a result: earlier models; a structure that is looked at."""
 
 import json
 from pathlib import Path
@@ -29,8 +29,8 @@ def test_the_earlier_models_are_in_the_document(compared: Path) -> None:
     pieces = build_pieces(tb.load_result(compared), compared)
     assert_well_formed(pieces)
     table = pieces.tables["comparison"]
-    told = pd.read_csv(compared / "comparison.csv")
-    assert numbers_in(table, "Peak force") == told["peak force %"].tolist()
+    reported = pd.read_csv(compared / "comparison.csv")
+    assert numbers_in(table, "Peak force") == reported["peak force %"].tolist()
     units = {column.head: column.unit for column in table.columns}
     assert units["Inner layer rms"] == "K"
     assert units["Ambient"] == "°C"
@@ -54,7 +54,7 @@ def test_the_verdict_and_what_all_runs_share_stand_below(tmp_path: Path) -> None
     assert pieces.figures["comparison"].image is not None
 
 
-def test_a_damaged_comparison_is_told(compared: Path) -> None:
+def test_a_damaged_comparison_is_reported(compared: Path) -> None:
     (compared / "comparison.csv").write_text("")
     with pytest.raises(InputError, match="its files are inconsistent"):
         build_pieces(tb.load_result(compared), compared)

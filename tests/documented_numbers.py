@@ -4,15 +4,15 @@ import json
 import re
 from pathlib import Path
 
-TOLD = Path(__file__).parents[1] / "docs" / "measured.json"
+DOCUMENTED = Path(__file__).parents[1] / "docs" / "measured.json"
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 ROUNDING = 1e-6  # below it a number is a rounding error, which another machine has otherwise
 AGREES = 0.05  # relative: errors of meshes and fits with other versions of the libraries
 
 
-def disagreements(measured: list[dict[str, str]], told: list[dict[str, str]]) -> list[str]:
+def disagreements(measured: list[dict[str, str]], reported: list[dict[str, str]]) -> list[str]:
     """Rows of a run whose numbers are not those of the row of the same name in the docs."""
-    known = {row["what"]: row["value"] for row in told}
+    known = {row["what"]: row["value"] for row in reported}
     return [
         f"{row['what']}: the docs say {known[row['what']]}, this run {row['value']}"
         for row in measured
@@ -37,6 +37,6 @@ def _close(now: str, before: str) -> bool:
     return abs(a - b) <= AGREES * abs(b) + 1.01 * unit
 
 
-def told_rows() -> list[dict[str, str]]:
+def documented_rows() -> list[dict[str, str]]:
     """What the docs say."""
-    return list(json.loads(TOLD.read_text()))
+    return list(json.loads(DOCUMENTED.read_text()))
