@@ -225,6 +225,17 @@ def quantities_table() -> str:
     return table(["column", "head", "unit", "meaning"], rows)
 
 
+def laws_table() -> str:
+    """Return the laws of the package that a bearing can state, from the register."""
+    from thermobearing.laws import built_in_laws
+
+    rows = [
+        [f"`{law.name}`", f"`{law.key}`", f'"{law.value}"', law.description, law.source]
+        for law in built_in_laws().values()
+    ]
+    return table(["law", "key", "value", "meaning", "source"], rows)
+
+
 def coverage_items() -> list[dict[str, Any]]:
     """Return the items of docs/coverage.toml with numbers and verdicts of ledger and tests."""
     items = list(tomllib.loads(COVERAGE.read_text(encoding="utf-8"))["items"])
@@ -514,7 +525,9 @@ def generated_texts() -> dict[Path, str]:
         APPENDIX / "reproduction.md": reproduction_text(),
     }
     pages_of_files = sorted((DOCS / "files").glob("*.md"))
-    return found | {path: keys.fill(path.read_text(encoding="utf-8")) for path in pages_of_files}
+    found |= {path: keys.fill(path.read_text(encoding="utf-8")) for path in pages_of_files}
+    bearing = DOCS / "files" / "bearing.md"
+    return found | {bearing: between(found[bearing], "laws", laws_table())}
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
-"""Laws of your own: functions of a file that take the place of the laws of the package.
+"""The register of laws: those of the package, and functions of a user's file.
 
-A file registers a law (`register`), a bearing names it (`temperature_law.law`,
-`hysteresis_law.law`), and `model/constants.py` puts it into the constants of the coupled step. A
-temperature law is tabulated: the step reads its table with the code that reads the tables of
-bearing files, so that it needs no compiler and is available wherever a table is. A law of
+A bearing states a law by the value of a key. The laws of the package are data (data/laws). A file
+registers a law (`register`), which `model/constants.py` puts into the constants of the
+coupled step. A temperature law is tabulated: the step reads its table with the code that reads the
+tables of bearing files, so that it needs no compiler and is available wherever a table is. A law of
 hysteresis is compiled to a C function by numba, or called as Python where there is no numba, and
 the step calls it by its address, which is valid in this process only.
 """
@@ -14,33 +14,41 @@ import inspect
 import math
 import os
 import sys
+import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, lru_cache, partial
-from importlib.util import module_from_spec, spec_from_file_location
-from itertools import pairwise, product
+from itertools import combinations, pairwise, product
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from thermobearing.border.errors import InputError, nearest, read_bytes, shortened
+from thermobearing.border.keywords import checked_keywords
+from thermobearing.border.library import data_path
+from thermobearing.border.toml import read_toml
 from thermobearing.core.compiled.kernel import has_numba
 from thermobearing.core.hysteresis import COMPONENTS, law_type
 from thermobearing.core.records import Floats
 
 __all__ = ["Law", "load", "register"]
 
-BUILT_IN = ("published", "closed")  # laws of small loops (core/hysteresis.py), of every bearing
 MARK = "@"  # between the name of a law and the digest of its source
 LARGEST_FILE = 1_000_000  # bytes of a file with laws
 USUAL_RANGE = (-60.0, 150.0)  # in which a temperature law is tabulated by default [degC]
 COLDEST, WARMEST = -150.0, 300.0  # [degC]
 SMALLEST, LARGEST = 1e-3, 1e3  # factors on a stiffness
-FIRST_STEP, SHORTEST = 10.0, 0.02  # between temperatures of the table [K]
+FIRST_STEP, SHORTEST = 10.0, 1e-6  # between temperatures of the table [K]
 TABLE_ERROR = 1e-7  # largest relative difference of the table from the function
 MOST_PIECES = 1000
+ARGUMENTS = {  # first ones of the function of a law: their number and meaning
+    "temperature": (1, "the temperature of the rubber [degC]"),
+    "hysteresis": (2, "Z and the increment of the displacement, both relative to d_y"),
+    "plane": (4, "Z_x, Z_y and the two components of the increment, all relative to d_y"),
+}
 MOST_PARAMETERS = 4  # of a law of hysteresis: LAW_1 to LAW_4 of the constants
 LARGEST_Z = 4.0  # relative to d_y (EULER_LIMIT in core/sharing.py)
 SLOPE_STEP, SLOPE_ERROR = 1e-6, 1e-5  # increment over d_y for differences, and their largest error
@@ -48,26 +56,33 @@ ENERGY_ERROR = 1e-9  # largest gain in a cycle, relative to the largest Z and d
 AMPLITUDES = (0.3, 1.0, 3.0, 10.0)  # of checked cycles, over d_y
 INCREMENTS = 200  # of a checked cycle; and twice, and four times
 CONVERGED = 1e-9  # change of Z with shorter increments that needs no order
-DIFFERENCE = 1e-3  # for slopes of the logarithm [K]
+DIFFERENCE = 1e-4  # for slopes of the logarithm [K]
+CHECKED = {  # components: values of each of Z and d where slopes are checked
+    1: (np.linspace(-0.97, 0.97, 7), (-2.1, -0.3, -1e-3, 1e-3, 0.3, 2.1)),
+    2: ((-0.5, 0.3), (0.4, -0.2), (-1.1, 0.2), (0.5, -0.01)),
+}
 AXIS = np.array([0.6, 0.8])  # of the comparison of a plane with a line
+Move = Callable[[Floats, Floats], tuple[Floats, Floats]]  # Z and d -> Z and its slope
 BOUNDS = 10.0  # default bounds of a parameter in a calibration: its default over and times this
 
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """A registered law.
+    """A law of the package, or a registered one.
 
     Attributes
     ----------
-    name : by which bearings name it.
-    kind : what it is of: "temperature" or "hysteresis".
-    function : as registered.
+    name : by which `--law` and `changed_bearing` choose it.
+    kind : what it is of: "temperature", "hysteresis", "hardening" or "lead".
+    description : in a sentence; of a registered law the first line of the function's docstring.
+    source : publication, or file with the source code; "" where there is none.
+    key : of a bearing that uses the law, such as "temperature_law.law".
+    value : of that key; of a registered law its name and the digest of its source.
+    function : as registered; None for a law of the package.
     plane : the function for motions in a plane; None if there is none.
     parameters : default values by name, each in the unit that the function expects.
     bounds : lowest and highest value in a calibration, by name, each in the same unit.
     range : in which a temperature law is tabulated [degC].
-    file : with the source code; None where there is none.
-    digest : of the source code, 8 hexadecimal digits.
 
     Examples
     --------
@@ -78,38 +93,47 @@ class Law:
 
     name: str
     kind: str
-    function: Callable[..., Any]
-    plane: Callable[..., Any] | None
-    parameters: dict[str, float]
-    bounds: dict[str, tuple[float, float]]
-    range: tuple[float, float]
-    file: Path | None
-    digest: str
-
-    @property
-    def reference(self) -> str:
-        """Name and digest, as results state them."""
-        return f"{self.name}{MARK}{self.digest}"
+    description: str
+    source: str
+    key: str
+    value: str
+    function: Any = None
+    plane: Any = None
+    parameters: dict[str, float] = field(default_factory=dict)
+    bounds: dict[str, tuple[float, float]] = field(default_factory=dict)
+    range: tuple[float, float] = USUAL_RANGE
 
     @property
     def addresses(self) -> tuple[int, int]:
         """Addresses of the C functions on a line and in a plane; 0 where there is none."""
-        return _compiled(self)[0]
+        on_line, in_plane = _compiled(self)
+        return on_line[0], in_plane[0]
 
     def values(self, given: Mapping[str, float] | None) -> tuple[float, ...]:
         """Return the parameters in the order of the function, with defaults filled in."""
         for name in given or {}:
             if name not in self.parameters:
-                known = nearest(name, self.parameters) if self.parameters else "; it has none"
+                known = nearest(name, self.parameters)
                 raise InputError(f'law "{self.name}": no parameter "{name}"{known}')
         return tuple((self.parameters | dict(given or {})).values())
 
+    def shown(self, values: Sequence[float]) -> str:
+        """Return the parameters with their values, in words."""
+        return ", ".join(f"{n} = {v:g}" for n, v in zip(self.parameters, values, strict=True))
 
-_KNOWN: dict[str, Law] = {}  # by name
-_LOADED: dict[Path, list[str]] = {}  # files of `load`, and the names in them
+
+@cache
+def built_in_laws() -> dict[str, Law]:
+    """Return the laws of the package, by name."""
+    table = read_toml(data_path("laws", "built_in.toml"))["laws"]
+    return {name: Law(name, **row) for name, row in table.items()}
+
+
+_KNOWN: dict[str, Law] = {}  # registered laws by name
 _APPLIED: list[str] = []  # laws that every bearing gets that is loaded; see `applied`
 
 
+@checked_keywords
 def register(
     name: str,
     *,
@@ -165,27 +189,39 @@ def register(
     where = f'laws.register("{shortened(str(name))}")'
     if not isinstance(name, str) or not name.replace("-", "").replace(".", "").isidentifier():
         raise InputError('the name must consist of letters, digits, "-", "_" and "."', where)
-    if name in BUILT_IN:
+    if name in built_in_laws():
         raise InputError("this is the name of a built-in law", where)
-    function = hysteresis if temperature is None else temperature
+    kind, function = "temperature", temperature
+    if temperature is None:
+        kind, function = "hysteresis", hysteresis
     if not callable(function) or None not in (temperature, hysteresis):
         raise InputError("give one function: temperature or hysteresis", where)
     if plane is not None and (hysteresis is None or not callable(plane)):
         raise InputError("plane: must be a function, in addition to hysteresis", where)
-    low, high = map(float, range)
+    low, high = _two_numbers(range, "range", where)
     if not COLDEST <= low < high <= WARMEST:
         raise InputError(
             f"range = {low:g} to {high:g} degC: must be within {COLDEST:g} to {WARMEST:g}", where
         )
-    parameters = _parameters(function, 1 if hysteresis is None else 2, where)
+    parameters = _parameters(function, kind, where)
     if hysteresis is not None and len(parameters) > MOST_PARAMETERS:
         raise InputError(f"a law of hysteresis has at most {MOST_PARAMETERS} parameters", where)
-    if plane is not None and _parameters(plane, 4, where) != parameters:
+    if plane is not None and _parameters(plane, "plane", where) != parameters:
         raise InputError("plane: needs the parameters of hysteresis, with the same defaults", where)
-    file, digest = _source(function)
-    ends = _all_bounds(parameters, bounds or {}, where)
-    kind = "temperature" if hysteresis is None else "hysteresis"
-    law = Law(name, kind, function, plane, parameters, ends, (low, high), file, digest)
+    source, digest = _source(function)
+    law = Law(
+        name=name,
+        kind=kind,
+        description=(inspect.getdoc(function) or "").partition("\n")[0],
+        source=source,
+        key=f"{kind}_law.law",
+        value=f"{name}{MARK}{digest}",
+        function=function,
+        plane=plane,
+        parameters=parameters,
+        bounds=_all_bounds(parameters, bounds or {}, where),
+        range=(low, high),
+    )
     if hysteresis is None:
         tabulate(law, law.values(None))
     else:
@@ -194,21 +230,31 @@ def register(
     return law
 
 
-def _parameters(function: Callable[..., Any], arguments: int, where: str) -> dict[str, float]:
+def _parameters(function: Callable[..., Any], kind: str, where: str) -> dict[str, float]:
     """Return the defaults of the arguments of a function after the first ones."""
     plain = getattr(function, "py_func", function)  # of one that numba compiles
     try:
         found = list(inspect.signature(plain).parameters.values())
     except (TypeError, ValueError):
         raise InputError("the function must be written in Python", where) from None
+    arguments, words = ARGUMENTS[kind]
     if len(found) < arguments:
-        raise InputError(f"the function needs {arguments} arguments at least", where)
+        raise InputError(f"{kind}: the function must take {words} first, then parameters", where)
     for one in found[arguments:]:
         if isinstance(one.default, bool) or not isinstance(one.default, int | float):
             raise InputError(
                 f"the parameter {one.name} of the function needs a number as default value", where
             )
     return {one.name: float(one.default) for one in found[arguments:]}
+
+
+def _two_numbers(given: Any, what: str, where: str) -> tuple[float, float]:
+    try:
+        low, high = map(float, given)
+    except (TypeError, ValueError):
+        shown = shortened(repr(given))
+        raise InputError(f"{what} = {shown}: must be two numbers", where) from None
+    return low, high
 
 
 def _all_bounds(
@@ -223,7 +269,7 @@ def _all_bounds(
         if name not in given and value == 0.0:
             continue  # it can be set, but not be calibrated
         ends = given.get(name) or sorted((value / BOUNDS, value * BOUNDS))
-        low, high = map(float, ends)
+        low, high = _two_numbers(ends, f"bounds of {name}", where)
         if not low < high or not low <= value <= high:
             raise InputError(
                 f"bounds of {name} = {low:g} to {high:g}: must contain its default {value:g}", where
@@ -232,18 +278,18 @@ def _all_bounds(
     return found
 
 
-def _source(function: Callable[..., Any]) -> tuple[Path | None, str]:
-    """Return the file of a function, and a digest of the file, or of the function alone."""
+def _source(function: Callable[..., Any]) -> tuple[str, str]:
+    """Return the file of a function, and 8 digits of the file, or of the function alone."""
     plain: Any = getattr(function, "py_func", function)
     file = Path(plain.__code__.co_filename)
     if file.is_file():
         content = file.read_bytes().replace(b"\r\n", b"\n")
-        return file.absolute(), hashlib.sha256(content).hexdigest()[:8]
+        return str(file.absolute()), hashlib.sha256(content).hexdigest()[:8]
     try:
         text = inspect.getsource(plain)
     except OSError:
         text = repr((plain.__code__.co_code, plain.__code__.co_consts))
-    return None, hashlib.sha256(text.encode()).hexdigest()[:8]
+    return "", hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
 def load(file: str | Path) -> list[str]:
@@ -275,50 +321,57 @@ def load(file: str | Path) -> list[str]:
     path = Path(file).absolute()
     if path.suffix != ".py":
         raise InputError("must be a Python file, ending in .py", str(file))
-    digest = hashlib.sha256(read_bytes(path, LARGEST_FILE)).hexdigest()[:8]
-    before = dict(_KNOWN)
-    module_name = f"thermobearing_law_{path.stem}_{digest}"
-    spec: Any = spec_from_file_location(module_name, path)
-    module = module_from_spec(spec)
-    sys.modules[module_name] = module
+    content, before = read_bytes(path, LARGEST_FILE), dict(_KNOWN)
+    module = ModuleType(f"thermobearing_law_{path.stem}")
+    module.__file__ = str(path)
+    sys.modules[module.__name__] = module
     try:
-        spec.loader.exec_module(module)
-    except InputError:
-        raise
+        exec(compile(content, path, "exec"), module.__dict__)
     except (Exception, SystemExit) as error:
-        sys.modules.pop(module_name, None)
-        about = shortened(str(error) or type(error).__name__)
-        raise InputError(f"cannot be run: {type(error).__name__}: {about}", str(file)) from error
+        frames = traceback.extract_tb(error.__traceback__)
+        lines = [f", line {frame.lineno}" for frame in frames if frame.filename == str(path)]
+        problems = [f"cannot be run: {_failure(error)}"]
+        if isinstance(error, InputError):
+            problems = error.lines()
+        raise InputError(problems, f"{file}{lines[-1] if lines else ''}") from error
     names = [name for name, law in _KNOWN.items() if before.get(name) is not law]
     if not names:
         raise InputError("registers no law; call tb.laws.register in it", str(file))
-    _LOADED[path] = names
     return names
+
+
+def _failure(error: BaseException) -> str:
+    """Return kind and message of an exception."""
+    return f"{type(error).__name__}: {shortened(str(error) or 'no message')}"
 
 
 def loaded_files() -> list[str]:
     """Return the files of all registered laws, for other processes to load."""
-    return sorted({str(law.file) for law in _KNOWN.values() if law.file is not None})
+    return sorted({law.source for law in _KNOWN.values()} - {""})
 
 
 def load_again(files: Sequence[str]) -> None:
     """Load files in another process, unless its own program has registered their laws."""
-    known = {law.file for law in _KNOWN.values()}
-    for file in files:
-        if Path(file) not in known:
-            load(file)
+    for file in set(files).difference(loaded_files()):
+        load(file)
 
 
 @contextmanager
-def applied(files: Sequence[str | Path]) -> Iterator[None]:
-    """Load files, and use their laws and built-in ones in every bearing that is loaded meanwhile.
+def applied(given: Sequence[str | Path]) -> Iterator[None]:
+    """Use laws, by name or file, in every bearing that is loaded meanwhile.
 
-    Of several laws of one kind the bearing must name one itself.
+    A bearing that names a registered law gets no other registered one. Of several laws of one kind
+    in files one is chosen by its name, here or in the bearing.
     """
-    given = [[str(file)] if str(file) in BUILT_IN else load(file) for file in files]
-    names = [name for some in given for name in some]
-    kinds = [_KNOWN[name].kind if name in _KNOWN else name for name in names]
-    _APPLIED[:] = [n for n, kind in zip(names, kinds, strict=True) if kinds.count(kind) == 1]
+    files = [str(one) for one in given]
+    names = [n for one in files for n in (load(one) if one.endswith(".py") else [one])]
+    laws = [find_law(name) for name in dict.fromkeys(names)]
+    kinds = [law.kind for law in laws]
+    chosen = [law for law in laws if {law.name, law.value} & set(files)]
+    for law, other in combinations(chosen, 2):
+        if law.kind == other.kind:
+            raise InputError(f"--law {law.name}: is a {law.kind} law, and so is {other.name}")
+    _APPLIED[:] = [law.name for law in laws if law in chosen or kinds.count(law.kind) == 1]
     try:
         yield
     finally:
@@ -330,32 +383,38 @@ def laws_to_apply() -> list[str]:
     return list(_APPLIED)
 
 
+def known_laws() -> dict[str, Law]:
+    """Return the laws of the package and the registered ones, by name."""
+    return built_in_laws() | _KNOWN
+
+
 def find_law(reference: str, kind: str = "") -> Law:
-    """Return a registered law by its name, or by name and digest."""
+    """Return a law by its name, or by name and digest; with `kind` a registered one of that."""
     name, _, digest = reference.partition(MARK)
-    law = _KNOWN.get(name)
+    law = known_laws().get(name)
     if law is None:
-        known = nearest(name, [*BUILT_IN, *_KNOWN])
+        alike = [n for n, one in known_laws().items() if not kind or one.key == f"{kind}_law.law"]
         raise InputError(
-            f'law = "{reference}": is not registered{known}. Give the file that registers it: '
-            "--law FILE, or tb.laws.load(FILE) in Python"
+            f'law = "{reference}": is not registered; give the file that registers it (--law FILE, '
+            f"or tb.laws.load(FILE) in Python){nearest(name, alike)}"
         )
     if kind and law.kind != kind:
         raise InputError(f'law = "{reference}": is a {law.kind} law, not a {kind} law')
-    if digest and digest != law.digest:
+    if kind and law.function is None:
+        raise InputError(f'law = "{name}": is built in; write {law.key} = "{law.value}"')
+    if digest and reference != law.value:
         raise InputError(
-            f'law = "{reference}": the registered law differs ("{law.reference}"). Give the '
+            f'law = "{reference}": the registered law differs ("{law.value}"). Give the '
             f'original file, or write law = "{name}" to use the law as it is now'
         )
     return law
 
 
 @cache
-def _compiled(law: Law) -> tuple[tuple[int, int], list[Any]]:
-    """Return the addresses of C functions on a line and in a plane, and what must stay alive."""
-    functions = [law.function, law.plane]
-    made = [f and _c_function(f, k, len(law.parameters)) for k, f in enumerate(functions, 1)]
-    return (made[0][0] if made[0] else 0, made[1][0] if made[1] else 0), made
+def _compiled(law: Law) -> list[tuple[int, Any]]:
+    """Return the C functions on a line and in a plane: addresses, and what must stay alive."""
+    both = enumerate((law.function, law.plane), 1)
+    return [_c_function(f, k, len(law.parameters)) if f else (0, None) for k, f in both]
 
 
 def _c_function(function: Callable[..., Any], components: int, parameters: int) -> tuple[int, Any]:
@@ -393,45 +452,36 @@ def _c_function(function: Callable[..., Any], components: int, parameters: int) 
 def check_hysteresis(law: Law) -> None:
     """Check a law of hysteresis with its default parameters on a line and in a plane."""
     values = law.values(None)
-    on_line = partial(_moved, law, law.function, values)
-    for z, d in product(np.linspace(-0.97, 0.97, 7), (-2.1, -0.3, -1e-3, 1e-3, 0.3, 2.1)):
-        _check_slope(law, on_line, np.array([z]), np.array([d]))
-    for amplitude in AMPLITUDES:
-        _check_cycle(law, on_line, amplitude * np.array([[1.0]]))
-    for components, address in enumerate(law.addresses, 1):
-        if address:
-            _check_compiled(law, components, values)
-    if law.plane is None:
-        return
-    in_plane = partial(_moved, law, law.plane, values)
+    moves = [partial(_moved, law, f, values) for f in (law.function, law.plane) if f is not None]
+    for components, move in enumerate(moves, 1):
+        if components == 2:
+            _check_line(law, *moves)
+        for numbers in product(*CHECKED[components]):
+            _check_slope(law, move, np.array(numbers[:components]), np.array(numbers[components:]))
+        for amplitude in AMPLITUDES:
+            _check_cycle(law, move, amplitude * np.eye(components))
+        _check_compiled(law, components, move, values)
+
+
+def _check_line(law: Law, on_line: Move, in_plane: Move) -> None:
+    """Compare a plane with a line: AXIS."""
     for z, d in product((-0.7, 0.4), (-1.3, 0.2)):
         after, slope = on_line(np.array([z]), np.array([d]))
         turned, slopes = in_plane(z * AXIS, d * AXIS)
-        if not np.allclose(turned, after * AXIS, rtol=0.0, atol=SLOPE_ERROR) or not np.isclose(
-            AXIS @ slopes @ AXIS, slope[0, 0], rtol=0.0, atol=SLOPE_ERROR
-        ):
+        one = [*after * AXIS, slope[0, 0]]
+        if not np.allclose([*turned, AXIS @ slopes @ AXIS], one, rtol=0.0, atol=SLOPE_ERROR):
             raise InputError(
                 f'law "{law.name}": the function plane differs from hysteresis on the line through '
                 f"(0.6, 0.8), from Z = {z:g} by {d:g}"
             )
-    for z_x, z_y, d_x, d_y in product((-0.5, 0.3), (0.4, -0.2), (-1.1, 0.2), (0.5, -0.01)):
-        _check_slope(law, in_plane, np.array([z_x, z_y]), np.array([d_x, d_y]))
-    for amplitude in AMPLITUDES:
-        _check_cycle(law, in_plane, amplitude * np.eye(2))
 
 
 def _moved(
-    law: Law, function: Callable[..., Any], values: tuple[float, ...], z: Floats, d: Floats
+    law: Law, function: Any, values: tuple[float, ...], z: Floats, d: Floats
 ) -> tuple[Floats, Floats]:
     """Return Z after an increment [c] and its slope [c, c]."""
     where = f'law "{law.name}" from Z = {_shown(z)} by {_shown(d)}'
-    try:
-        found = np.array(function(*z.tolist(), *d.tolist(), *values), dtype=float)
-    except Exception as error:
-        about = shortened(str(error) or type(error).__name__)
-        raise InputError(f"{where}: {type(error).__name__}: {about}") from None
-    if found.shape != (COMPONENTS[len(z)],):
-        raise InputError(f"{where}: must return {COMPONENTS[len(z)]} numbers")
+    found = _numbers(function, (*z.tolist(), *d.tolist(), *values), COMPONENTS[len(z)], where)
     if not np.isfinite(found).all() or np.abs(found[: len(z)]).max() > LARGEST_Z:
         raise InputError(
             f"{where}: returns {_shown(found)}: must be finite, and Z from -{LARGEST_Z:g} to "
@@ -440,11 +490,22 @@ def _moved(
     return found[: len(z)], found[len(z) :].reshape(len(z), len(z))
 
 
+def _numbers(function: Any, given: tuple[float, ...], count: int, where: str) -> Floats:
+    """Return what the function of a law returns, whatever may fail in it."""
+    try:
+        found = np.array(function(*given), dtype=float)
+    except Exception as error:
+        raise InputError(f"{where}: {_failure(error)}") from None
+    if found.shape != (count,):
+        raise InputError(f"{where}: must return {count} numbers")
+    return found
+
+
 def _shown(numbers: Floats) -> str:
     return ", ".join(f"{one:.4g}" for one in numbers)
 
 
-def _check_slope(law: Law, move: Callable[..., Any], z: Floats, d: Floats) -> None:
+def _check_slope(law: Law, move: Move, z: Floats, d: Floats) -> None:
     """Compare the slope with differences, of one side where it jumps."""
     after, slope = move(z, d)
     for k, one in enumerate(np.eye(len(z))):
@@ -457,7 +518,7 @@ def _check_slope(law: Law, move: Callable[..., Any], z: Floats, d: Floats) -> No
             )
 
 
-def _check_cycle(law: Law, move: Callable[..., Any], axes: Floats) -> None:
+def _check_cycle(law: Law, move: Move, axes: Floats) -> None:
     """Check that a steady cycle, in a plane a circle, gains no energy and that Z converges."""
     ends: list[Floats] = []
     for parts in (INCREMENTS, 2 * INCREMENTS, 4 * INCREMENTS):
@@ -482,15 +543,13 @@ def _check_cycle(law: Law, move: Callable[..., Any], axes: Floats) -> None:
         )
 
 
-def _check_compiled(law: Law, components: int, values: tuple[float, ...]) -> None:
+def _check_compiled(law: Law, components: int, move: Move, values: tuple[float, ...]) -> None:
     """Compare the C function with the Python function."""
-    function = law.function if components == 1 else law.plane
-    assert function is not None
     z, d = np.array([0.3, -0.4])[:components], np.array([-0.7, 0.2])[:components]
     room = (ctypes.c_double * COMPONENTS[components])()
     more = (*values, *[0.0] * (MOST_PARAMETERS - len(values)))
     law_type(components)(law.addresses[components - 1])(*z, *d, *more, room)
-    after, slope = _moved(law, function, values, z, d)
+    after, slope = move(z, d)
     if not np.allclose(room, [*after, *slope.ravel()], rtol=1e-9, atol=1e-12):
         raise InputError(f'law "{law.name}": compiled by numba it gives other numbers')
 
@@ -499,8 +558,8 @@ def _check_compiled(law: Law, components: int, values: tuple[float, ...]) -> Non
 def tabulate(law: Law, values: tuple[float, ...]) -> tuple[Floats, Floats, Floats]:
     """Return temperatures [n], logarithms of the two factors there [n, 2], and their slopes.
 
-    A cubic through values and slopes differs from the function by TABLE_ERROR at most, or is
-    shorter than SHORTEST, where the function jumps.
+    A cubic through values and slopes differs from the function by TABLE_ERROR at most. The function
+    may bend, but not jump.
     """
     low, high = law.range
 
@@ -519,22 +578,28 @@ def tabulate(law: Law, values: tuple[float, ...]) -> tuple[Floats, Floats, Float
                 return False
         return True
 
-    def _nodes(a: float, b: float) -> list[float]:
-        """Return the nodes in [a, b)."""
-        if b - a < 2.0 * SHORTEST or _fits(a, b):
-            return [a]
-        middle = 0.5 * (a + b)
-        return _nodes(a, middle) + _nodes(middle, b)
-
-    coarse = np.linspace(low, high, math.ceil((high - low) / FIRST_STEP) + 1).tolist()
     found: list[float] = []
-    for a, b in pairwise(coarse):
-        found += _nodes(a, b)
+
+    def _add_nodes(a: float, b: float) -> None:
+        """Add the nodes in [a, b)."""
+        if _fits(a, b):
+            found.append(a)
+        elif b - a < SHORTEST:
+            raise InputError(
+                f'law "{law.name}": jumps, or changes too abruptly, at {round(b, 3) + 0.0:g} degC; '
+                "the function must be continuous: connect its branches by a ramp"
+            )
+        else:
+            _add_nodes(a, 0.5 * (a + b))
+            _add_nodes(0.5 * (a + b), b)
         if len(found) > MOST_PIECES:
             raise InputError(
                 f'law "{law.name}": changes too abruptly between {low:g} and {b:.4g} degC for a '
                 f"table of {MOST_PIECES} pieces; give another range, or a smoother function"
             )
+
+    for a, b in pairwise(np.linspace(low, high, math.ceil((high - low) / FIRST_STEP) + 1).tolist()):
+        _add_nodes(a, b)
     found.append(high)
     logs, slopes = np.array([_at(t) for t in found]).transpose(1, 0, 2)
     return np.array(found), logs, slopes
@@ -542,16 +607,12 @@ def tabulate(law: Law, values: tuple[float, ...]) -> tuple[Floats, Floats, Float
 
 def _log_factors(law: Law, values: tuple[float, ...], temperature: float) -> Floats:
     """Return the logarithms of both factors at a temperature [degC]."""
-    shown = ", ".join(f"{n} = {v:g}" for n, v in zip(law.parameters, values, strict=True))
+    shown = law.shown(values)
     where = f'law "{law.name}" at {temperature:.4g} degC' + (f" with {shown}" if shown else "")
-    try:
-        elastic, hysteretic = map(float, law.function(temperature, *values))
-    except Exception as error:
-        about = shortened(str(error) or type(error).__name__)
-        raise InputError(f"{where}: {type(error).__name__}: {about}") from None
-    for name, factor in (("elastic", elastic), ("hysteretic", hysteretic)):
+    factors = _numbers(law.function, (temperature, *values), 2, where)
+    for name, factor in zip(("elastic", "hysteretic"), factors, strict=True):
         if not SMALLEST <= factor <= LARGEST:
             raise InputError(
                 f"{where}: the {name} factor is {factor:g}: must be {SMALLEST:g} to {LARGEST:g}"
             )
-    return np.log([elastic, hysteretic])
+    return np.log(factors)

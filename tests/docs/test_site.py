@@ -24,9 +24,11 @@ DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = [DOCS / "index.md", *sorted((DOCS / "guide").glob("[!i]*.md"))]
 EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
 SCREENS = 180  # lines of a how-to
-MARKS = {"opensees": needs_opensees}
-LONG = ("report", "bearing_sizes", "cold_night", "parameter_studies")  # a second or more each
-MARKS |= dict.fromkeys(LONG, pytest.mark.thorough)
+LONG = "report", "bearing_sizes", "cold_night", "parameter_studies", "own_law"  # a second or more
+MARKS = {
+    **{page: [pytest.mark.thorough] for page in LONG},
+    "opensees": [pytest.mark.thorough, needs_opensees],
+}
 PAGES = [pytest.param(path, id=path.stem, marks=MARKS.get(path.stem, ())) for path in GUIDE]
 
 

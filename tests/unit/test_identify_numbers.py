@@ -277,11 +277,12 @@ def test_similar_speeds_are_reported(faster: float, narrow: bool) -> None:
 
 
 def test_remedies_belong_to_their_parameters() -> None:
-    for keys, words in (
-        ({M_T}, "ambient temperatures"), ({C_V}, "loading speeds"), ({K_V}, "loading speeds"),
-        ({HARDENING}, "several amplitudes"), ({SHAPE}, "small strain"), ({"x"}, "other tests"),
+    for key, words in (
+        (M_T, "ambient temperatures"), (C_V, "loading speeds"), (K_V, "loading speeds"),
+        (HARDENING, "several amplitudes"), (SHAPE, "small strain"),
     ):  # fmt: skip
-        assert words in remedy(keys)
+        assert words in remedy(KINDS[key])
+    assert "other tests" in remedy(Kind(key="x", symbol="x", scale="log", lower=0.1, upper=1.0))
 
 
 @pytest.mark.parametrize("transform", ["log", "log1p", "linear"])
@@ -382,10 +383,10 @@ def test_krill_begin_at_the_start_and_keep_the_best() -> None:
 
 def test_symbols_and_keys_name_the_same() -> None:
     for kind in KINDS.values():
-        assert _full_key(kind.symbol) == _full_key(kind.key) == kind.key
-    assert _full_key("Q_l") == "lead.yield_stress"
+        assert _full_key(kind.symbol, LHDR) == _full_key(kind.key, LHDR) == kind.key
+    assert _full_key("Q_l", LHDR) == "lead.yield_stress"
     with pytest.raises(InputError, match="K_r"):
-        _full_key("Kr")
+        _full_key("Kr", LHDR)
 
 
 def test_values_come_back_from_the_cube() -> None:

@@ -4,44 +4,51 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
+import tomli_w
 from numpy.testing import assert_allclose, assert_array_equal
 from typer.testing import CliRunner
 
 import thermobearing as tb
 from tests.unit.studies import small_study
 from thermobearing import laws
+from thermobearing.bearing.library import BEARINGS, bearing_from_table
+from thermobearing.bearing.model import Hardening, SmallLoops
+from thermobearing.border.library import _known
+from thermobearing.border.toml import to_table, with_sources
 from thermobearing.cli import app
 from thermobearing.core.hysteresis import plane_increment
 from thermobearing.core.step import tabled
-from thermobearing.identify.fit.parameters import M_T, N_T
+from thermobearing.identify.fit.parameters import M_T, N_T, available, keys_by_name, parameter_set
 from thermobearing.live.data import engine_data
 from thermobearing.model.constants import _law_pieces
 from thermobearing.model.options import build_model
 from thermobearing.studies.definition.designs import plan
 from thermobearing.studies.run.engine import run_study
 from thermobearing.studies.run.shard import run_shard
-from thermobearing.studies.store import Store
+from thermobearing.studies.store import Store, open_or_make
 
 HDR = "shen-hdr-specimen"
 SHORT = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
 ROUNDING = 1e-7  # of a table that replaces the exponential law exactly, relative to the peak
-ARRHENIUS = """
+GUIDE = Path(__file__).parents[2] / "docs" / "guide" / "own_law.md"
+ARRHENIUS = '''
 import math
 
 import thermobearing as tb
 
 
 def arrhenius(temperature, elastic=300.0, hysteretic=900.0):
+    """The parameters are activation energies."""
     inverse = 1.0 / (temperature + 273.15) - 1.0 / 296.15
     return math.exp(elastic * inverse), math.exp(hysteretic * inverse)
 
 
 tb.laws.register("arrhenius", temperature=arrhenius)
-"""
+'''
 
 
 @pytest.fixture(autouse=True)
@@ -122,11 +129,12 @@ def test_the_table_is_the_function() -> None:
     assert law.parameters == {"c1": 4.0, "c2": 80.0}
 
 
-def test_a_jump_becomes_a_short_ramp() -> None:
-    tb.laws.register("frozen", temperature=lambda t: ((1.5 if t < -10.0 else 1.0), 1.0))
-    pieces = _law_pieces(tb.changed_bearing(HDR, law="frozen").temperature_law)
-    assert_allclose(np.exp(tabled(pieces, -10.05)[0]), 1.5, rtol=1e-6)
-    assert_allclose(np.exp(tabled(pieces, -9.95)[0]), 1.0, rtol=1e-6)
+def test_a_law_may_bend() -> None:
+    tb.laws.register("bent", temperature=lambda t: (math.exp(0.1 * max(1.7 - t, 0.0)), 1.0))
+    pieces = _law_pieces(tb.changed_bearing(HDR, law="bent").temperature_law)
+    at = [1.7 + step for step in (-1.0, -1e-2, -1e-4, -1e-6, 0.0, 1e-6, 1e-4, 1e-2, 1.0)]
+    found = [tabled(pieces, t)[0] for t in at]
+    assert_allclose(found, [0.1 * max(1.7 - t, 0.0) for t in at], rtol=0.0, atol=2e-7)
 
 
 def no_default(temperature: float, slope: float) -> tuple[float, float]:
@@ -136,17 +144,21 @@ def no_default(temperature: float, slope: float) -> tuple[float, float]:
 @pytest.mark.parametrize(
     ("function", "more", "pieces"),
     [
-        (lambda t: (1.0, -t), {}, ["the hysteretic factor is -0.001: must be 0.001 to 1000"]),
-        (lambda t: 1.0, {}, ["at -60 degC", "TypeError"]),
+        (lambda t: (1.0, -t), {}, ["the hysteretic factor is -0.0001: must be 0.001 to 1000"]),
+        (lambda t: (1.0 if t > 3.37 else 2.0, 1.0), {}, ["abruptly, at 3.37 degC"]),
+        (lambda t: (1.0, 1.0 if t >= -20.0 else 1.001), {}, ["abruptly, at -20 degC"]),
+        (lambda t: 1.0, {}, ["at -60 degC", "must return 2 numbers"]),
         (lambda t: (1.0, math.nan), {}, ["nan"]),
         (lambda t: (1.0, math.sqrt(t)), {}, ["at -60 degC", "ValueError"]),
-        (lambda t: (1.0, 1.5 + math.sin(100.0 * t)), {}, ["too abruptly", "pieces"]),
+        (lambda t: (1.0, 1.5 + math.sin(100.0 * t)), {}, ["-59.63 degC", "1000 pieces"]),
         (no_default, {}, ["slope", "default"]),
-        (lambda: (1.0, 1.0), {}, ["1 arguments"]),
+        (lambda: (1.0, 1.0), {}, ["must take the temperature"]),
         (1.0, {}, ["give one function"]),
         (lambda t, a=1.0: (1.0, a), {"bounds": {"b": (0, 1)}}, ['no parameter "b"']),
         (lambda t, a=1.0: (1.0, a), {"bounds": {"a": (2, 3)}}, ["contain its default 1"]),
         (lambda t: (1.0, 1.0), {"range": (0, 400)}, ["-150 to 300"]),
+        (lambda t: (1.0, 1.0), {"range": "cold"}, ["range = 'cold': must be two numbers"]),
+        (lambda t, a=1.0: (1.0, a), {"bounds": {"a": 2}}, ["bounds of a = 2: must be two numbers"]),
     ],
 )
 def test_a_law_that_cannot_be_is_refused(
@@ -160,7 +172,7 @@ def test_a_law_that_cannot_be_is_refused(
 
 
 def test_names_parameters_and_digests_are_checked(file: Path) -> None:
-    with pytest.raises(tb.InputError, match="known: closed, published"):
+    with pytest.raises(tb.InputError, match="known: closed, constant-lead, monotone"):
         tb.changed_bearing(HDR, law="arrhenius")
     assert tb.laws.load(file) == ["arrhenius"]
     with pytest.raises(tb.InputError, match="did you mean"):
@@ -170,7 +182,7 @@ def test_names_parameters_and_digests_are_checked(file: Path) -> None:
         build_model(tb.changed_bearing(HDR, temperature_law=wrong))
     named = tb.changed_bearing(HDR, law="arrhenius")
     assert named.temperature_law is not None
-    assert named.temperature_law.law == laws.find_law("arrhenius").reference
+    assert named.temperature_law.law == laws.find_law("arrhenius").value
     file.write_text(ARRHENIUS.replace("300.0", "310.0"))
     tb.laws.load(file)
     with pytest.raises(tb.InputError, match="the registered law differs"):
@@ -183,7 +195,15 @@ def test_names_parameters_and_digests_are_checked(file: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "piece"),
-    [("import nothing_of_that_name", "ModuleNotFoundError"), ("x = 1", "registers no law")],
+    [
+        ("import nothing_of_that_name", "line 1: cannot be run: ModuleNotFoundError"),
+        ("x = 1", "registers no law"),
+        (
+            ARRHENIUS.replace("temperature=", "temprature="),
+            r'line 13: .*"temprature"; did you mean "temperature"',
+        ),
+        (ARRHENIUS.replace("300.0", "3e5"), "line 13: .* the elastic factor is"),
+    ],
 )
 def test_files_that_cannot_be_used(tmp_path: Path, text: str, piece: str) -> None:
     path = tmp_path / "my_law.py"
@@ -214,7 +234,7 @@ def test_the_command(file: Path, tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     law = laws.find_law("arrhenius")
     resolved = out / "case.resolved.toml"
-    assert f'law = "{law.reference}"' in resolved.read_text()
+    assert f'law = "{law.value}"' in resolved.read_text()
     test = tb.cyclic_test(strain=[1.0], cycles=1)
     mine = tb.run(tb.changed_bearing(HDR, law="arrhenius"), test, ambient=-20)
     again = tb.load_result(out)
@@ -236,6 +256,17 @@ def test_processes_of_a_study_load_the_file_again(file: Path, tmp_path: Path) ->
         tables.append(Store(tmp_path / str(jobs)).table())
     assert (tables[0]["outcome"] == "completed").all()
     assert_array_equal(tables[0]["bearing_force_max_kN"], tables[1]["bearing_force_max_kN"])
+
+
+def test_parameters_of_a_law_are_known_of_its_bearing_only() -> None:
+    tb.laws.register("mine", temperature=lambda t, slope=0.1: (1.0, 1.0 - slope * t / 100.0))
+    plain = tb.load_bearing(HDR)
+    own = tb.changed_bearing(HDR, law="mine")
+    assert "mine.slope" in {kind.symbol for kind in available(own)}
+    assert parameter_set(own, ["mine.slope"], [-20.0, 23.0]).values(np.array([0.5]))
+    assert "mine.slope" not in keys_by_name(plain)
+    with pytest.raises(tb.InputError, match="no parameter"):
+        parameter_set(plain, ["mine.slope"], [-20.0, 23.0])
 
 
 def test_parameters_are_calibrated(file: Path) -> None:
@@ -291,7 +322,9 @@ OWN_ERROR = 1e-9  # of the same law by another function, relative to the peak
 
 @pytest.fixture(scope="module")
 def own() -> laws.Law:
-    return tb.laws.register("eq-4.35", hysteresis=closed_form, bounds={"shape": (-0.95, 0.9)})
+    with pytest.MonkeyPatch.context() as patch:  # other files of tests do not have it
+        patch.setattr(laws, "_KNOWN", {})
+        return tb.laws.register("eq-4.35", hysteresis=closed_form, bounds={"shape": (-0.95, 0.9)})
 
 
 @pytest.fixture
@@ -328,8 +361,11 @@ def test_a_law_of_hysteresis_in_an_earthquake_and_in_lockstep(own: laws.Law, wit
 
 def test_in_a_plane(with_own: tb.Bearing) -> None:
     circle = tb.cyclic_test(strain=[1.0], cycles=1, path="circle")
-    with pytest.raises(tb.InputError, match="function plane"):
+    sentence = r'law "eq-4\.35" has no function for two directions; register it with plane=\.\.\.$'
+    with pytest.raises(tb.InputError, match=sentence):
         tb.run(with_own, circle)
+    with pytest.raises(tb.InputError, match=sentence):
+        tb.bridge(with_own, "jra-ii-i-1", structure="five-span-bridge", components=2)
     with pytest.raises(tb.InputError, match="function plane"):
         tb.element(with_own, components=2)
 
@@ -343,6 +379,62 @@ def test_a_law_in_a_plane_without_a_compiler(monkeypatch: pytest.MonkeyPatch) ->
         runs = [tb.run(one, test, 0.0) for one in (mine, HDR)]
         peak = np.abs(runs[1]["force"].values).max()
         assert_allclose(*(one["force"].values for one in runs), atol=OWN_ERROR * peak)
+
+
+PLANE = plane_increment.dispatcher
+
+
+def compiled_in_plane(
+    zx: float, zy: float, dx: float, dy: float, shape: float = -0.864
+) -> tuple[float, float, float, float, float, float]:
+    """`closed_form_in_plane` as numba compiles it."""
+    z, slope = PLANE((zx, zy), (dx, dy), 1.0, (1.0 - shape) / (1.0 + shape))
+    return z[0], z[1], slope[0][0], slope[0][1], slope[1][0], slope[1][1]
+
+
+@pytest.fixture(scope="module")
+def own_in_plane() -> laws.Law:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(laws, "_KNOWN", {})
+        return tb.laws.register("plane", hysteresis=closed_form, plane=compiled_in_plane)
+
+
+@pytest.fixture
+def both(own_in_plane: laws.Law, monkeypatch: pytest.MonkeyPatch) -> tb.Bearing:
+    """The bridge bearing whose laws of temperature and hysteresis are registered ones."""
+    monkeypatch.setitem(laws._KNOWN, "plane", own_in_plane)
+    bearing = tb.load_bearing("shen-hdr-bridge")
+    named = {"law": "plane", "parameters": {"shape": bearing.hysteresis.shape}}
+    return tb.changed_bearing(bearing, law=exponential(bearing), hysteresis_law=named)
+
+
+@pytest.mark.parametrize("structure", ["pier-p1", "five-span-bridge"])
+def test_laws_in_a_bridge_on_a_line_and_in_plan(structure: str, both: tb.Bearing) -> None:
+    one, other = map(tb.load_motion, ("jra-ii-i-1", "jra-ii-i-2"))
+    motion = one if structure == "pier-p1" else tb.MotionPair(one, other)
+    how: dict[str, Any] = {"structure": structure, "duration": 3}
+    runs = [tb.bridge(one, motion, -20, **how) for one in (both, "shen-hdr-bridge")]
+    same_force(*runs, "bearing_force")
+    assert runs[0].outcome == "completed"
+
+
+def test_laws_in_a_hybrid_test(both: tb.Bearing) -> None:
+    runs = [tb.hybrid(one, "jra-ii-i-1", -20, duration=3) for one in (both, "shen-hdr-bridge")]
+    same_force(*runs, "bearing_force")
+
+
+def test_a_law_of_hysteresis_in_processes_of_a_study(tmp_path: Path) -> None:
+    path = tmp_path / "dahl.py"
+    found = re.search(r"```python\n(# dahl\.py\n.*?)```", GUIDE.read_text(), re.DOTALL)
+    assert found is not None
+    path.write_text(found[1])
+    tb.laws.load(path)
+    mine = tb.changed_bearing("shen-hdr-bridge", law="dahl")
+    study = small_study({"duration": "1 s"}, bearing=[mine])
+    run_study(study, tmp_path / "study", jobs=2)
+    table, alone = Store(tmp_path / "study").table(), run_shard(study, plan(study))
+    assert (table["outcome"] == "completed").all()
+    assert_array_equal(table["bearing_force_max_kN"], alone["bearing_force_max_kN"])
 
 
 def gaining(z: float, d: float) -> tuple[float, float]:
@@ -368,7 +460,7 @@ def saturating(z: float, d: float) -> tuple[float, float]:
         (lambda z, d: (math.log(z), 1.0), {}, "ValueError"),
         (lambda z, d, a=1.0, b=1.0, c=1.0, e=1.0, f=1.0: (z, 0.0), {}, "at most 4 parameters"),
         (closed_form, {"temperature": lambda t: (1.0, 1.0)}, "one function"),
-        (closed_form, {"plane": closed_form}, "the function needs"),
+        (closed_form, {"plane": closed_form}, "plane: the function must take Z_x"),
         (
             closed_form,
             {"plane": lambda x, y, dx, dy, shape=-0.864: (x, y, 1.0, 0.0, 0.0, 1.0)},
@@ -401,20 +493,179 @@ def test_what_a_law_of_hysteresis_does_not_go_with(with_own: tb.Bearing) -> None
         tb.run(tb.changed_bearing(HDR, temperature_law={"law": "eq-4.35"}), SHORT)
 
 
-def test_built_in_laws_use_the_same_door(with_own: tb.Bearing, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "bearing", "options", "changes"),
+    [
+        ("published", HDR, {"small_loops": "published"}, {}),
+        ("closed", HDR, {"small_loops": "closed"}, {}),
+        ("printed", HDR, {"hardening": "printed"}, {}),
+        ("monotone", HDR, {"hardening": "monotone"}, {}),
+        ("constant-lead", "shen-lhdr-softening", {}, {"lead": {"softening": 0.0}}),
+        ("softening-lead", "shen-lhdr-specimen", {}, {"lead": {"softening": 0.0069}}),
+    ],
+)
+def test_a_law_of_the_package_is_chosen_by_name(
+    name: str, bearing: str, options: Any, changes: Any, tmp_path: Path
+) -> None:
+    law = laws.known_laws()[name]
+    strain = 2.5 if law.kind == "hardening" else 1.0  # where a layer softens in the cold
+    words = ["cyclic", "--bearing", bearing, "--strain", str(strain), "--cycles", "1"]
+    out = tmp_path / "out"
+    done = CliRunner().invoke(
+        app, [*words, "--ambient", "-20", "--law", name, "--no-figures", "-o", str(out)]
+    )
+    assert done.exit_code == 0, done.output
+    test = tb.cyclic_test(strain=[strain], cycles=1)
+    same = tb.run(tb.changed_bearing(bearing, **changes), test, -20, **options)["force"]
+    mine = tb.run(tb.changed_bearing(bearing, law=name), test, -20)["force"]
+    assert_array_equal(mine, same)
+    assert_array_equal(tb.load_result(out)["force"].values[0, -1], same.values[0, -1])
+    others = [one for one in laws.built_in_laws().values() if one.kind == law.kind]
+    other = tb.changed_bearing(bearing, law=next(one.name for one in others if one is not law))
+    if law.kind != "hysteresis":  # a test without small loops
+        assert not np.array_equal(tb.run(other, test, -20)["force"], same)
+    key = law.key.partition(".")[2]
+    assert f'{key} = "{law.value}"' in (out / "case.resolved.toml").read_text()
+
+
+def test_sources_are_those_of_the_law() -> None:
+    name, key = "shen-lhdr-specimen", "lead.softening"
+    source = laws.built_in_laws()["softening-lead"].source
+    _known.cache_clear()  # what is in the file has to be read while the law applies
+    with laws.applied(["softening-lead"]):
+        bearing = tb.load_bearing(name)
+        kept = BEARINGS.sources(tb.Bearing, to_table(bearing))
+    assert bearing.sources[key] == source
+    assert key not in kept  # the file states another value
+    assert tb.changed_bearing(name, law="softening-lead").sources[key] == source
+    assert BEARINGS.sources(tb.Bearing, to_table(tb.load_bearing(name)))[key] != source
+
+
+def test_the_register_states_every_choice() -> None:
+    found = [(law.key, law.value) for law in laws.built_in_laws().values()]
+    expected = {"small_loops": SmallLoops, "hardening_form": Hardening}
+    for key, choices in expected.items():
+        values = tuple(value for one, value in found if one == f"hysteresis.{key}")
+        assert values == get_args(choices)
+
+
+def test_a_built_in_law_takes_the_place_of_a_registered_one(with_own: tb.Bearing) -> None:
     test = tb.cyclic_test(strain=[1.0, 0.2], cycles=1, rest=None)
     closed = tb.changed_bearing(with_own, law="closed")
     assert closed.hysteresis_law is None
-    mine, same = tb.run(closed, test), tb.run(HDR, test, small_loops="closed")
-    assert_array_equal(mine["force"], same["force"])
-    published = tb.run(tb.changed_bearing(with_own, law="published"), test)
-    assert_array_equal(published["force"], tb.run(HDR, test)["force"])
-    words = ["cyclic", "--strain", "0.2", "--cycles", "1", "--law", "closed", "--no-figures"]
-    done = CliRunner().invoke(app, [*words, "-o", str(tmp_path / "out")])
-    assert done.exit_code == 0, done.output
-    assert 'small_loops = "closed"' in (tmp_path / "out" / "case.resolved.toml").read_text()
+    assert_array_equal(
+        tb.run(closed, test)["force"], tb.run(HDR, test, small_loops="closed")["force"]
+    )
     with pytest.raises(tb.InputError, match="built-in"):
         tb.laws.register("closed", hysteresis=closed_form)
+
+
+@pytest.mark.parametrize(
+    ("words", "piece"),
+    [
+        (["--law", "closed", "--law", "published"], "closed: is a hysteresis law, and so is publ"),
+        (["--law", "monoton"], 'did you mean "monotone"?'),
+        (["--law", "softening-lead"], 'law = "softening-lead": needs a bearing with lead'),
+    ],
+)
+def test_laws_that_cannot_be_chosen(words: list[str], piece: str, tmp_path: Path) -> None:
+    given = ["cyclic", "--strain", "0.2", *words, "--no-figures", "-o", str(tmp_path / "out")]
+    done = CliRunner().invoke(app, given)
+    assert done.exit_code == 2
+    assert piece in re.sub(r"\s+", " ", done.output)
+
+
+def test_a_registered_law_is_not_a_key_and_a_key_is_no_registered_law() -> None:
+    named = tb.changed_bearing(HDR, hysteresis_law={"law": "closed"})
+    with pytest.raises(tb.InputError, match=r'built in; write hysteresis.small_loops = "closed"'):
+        tb.run(named, SHORT)
+
+
+def test_check_and_list_state_laws(file: Path, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        f'based_on = "{HDR}"\nname = "mine"\n[temperature_law]\nlaw = "arrhenius"\n'
+        "parameters = { elastic = 200.0 }\n"
+    )
+    failed = CliRunner().invoke(app, ["check", str(path)])
+    assert failed.exit_code == 2
+    assert "is not registered" in failed.output
+    done = CliRunner().invoke(app, ["check", str(path), "--law", str(file)])
+    assert "printed, published, arrhenius (elastic = 200, hysteretic = 900)" in done.output
+    done = CliRunner().invoke(app, ["list", "--law", str(file)])
+    assert re.search(r"arrhenius +law of temperature +The parameters .*elastic = 300", done.output)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "pieces"),
+    [
+        ({"elastic": "x"}, ["law.parameters.elastic = 'x'", "at least -1e+12 and at most 1e+12"]),
+        ({"intercept": "x"}, ["law.parameters.intercept = 'x'", "at most 1e+12"]),
+        ({"elastic": "300"}, ["law.parameters.elastic = '300'"]),
+        ({"elastic": True}, ["law.parameters.elastic = True"]),
+        ({"elastic": 1e5}, ["at -60 degC with elastic = 100000", "must be 0.001 to 1000"]),
+    ],
+)
+def test_check_refuses_parameters(
+    parameters: Any, pieces: list[str], file: Path, tmp_path: Path
+) -> None:
+    table = {"law": "arrhenius", "parameters": parameters}
+    mine, case = tmp_path / "mine.toml", tmp_path / "case.toml"
+    mine.write_text(tomli_w.dumps({"based_on": HDR, "name": "mine", "temperature_law": table}))
+    bridge = {"command": "bridge", "structure": "pier-p1", "motions": ["jra-ii-i-1"]}
+    case.write_text(tomli_w.dumps(bridge | {"bearings": ["mine.toml"], "ambient": ["0 degC"]}))
+    for path in (mine, case):
+        done = CliRunner().invoke(app, ["check", str(path), "--law", str(file)])
+        assert done.exit_code == 2
+        for piece in pieces:
+            assert piece in re.sub(r"\s+", " ", done.output)
+
+
+def test_a_bearing_that_names_a_law_gets_no_other(own: laws.Law, file: Path) -> None:
+    tb.laws.load(file)
+    laws._KNOWN[own.name] = own
+    named = tb.changed_bearing(HDR, hysteresis_law={"law": own.name})
+    table = with_sources(to_table(named), named.sources)
+    with laws.applied(["arrhenius", own.name, "monotone"]):
+        kept, given = bearing_from_table(table, "kept"), tb.load_bearing(HDR)
+    assert to_table(kept) == to_table(tb.changed_bearing(named, law="monotone"))
+    both = tb.changed_bearing(HDR, law=["arrhenius", own.name, "monotone"])
+    assert to_table(given) == to_table(both)
+    assert kept.sources["hysteresis.hysteretic_temperature_coefficient"]
+
+
+def test_of_two_laws_of_a_file_one_is_chosen_by_its_name(file: Path) -> None:
+    file.write_text(f"{ARRHENIUS}tb.laws.register('flat', temperature=lambda t: (1.0, 1.0))\n")
+    for names, expected in ([], []), (["flat"], ["flat"]), (["flat", "closed"], ["flat", "closed"]):
+        with laws.applied([file, *names]):
+            assert laws.laws_to_apply() == expected
+    with pytest.raises(tb.InputError, match="and so is"), laws.applied([file, "flat", "arrhenius"]):
+        pass
+
+
+def test_a_law_that_is_not_registered_is_compared_with_its_kind(file: Path) -> None:
+    missing = tb.changed_bearing(HDR, temperature_law={"law": "printer"})
+    with pytest.raises(tb.InputError) as caught:
+        tb.run(missing, SHORT)
+    assert "did you mean" not in str(caught.value)
+    tb.laws.load(file)
+    with pytest.raises(tb.InputError, match=r"known: arrhenius$"):
+        tb.run(missing, SHORT)
+
+
+def test_a_python_file_is_no_toml(file: Path) -> None:
+    done = CliRunner().invoke(app, ["check", str(file)])
+    assert done.exit_code == 2
+    assert "--law" in done.output
+
+
+def test_a_study_without_its_law_is_another_study(file: Path, tmp_path: Path) -> None:
+    how: dict[str, Any] = {"bearing": ["shen-hdr-bridge"], "motion": ["jra-ii-i-1"]}
+    with laws.applied([file]):
+        study = small_study(**how)
+        open_or_make(tmp_path / "study", study, plan(study), None)
+    with pytest.raises(tb.InputError, match=r"'arrhenius@\w+' \(give the same file by --law\)"):
+        run_study(small_study(**how), tmp_path / "study")
 
 
 def test_a_parameter_of_hysteresis_is_calibrated(with_own: tb.Bearing) -> None:

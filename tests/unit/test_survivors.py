@@ -55,7 +55,7 @@ def test_list_prints_text_without_json() -> None:
     assert done.exit_code == 0
     lines = done.stdout.strip().splitlines()
     assert not lines[-1].startswith("{")
-    assert lines.count("") == 3  # between bearings, compounds, structures and motions
+    assert lines.count("") == 4  # between bearings, compounds, structures, laws and motions
     assert json.loads(command("list", "--json").stdout.strip().splitlines()[-1])
 
 

@@ -15,6 +15,7 @@ from thermobearing.bearing.model import (
     SOFTEST,
     Bearing,
     Clock,
+    Hardening,
     HysteresisLaw,
     Materials,
     Scragging,
@@ -47,6 +48,7 @@ class CompoundRubber(Strict):
     hysteretic_temperature_coefficient: TemperatureCoefficient  # n_T
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
     small_loops: SmallLoops | None = None
+    hardening_form: Hardening | None = None
 
 
 class CompoundLead(Strict):

@@ -4,14 +4,19 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from thermobearing.bearing.model import TEMPERATURE_COEFFICIENTS, Bearing, with_laws
+from thermobearing.bearing.model import (
+    TEMPERATURE_COEFFICIENTS,
+    Bearing,
+    laws_of_command,
+    with_laws,
+)
 from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.keywords import checked_keywords
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.text_file import write_file
 from thermobearing.border.toml import sourced_toml, split_sources
-from thermobearing.laws import laws_to_apply
+from thermobearing.laws import find_law
 
 BEARINGS = Library("bearing", "bearings")
 
@@ -35,6 +40,7 @@ def bearing_from_table(table: Any, where: str) -> Bearing:
             "is a compound, not a bearing: create one with thermobearing new NAME --compound FILE",
             where,
         )
+    sources = _sources_with_laws(sources, laws_of_command(values))
     bearing = validated(Bearing, values, where).with_sources(sources)
     if bearing.poor_fit:
         raise InputError(
@@ -42,20 +48,19 @@ def bearing_from_table(table: Any, where: str) -> Bearing:
             "are not used. Calibrate again (identify; --accept-poor accepts it), or remove the key",
             where,
         )
-    return without_sources_of_laws(bearing) if laws_to_apply() else bearing
+    return bearing
 
 
-def without_sources_of_laws(bearing: Bearing) -> Bearing:
-    """Return a bearing without the sources of what a law replaced."""
-    if bearing.temperature_law is None or bearing.temperature_law.law is None:
-        return bearing
-    gone = {f"hysteresis.{name}" for name in TEMPERATURE_COEFFICIENTS}
-    kept = {
-        key: text
-        for key, text in bearing.sources.items()
-        if key not in gone and not key.startswith("temperature_law.")
-    }
-    return bearing.with_sources(kept)
+def _sources_with_laws(sources: Mapping[str, str], names: Sequence[str]) -> dict[str, str]:
+    """Return the sources of a bearing with those of laws in place of what they replaced."""
+    found = dict(sources)
+    for law in map(find_law, names):
+        if law.kind == "temperature":
+            gone = ["temperature_law", *(f"hysteresis.{key}" for key in TEMPERATURE_COEFFICIENTS)]
+            found = {key: text for key, text in found.items() if not _within(key, gone)}
+        elif law.key in found:
+            found[law.key] = law.source
+    return found
 
 
 def load_bearing(name_or_path: str | Path) -> Bearing:
@@ -135,9 +140,7 @@ def changed_bearing(
     new_sources = _put_in(data, changes, "")
     made = validated(Bearing, data, "changed_bearing()", from_file=False)
     kept = {key: text for key, text in before.sources.items() if not _within(key, new_sources)}
-    if names:
-        made = without_sources_of_laws(made.with_sources(kept))
-        kept = made.sources
+    kept = _sources_with_laws(kept, names)
     return made.with_sources(kept | {key: text for key, text in new_sources.items() if text})
 
 

@@ -10,13 +10,14 @@ from html import escape
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Protocol
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from thermobearing.bearing.exposure import Exposure
+from thermobearing.border.errors import InputError
 from thermobearing.border.library import Sourced
 from thermobearing.border.schema import RATIO, Name, Strict, in_unit, updated
 from thermobearing.border.units import CUBIC_MM_PER_CUBIC_M, NEWTON_PER_KILONEWTON
-from thermobearing.laws import BUILT_IN, find_law, laws_to_apply
+from thermobearing.laws import find_law, laws_to_apply
 
 LawCelsius = Annotated[float, in_unit("degC"), Field(ge=-150, le=300)]
 Factor = Annotated[float, Field(ge=1e-3, le=1e3)]
@@ -115,29 +116,32 @@ class HysteresisLaw(Strict):
 TEMPERATURE_COEFFICIENTS = ("elastic_temperature_coefficient", "hysteretic_temperature_coefficient")
 
 
-def with_laws(data: Any, names: Sequence[str], *, over: bool = True) -> Any:
-    """Return the table of a bearing with laws, and m_T = n_T = 0 for a registered temperature law.
+def laws_of_command(data: Any) -> list[str]:
+    """Return the laws of the command for a bearing; no registered one if it names one itself."""
+    given = data if isinstance(data, dict) else {}
+    own = [given.get("temperature_law"), given.get("hysteresis_law")]
+    named = any(isinstance(one, dict | Strict) and dict(one).get("law") for one in own)
+    return [name for name in laws_to_apply() if not named or find_law(name).function is None]
 
-    `over`: also replace a law that the table names itself.
-    """
-    for name in names if isinstance(data, dict) else ():
-        rubber = data.get("hysteresis")
-        rubber = rubber.model_dump() if isinstance(rubber, Strict) else rubber
-        if name in BUILT_IN:
-            data = data | {"hysteresis": updated(rubber, {"small_loops": name})}
-            data.pop("hysteresis_law", None)
-            continue
-        law = find_law(name)
-        key = f"{law.kind}_law"
-        own = data.get(key)
-        own = own.model_dump() if isinstance(own, Strict) else own
-        if not over and isinstance(own, dict) and own.get("law") is not None:
-            continue
-        data = data | {key: {"law": law.reference}}
-        if law.kind == "hysteresis":
-            continue
-        zeros = dict.fromkeys(TEMPERATURE_COEFFICIENTS, 0.0)
-        data["hysteresis"] = updated(rubber, zeros)
+
+def with_laws(data: Any, names: Sequence[str]) -> Any:
+    """Return the table of a bearing with laws; m_T = n_T = 0 with a registered temperature law."""
+    for law in map(find_law, names if isinstance(data, dict) else ()):
+        table, _, key = law.key.partition(".")
+        rubber, part = (
+            part.model_dump() if isinstance(part, Strict) else part
+            for part in (data.get("hysteresis"), data.get(table))
+        )
+        if law.function is None:
+            if part is None and law.kind == "lead":
+                raise InputError(f'law = "{law.name}": needs a bearing with lead')
+            data = data | {table: updated(part, {key: law.value})}
+            if law.kind == "hysteresis":
+                data.pop("hysteresis_law", None)
+        else:
+            data = data | {table: {key: law.value}}
+            if law.kind == "temperature":
+                data["hysteresis"] = updated(rubber, dict.fromkeys(TEMPERATURE_COEFFICIENTS, 0.0))
     return data
 
 
@@ -338,6 +342,7 @@ class Materials(Strict):
 
 
 SmallLoops = Literal["published", "closed"]
+Hardening = Literal["printed", "monotone"]
 
 
 class RubberHysteresis(Strict):
@@ -356,6 +361,7 @@ class RubberHysteresis(Strict):
     hysteretic_temperature_coefficient: TemperatureCoefficient  # n_T
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
     small_loops: SmallLoops | None = None
+    hardening_form: Hardening | None = None
 
 
 class Scragging(Strict):
@@ -480,8 +486,9 @@ class Bearing(Sourced):
 
     @model_validator(mode="before")
     @classmethod
-    def _use_applied_laws(cls, data: Any) -> Any:
-        return with_laws(data, laws_to_apply(), over=False)
+    def _use_applied_laws(cls, data: Any, info: ValidationInfo) -> Any:
+        as_written = (info.context or {}).get("as_written")
+        return data if as_written else with_laws(data, laws_of_command(data))
 
     @model_validator(mode="after")
     def _lead_fits_kind(self) -> "Bearing":

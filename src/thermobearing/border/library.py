@@ -63,7 +63,8 @@ _shipped = cache(read_toml)  # a file of the package stays as it is while a prog
 def _known(library: "Library", name: str, model: type[Strict]) -> dict[str, tuple[Any, str]]:
     """Return values and sources of a built-in file by key, in the form of a validated object."""
     values, sources = split_sources(library.table(name)[0])
-    built_in = flat(to_table(validated(model, values, name)))
+    context = {"from_file": True, "as_written": True}
+    built_in = flat(to_table(model.model_validate(values, context=context)))
     return {key: (built_in.get(key), source) for key, source in sources.items()}
 
 

@@ -22,6 +22,8 @@ _MARKS = re.compile(r"([,=\[\]{}])")
 def read_toml(path: Path) -> dict[str, Any]:
     """Parse a TOML file; every fault becomes an InputError that names the file."""
     raw = read_bytes(path, LARGEST_FILE)
+    if path.suffix == ".py":
+        raise InputError("is a Python file; give a file with laws of your own by --law", str(path))
     try:
         text = raw.decode("utf-8-sig")
         _check_keys(text, str(path))

@@ -19,6 +19,8 @@ from thermobearing.cyclic.history import build_segments
 from thermobearing.design.case import DesignCase, bearing_weight, load_design_case
 from thermobearing.earthquake.case import EarthquakeCase, OnLine, load_earthquake_case
 from thermobearing.identify.records.record import TestRecord, load_test
+from thermobearing.laws import find_law
+from thermobearing.model.options import build_model
 from thermobearing.model.stack import build_stack
 from thermobearing.opensees.case import ServedCase, load_served_case
 from thermobearing.results.ranges import TESTED
@@ -62,6 +64,9 @@ def check_file(path: Path) -> Checked:
     found = parts(thing)
     structures = [item for item in found if isinstance(item, Structure)]
     bearings = {item.name: item for item in found if not isinstance(item, Structure)}
+    for bearing in bearings.values():
+        if isinstance(bearing, Bearing):
+            build_model(bearing)  # raises what a run would raise about its laws
     named = len([item for item in found if item not in structures]) > 1 or "bearing" not in kind
     warnings = [text for item in structures for text in implausible_structure(item)] + [
         f"{bearing.name}: {sentence}" if named else sentence
@@ -267,6 +272,7 @@ def bearing_facts(bearing: Bearing) -> dict[str, str]:
         "end plates": f"{g.end_plate_thickness:g} mm",
         "shape factors": f"S1 = {g.first_shape_factor:.3g}, S2 = {g.second_shape_factor:.3g}",
         "temperatures": _range(bearing.temperature_law),
+        "laws": _laws(bearing),
         "tested at": _tested(bearing.tested_range),
         "cells": f"{len(half.part)} in the half stack, {len(full.part)} in the full one",
     }
@@ -305,6 +311,19 @@ def _tested(tested: Validity | None) -> str:
         f"{what} {' to '.join(dict.fromkeys(f'{k * end:g}{unit}' for end in ends))}"
         for what, k, unit, ends in shown
     )
+
+
+def _laws(bearing: Bearing) -> str:
+    """Return the laws of a bearing by name; a registered one with its parameters."""
+    rubber, own = bearing.hysteresis, (bearing.temperature_law, bearing.hysteresis_law)
+    found: list[str] = [rubber.hardening_form or "printed"]
+    found += [] if bearing.hysteresis_law else [rubber.small_loops or "published"]
+    for part in own:
+        if part is not None and part.law is not None:
+            law = find_law(part.law)
+            shown = law.shown(law.values(part.parameters))
+            found.append(f"{law.name} ({shown})" if shown else law.name)
+    return ", ".join(found)
 
 
 def _range(law: TemperatureLaw | None) -> str:

@@ -27,13 +27,14 @@ WORD = re.compile(r"[a-z]+")
 MEASURED = re.compile(r"(?<!not )\bmeasured\b")
 
 
-@command(app, "list", examples="list", panel=FILES)
+@command(app, "list", examples="list", panel=FILES, laws=True)
 def _list() -> Answer:
     """List the built-in bearings, compounds, structures, rigs, laws and motions."""
     from thermobearing.bearing.bilinear import BILINEAR, load_bilinear
     from thermobearing.bearing.compound import COMPOUNDS, load_compound
     from thermobearing.bearing.library import list_bearings, load_bearing
     from thermobearing.cyclic.case import RIGS, load_rig
+    from thermobearing.laws import known_laws
     from thermobearing.motions.library import list_motions
     from thermobearing.structure.model import list_structures, load_structure
 
@@ -49,6 +50,10 @@ def _list() -> Answer:
         typer.echo(f"{structure.name:24}  structure  {structure.description}")
     for rig in map(load_rig, RIGS.names()):
         typer.echo(f"{rig.name:24}  rig        {rig.description}")
+    typer.echo("")
+    for law in known_laws().values():
+        numbers = law.shown(law.values(None)) or law.source
+        typer.echo(f"{law.name:24}  law of {law.kind:11}  {law.description} ({numbers})")
     motions = list_motions()
     typer.echo(f"\n{len(motions)} ground motions, see `thermobearing motions list`")
     return {
@@ -57,6 +62,7 @@ def _list() -> Answer:
         "compounds": COMPOUNDS.names(),
         "structures": list_structures(),
         "rigs": RIGS.names(),
+        "laws": list(known_laws()),
         "motions": motions,
     }
 

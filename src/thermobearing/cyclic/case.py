@@ -21,7 +21,6 @@ from thermobearing.border.library import Library, Sourced, sources_to_keep
 from thermobearing.border.schema import Name, Strict, in_unit, overridden, text_with_unit, updated
 from thermobearing.border.toml import split_sources, to_table, to_toml
 from thermobearing.climate.readers import read_air
-from thermobearing.core.plane import line_only_options
 from thermobearing.core.records import Floats, labels
 from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
@@ -35,15 +34,12 @@ from thermobearing.model.handover import (
     misfit,
     specimen_state,
 )
-from thermobearing.model.options import ModelOptions, build_model
+from thermobearing.model.options import ModelOptions, build_model, line_only_faults
 from thermobearing.report.title import case_table
 from thermobearing.results.ranges import Row, compared
-from thermobearing.results.saved import read_dataset
 
 if TYPE_CHECKING:
     import xarray as xr
-
-PLANE_OPTIONS = "use integrator = exact, small_loops = published, hardening = printed"
 
 TEXTS = ("name", "description", "citation")  # of a bearing: nothing that it does
 
@@ -135,6 +131,7 @@ def settle_start(
         return [], None if result is None else result.dataset
     if not isinstance(result, str | Path) or not str(result):
         return [f"initial_result = {result!r}: must be the path of a result"], None
+    from thermobearing.results.saved import read_dataset  # imports xarray
 
     try:
         return [], read_dataset(result, ("case",))
@@ -393,10 +390,7 @@ class Case(Strict):
             fault = misfit(state, constants, components) if state else ""
             found += [f"initial_state: {fault}"] if fault else []
             if self.test.in_plane:
-                found += [
-                    f"analysis.{name}: is not available in a plane; {PLANE_OPTIONS}"
-                    for name in line_only_options(constants)
-                ]
+                found += line_only_faults(self.bearing, constants)
         if not found:  # of a test that cannot be done the steps say nothing
             steps *= len(self.ambient)
             row = len(labels(Books)) + cells * len(self.analysis.keep)

@@ -13,6 +13,7 @@ from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import Bearing, Cells
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import flat, read_toml, to_table
+from thermobearing.laws import built_in_laws
 from thermobearing.model import checks
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
@@ -27,7 +28,13 @@ Inputs = Mapping[str, Any]  # a table of a resolved case
 IN_NOTE = ("description", "citation", "name", "kind", "poor_fit")
 BUILD = ("geometry", "materials", "cells")
 RANGES = ("temperature_law", "tested_range")  # that the parameters were identified in
-SETTLED = {"small_loops", "heat_source", "lead_ends", "clock"}  # defaults depend on the bearing
+SETTLED = {  # whose defaults depend on the bearing
+    "hardening",
+    "small_loops",
+    "heat_source",
+    "lead_ends",
+    "clock",
+}
 DEFAULT = "default of the program"
 # Of the input energy: with average acceleration the balance is exact but for rounding; other
 # methods have the error of a step (1e-5 in the default hybrid test).
@@ -134,16 +141,17 @@ def model_assumptions(
     aged = analysis.get("exposure") or any(table.get("exposure") for table in bearings)
     found.append(said["virgin"]["modelled" if virgin else "absent"])
     found.append(said["exposure"]["counted" if aged else "absent"])
-    if analysis.get("hardening") == "monotone":
-        found.append(said["hardening"]["monotone"])
+    forms = [analysis.get("hardening") or t["hysteresis"].get("hardening_form") for t in layered]
     named = sorted({t["hysteresis_law"]["law"] for t in layered if t.get("hysteresis_law")})
-    found += [said["small_loops"]["own"].format(names=", ".join(named))] if named else []
-    layered = [table for table in layered if not table.get("hysteresis_law")]
-    laws = [analysis.get("small_loops") or t["hysteresis"].get("small_loops") for t in layered]
-    found += [said["small_loops"]["closed"]] if "closed" in laws else []
-    open_loops = any(law != "closed" for law in laws)
-    found += [said["small_loops"]["published"]] if open_loops else []
-    return found
+    laws = [
+        analysis.get("small_loops") or table["hysteresis"].get("small_loops") or "published"
+        for table in layered
+        if not table.get("hysteresis_law")
+    ]
+    known = built_in_laws()
+    found += [known["monotone"].description] if "monotone" in forms else []
+    found += [said["own_law"].format(names=", ".join(named))] if named else []
+    return found + [known[law].description for law in sorted(set(laws))]
 
 
 def heat_flow(analysis: Inputs, bearings: Sequence[Inputs]) -> str:

@@ -16,9 +16,7 @@ from thermobearing.border.library import Library, Sourced, sources_to_keep
 from thermobearing.border.schema import Strict, in_unit, overridden
 from thermobearing.border.toml import to_toml
 from thermobearing.climate.readers import read_air
-from thermobearing.core.plane import line_only_options
 from thermobearing.cyclic.case import (
-    PLANE_OPTIONS,
     RIGS,
     Ambients,
     Rig,
@@ -32,7 +30,7 @@ from thermobearing.earthquake.motions import Motion, settle_motions
 from thermobearing.earthquake.specimen import read_address
 from thermobearing.model.effort import MOST_OF, too_many
 from thermobearing.model.handover import SpecimenState, misfit
-from thermobearing.model.options import ModelOptions, build_model, outdoors
+from thermobearing.model.options import ModelOptions, build_model, line_only_faults, outdoors
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
@@ -394,15 +392,14 @@ class EarthquakeCase(Strict):
         if not self.structure.plan:
             found.append(f'two require plan = true in the structure "{self.structure.name}"')
         if self.analysis.method == "predictor-corrector":
-            found.append('analysis.method = "predictor-corrector" is for one')
-        options = [
-            name
+            found.append('analysis.method = "predictor-corrector" allows one')
+        found += [
+            fault
             for bearing in self._all_bearings()
             if isinstance(bearing, Bearing) and self.analysis.model != "bilinear"
-            for name in line_only_options(build_model(bearing, self.analysis).constants)
+            for fault in line_only_faults(bearing, build_model(bearing, self.analysis).constants)
         ]
-        found += [f"analysis.{name} is for one; {PLANE_OPTIONS}" for name in dict.fromkeys(options)]
-        return [f"components: {text}" for text in found]
+        return [f"components: {text}" for text in dict.fromkeys(found)]
 
     def _misfits_of_state(self) -> list[str]:
         """Whether an earlier test can have left the bearing so."""

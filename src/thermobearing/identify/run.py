@@ -21,6 +21,7 @@ from thermobearing.border.keywords import checked_keywords
 from thermobearing.identify.case import IdentifyCase, IdentifyKeywords, Test, make_identify_case
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.fit.parameters import (
+    KINDS,
     M_T,
     ParameterSet,
     at_one_temperature,
@@ -149,8 +150,8 @@ def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str
         return case, []
     why = (
         f"{' and '.join(held)} held at the value of {case.bearing.name}, because the tests are at "
-        f"{ambients[0]:g} degC only; {remedy({M_T})}. --one-temperature (one_temperature=True) "
-        "frees them nevertheless"
+        f"{ambients[0]:g} degC only; {remedy(KINDS[M_T])}. --one-temperature "
+        "(one_temperature=True) frees them nevertheless"
     )
     if not others:
         raise InputError(f"free: nothing else is free; {why}")

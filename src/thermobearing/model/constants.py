@@ -9,6 +9,7 @@ from thermobearing.bearing.exposure import exposed
 from thermobearing.bearing.model import (
     Bearing,
     Clock,
+    Hardening,
     LeadCores,
     Scragging,
     SmallLoops,
@@ -116,7 +117,6 @@ def outside_law(
 
 
 Integrator = Literal["exact", "euler"]
-Hardening = Literal["printed", "monotone"]
 HeatSource = Literal["work", "dissipation"]
 LeadEnds = Literal["half-space", "finite-plate"]
 SCRAGGED = Scragging(strain=1.0, mullins_decay=1.0, mullins_renewal=1.0)  # without effect

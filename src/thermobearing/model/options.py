@@ -11,14 +11,15 @@ from typing import Annotated, Any, Literal, Self, TypedDict
 from pydantic import Field, model_validator
 
 from thermobearing.bearing.exposure import TWICE, Exposure, exposed
-from thermobearing.bearing.model import Bearing, Clock, SmallLoops
+from thermobearing.bearing.model import Bearing, Clock, Hardening, SmallLoops
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.core.plane import line_only_options
 from thermobearing.core.types import Constants
+from thermobearing.laws import find_law
 from thermobearing.model.constants import (
-    Hardening,
     HeatSource,
     Integrator,
     LeadEnds,
@@ -86,7 +87,7 @@ class ModelOptions(Strict):
     model: ModelName = "multi-layer"
     scheme: Scheme = "conservative"
     integrator: Integrator = "exact"
-    hardening: Hardening = "printed"
+    hardening: Hardening | None = None
     small_loops: SmallLoops | None = None
     heat_source: HeatSource | None = None
     lead_ends: LeadEnds | None = None
@@ -133,18 +134,14 @@ class ModelOptions(Strict):
         found = []
         if self.exposure is not None and bearing.exposure is not None:
             found.append(f"exposure: {TWICE}")
-        if self._small_loops(bearing) == "closed" and self.integrator == "euler":
-            found.append('small_loops = "closed": needs integrator = "exact", not "euler"')
-        if bearing.hysteresis_law is not None:
-            own = (
-                ("small_loops", self._small_loops(bearing), "closed"),
-                ("integrator", self.integrator, "euler"),
-            )
-            found += [
-                f'{key} = "{value}": not with the hysteresis_law of "{bearing.name}"'
-                for key, value, refused in own
-                if value == refused
-            ]
+        loops = self.small_loops or bearing.hysteresis.small_loops
+        laws = {  # of Z: a bearing has one of them
+            'small_loops = "closed"': loops == "closed",
+            'integrator = "euler"': self.integrator == "euler",
+            f'the hysteresis_law of "{bearing.name}"': bearing.hysteresis_law is not None,
+        }
+        several = [name for name, chosen in laws.items() if chosen]
+        found += [f"{one}: not with {several[-1]}" for one in several[:-1]]
         if bearing.lead is None:
             needs_lead = [
                 ("model", self.model, self.model == "lead-alone"),
@@ -162,10 +159,6 @@ class ModelOptions(Strict):
             way = 'use lead_ends = "half-space" or scheme = "published", or ' if finite else ""
             found.append(f'clock = "{self.clock}": {why} has no clock; {way}omit it')
         return found
-
-    def _small_loops(self, bearing: Bearing) -> SmallLoops | None:
-        """Return the option, or the default of the bearing."""
-        return self.small_loops or bearing.hysteresis.small_loops
 
     def _lead_ends(self, bearing: Bearing) -> LeadEnds:
         """Return the option, where there is a choice."""
@@ -187,7 +180,8 @@ class ModelOptions(Strict):
         elif self._has_clock(bearing):
             clock = lead_clock(lead, published=self.scheme == "published", chosen=clock)
         filled = {
-            "small_loops": self._small_loops(bearing),
+            "hardening": self.hardening or bearing.hysteresis.hardening_form or "printed",
+            "small_loops": self.small_loops or bearing.hysteresis.small_loops,
             "heat_source": self.heat_source or _default_heat_source(bearing),
             "lead_ends": self._lead_ends(bearing),
             "clock": clock,
@@ -227,18 +221,11 @@ def outdoors() -> tuple[dict[str, Any], dict[str, str]]:
 
 @dataclass(frozen=True)
 class BearingModel:
-    """The computational model of a bearing.
+    """The computational model of a bearing."""
 
-    Attributes
-    ----------
-    stack : its cells and layers.
-    constants : constants of the coupled step.
-    options : with the defaults of this bearing.
-    """
-
-    stack: Stack
-    constants: Constants
-    options: ModelOptions
+    stack: Stack  # its cells and layers
+    constants: Constants  # of the coupled step
+    options: ModelOptions  # with the defaults of this bearing
 
 
 def _default_heat_source(bearing: Bearing) -> HeatSource:
@@ -274,7 +261,7 @@ def build_model(
         integrator=options.integrator,
         heat_source=options.heat_source or _default_heat_source(bearing),
         lead_ends=options.lead_ends or "half-space",
-        hardening=options.hardening,
+        hardening=options.hardening or "printed",
         small_loops=options.small_loops or "published",
         clock=options.clock,
     )
@@ -282,3 +269,15 @@ def build_model(
         raise InputError('model "bilinear" is for tests and earthquakes; give bilinear constants')
     constants = apply_model(options.model, constants, bearing, stack, backbone)
     return BearingModel(stack, constants, options)
+
+
+def line_only_faults(bearing: Bearing, constants: Constants) -> list[str]:
+    """Return what in a bearing and its options is not available in a plane."""
+    law, rubber = bearing.hysteresis_law, constants.rubber
+    found = []
+    if law is not None and not rubber.law_in_plane:
+        name = find_law(law.law).name
+        found = [f'law "{name}" has no function for two directions; register it with plane=...']
+    others = line_only_options(constants._replace(rubber=rubber._replace(law=0)))
+    use = "use integrator = exact, small_loops = published, hardening = printed"
+    return found + [f"analysis.{one}: is not available in a plane; {use}" for one in others]

@@ -410,6 +410,9 @@ def _changes(store: Store, study: Study) -> str:
         return f"{STUDY} cannot be read"
     now = flat(tomllib.loads(study.to_toml()))
     keys = [key for key in now | was if now.get(key) != was.get(key)]
+    laws = [key for key in keys if key.endswith("_law.law")]
+    if laws:
+        keys = laws  # other keys follow from it
     if not keys:
         return "a file that it refers to (motion, bearing, weather) has changed"
     named = [
@@ -417,4 +420,4 @@ def _changes(store: Store, study: Study) -> str:
         for key in keys[:CHANGES_NAMED]
     ]
     more = f" and {len(keys) - CHANGES_NAMED} more" if len(keys) > CHANGES_NAMED else ""
-    return "; ".join(named) + more
+    return "; ".join(named) + more + (" (give the same file by --law)" if laws else "")

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -65,19 +65,25 @@ ALIASES = {name: kind.key for kind in KINDS.values() for name in (kind.symbol, *
 OF_YIELDING = {kind.key for kind in KINDS.values() if kind.of_yielding}
 
 
-def remedy(keys: set[str]) -> str:
-    """Return which tests would determine parameters, given by their dotted keys."""
-    groups = {KINDS[key].group for key in keys & set(KINDS)}
+def remedy(*kinds: Kind) -> str:
+    """Return which tests would determine parameters."""
+    groups = {kind.group for kind in kinds}
     words = (words for group, words in _DATA.remedies.items() if group in groups)
     return next(words, "other tests would be needed")
 
 
-def _full_key(name: str, before: str = "") -> str:
+def _full_key(name: str, bearing: Bearing, before: str = "") -> str:
     """Return the dotted key of a parameter by its key or symbol; `before` begins the message."""
-    key = ALIASES.get(name.strip(), name.strip())
-    if key not in KINDS:
-        raise InputError(f'{before}no parameter "{name}"{nearest(name, [*ALIASES, *KINDS])}')
+    known = keys_by_name(bearing)
+    key = known.get(name.strip(), name.strip())
+    if key not in known.values():
+        raise InputError(f'{before}no parameter "{name}"{nearest(name, [*known, *known.values()])}')
     return key
+
+
+def keys_by_name(bearing: Bearing) -> dict[str, str]:
+    """Return the dotted keys of all parameters and of those of a bearing's laws, by symbol."""
+    return ALIASES | {kind.symbol: kind.key for kind in _law_kinds(bearing)}
 
 
 Scale = dict[str, Callable[[float], float]]  # to that of the search, and back
@@ -102,26 +108,26 @@ class Parameter:
     bounded: bool = False
 
     @property
-    def _ends(self) -> tuple[float, float]:
+    def ends(self) -> tuple[float, float]:
         """The bounds on the scale of the search."""
         scale = FORWARD[self.kind.scale]
         return scale(self.lower), scale(self.upper)
 
     def at(self, unit: float) -> float:
         """Return the value at a place in [0, 1] between the bounds."""
-        low, high = self._ends
+        low, high = self.ends
         value = BACKWARD[self.kind.scale](low + unit * (high - low))
         return min(max(value, self.lower), self.upper)
 
     def place(self, value: float) -> float:
         """Return the place of a value between the bounds, in [0, 1]."""
-        low, high = self._ends
+        low, high = self.ends
         inside = min(max(value, self.lower), self.upper)
         return (FORWARD[self.kind.scale](inside) - low) / (high - low)
 
     def slope(self, unit: float) -> float:
         """Return the derivative of the value by the place."""
-        value, (low, high) = self.at(unit), self._ends
+        value, (low, high) = self.at(unit), self.ends
         factors = {"log": value, "log1p": 1.0 + value}
         return (high - low) * factors.get(self.kind.scale, 1.0)
 
@@ -197,8 +203,8 @@ def dotted_value(bearing: Bearing, key: str) -> float | None:
     part: Any = bearing
     for name in key.split("."):
         part = part.get(name) if isinstance(part, Mapping) else getattr(part, name, None)
-    if part is None and key.startswith(LAWS) and key in KINDS:
-        return KINDS[key].blind
+    if part is None and key.startswith(LAWS):
+        return next((kind.blind for kind in _law_kinds(bearing) if kind.key == key), None)
     return None if part is None else float(part)
 
 
@@ -219,20 +225,18 @@ def _replace_value(part: Any, names: Sequence[str], value: float) -> Any:
 
 def available(bearing: Bearing) -> list[Kind]:
     """Return the kinds of parameters that a bearing has."""
-    found = [kind for kind in KINDS.values() if not kind.key.startswith(LAWS)]
-    own = _law_kinds(bearing)
-    return [k for k in found if getattr(bearing, k.key.split(".")[0]) is not None] + own
+    found = [k for k in KINDS.values() if getattr(bearing, k.key.split(".")[0]) is not None]
+    return [*found, *_law_kinds(bearing)]
 
 
-def _law_kinds(bearing: Bearing) -> list[Kind]:
-    """Return the parameters of the registered laws of a bearing, and make them known."""
-    found = []
+def _law_kinds(bearing: Bearing) -> Iterator[Kind]:
+    """Yield the parameters of the registered laws of a bearing."""
     for before, part in zip(LAWS, (bearing.temperature_law, bearing.hysteresis_law), strict=True):
         if part is None or part.law is None:
             continue
         law = find_law(part.law)
         for name, (low, high) in law.bounds.items():
-            kind = Kind(
+            yield Kind(
                 key=f"{before}{name}",
                 symbol=f"{law.name}.{name}",
                 scale="log" if low > 0.0 else "linear",
@@ -242,10 +246,6 @@ def _law_kinds(bearing: Bearing) -> list[Kind]:
                 blind=law.parameters[name],
                 group="temperature" if before == LAW else "turns",
             )
-            KINDS[kind.key] = kind
-            ALIASES[kind.symbol] = kind.key
-            found.append(kind)
-    return found
 
 
 def at_one_temperature(ambients: Iterable[float]) -> bool:
@@ -255,9 +255,9 @@ def at_one_temperature(ambients: Iterable[float]) -> bool:
 
 def split_at_one_temperature(bearing: Bearing, free: Sequence[str]) -> tuple[list[str], list[str]]:
     """Return the other free parameters, and the symbols of those of temperature."""
-    _law_kinds(bearing)
-    symbols = {name: _full_key(name.split("=")[0], "free: ") for name in free}
-    warm = {name: KINDS[key].symbol for name, key in symbols.items() if is_of_temperature(key)}
+    keys = {name: _full_key(name.split("=")[0], bearing, "free: ") for name in free}
+    symbols = {kind.key: kind.symbol for kind in available(bearing)}
+    warm = {name: symbols[key] for name, key in keys.items() if is_of_temperature(key)}
     return [name for name in free if name not in warm], [warm[n] for n in free if n in warm]
 
 
@@ -296,7 +296,7 @@ def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, 
     there = {kind.key for kind in available(bearing)}
     for name in free:
         match = TIE.fullmatch(name)
-        left = _full_key(match[1] if match else name, "free: ")
+        left = _full_key(match[1] if match else name, bearing, "free: ")
         if left not in there:
             without = left.split(".")[0]
             raise InputError(f'free: "{name}": the bearing "{bearing.name}" has no {without}')
@@ -310,7 +310,7 @@ def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, 
         if not 1.0 / HUGEST <= abs(factor) <= HUGEST:
             said = f'"{match[2]}" is not a number a parameter can be multiplied by'
             raise InputError(f'"{name}": {said}')
-        ties[left] = (_full_key(match[3], "free: "), factor)
+        ties[left] = (_full_key(match[3], bearing, "free: "), factor)
     return keys, ties
 
 
@@ -330,7 +330,7 @@ def parameter_set(
     keys, ties = _chosen(bearing, names)
     if not keys:
         raise InputError("free: nothing is free; name at least one parameter")
-    given = {_full_key(name): pair for name, pair in (bounds or {}).items()}
+    given = {_full_key(name, bearing): pair for name, pair in (bounds or {}).items()}
     made = []
     for kind in available(bearing):
         value = dotted_value(bearing, kind.key) or 0.0

@@ -398,21 +398,21 @@ def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
             f"{shown} describes a rubber that stiffens as it warms: are the ambient temperatures "
             "of the tests swapped?"
         )
-    for key, item in estimates.items():
+    for item in estimates.values():
         kind = item.parameter.kind
         shown = f"{kind.symbol} = {item.value:.4g} {kind.unit}".strip()
         if not item.determined:
-            said.append(f"{shown} is not determined (it ended {item.where}): {kinds.remedy({key})}")
+            said.append(f"{shown} is not determined (it ended {item.where}): {kinds.remedy(kind)}")
         elif item.relative_error > POOR:
             error = f"standard error {item.stderr:.2g}"
-            said.append(f"{shown} is poorly determined ({error}): {kinds.remedy({key})}")
+            said.append(f"{shown} is poorly determined ({error}): {kinds.remedy(kind)}")
     for i, j in zip(*np.triu_indices(len(estimates), 1), strict=True):
         rho, pair = float(found.correlation[i, j]), [list(estimates.values())[k] for k in (i, j)]
         if abs(rho) > CORRELATED and any(item.relative_error > WELL for item in pair):
             names = " and ".join(item.parameter.kind.symbol for item in pair)
             said.append(
                 f"{names} are strongly correlated ({rho:.2f}): only a combination of them is "
-                f"determined; {kinds.remedy({item.parameter.kind.key for item in pair})}"
+                f"determined; {kinds.remedy(*(item.parameter.kind for item in pair))}"
             )
     return said
 
@@ -438,8 +438,8 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
     held = [
         item
         for item in evidence
-        if item.group.keys[0] in kinds.KINDS and item.explained > MUCH
-        if abs(item.sigmas) > SURELY * item.stderr
+        if (key := item.group.keys[0]) in kinds.KINDS or key.startswith(kinds.LAWS)
+        if item.explained > MUCH and abs(item.sigmas) > SURELY * item.stderr
     ]
     if held:  # parameters whose freedom would remove much of the misfit
         worst = max(held, key=lambda item: item.explained)
@@ -468,7 +468,7 @@ def _test_warnings(problem: Problem) -> list[str]:
         span = f"{low:g} to {high:g}" if high > low else f"{low:g}"
         said.append(
             f"m_T and n_T were calibrated to tests at {span} degC only, mostly by self-heating: "
-            f"{kinds.remedy({kinds.M_T})}"
+            f"{kinds.remedy(kinds.KINDS[kinds.M_T])}"
         )
     if free & {kinds.C_V, kinds.K_V}:
         speeds = np.empty(0)  # mean ones of large half cycles [mm/s]
@@ -481,6 +481,6 @@ def _test_warnings(problem: Problem) -> list[str]:
             span = f"{speeds.min():.3g} to {speeds.max():.3g} mm/s"
             said.append(
                 f"c_v and K_v were calibrated to mean speeds of {span} only: "
-                f"{kinds.remedy({kinds.C_V})}"
+                f"{kinds.remedy(kinds.KINDS[kinds.C_V])}"
             )
     return said

@@ -331,12 +331,11 @@ def _fitted(bearing: Bearing, place: Path) -> Bearing:
 
 def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where: str) -> None:
     """Refuse samples of a bearing of another size, by the numbers that depend on the size."""
-    for key in keys:
-        kind = kinds.KINDS[key]
-        if not kind.relative:
+    for kind in kinds.available(bearing):
+        if kind.key not in keys or not kind.relative:
             continue
-        values = np.array([kinds.dotted_value(one, key) for one in some])
-        own, mean = kinds.dotted_value(bearing, key) or 0.0, float(values.mean())
+        values = np.array([kinds.dotted_value(one, kind.key) for one in some])
+        own, mean = kinds.dotted_value(bearing, kind.key) or 0.0, float(values.mean())
         if abs(own - mean) > max(FAR * float(values.std()), APART * abs(mean)):
             said = f"{kind.symbol} is {mean:.4g} {kind.unit} in the samples and {own:.4g} in "
             said += (
@@ -347,7 +346,7 @@ def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where
 
 
 def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
-    known = {kind.symbol: kind.key for kind in kinds.KINDS.values()}
+    known = kinds.keys_by_name(bearing)
     faults, keys = [], []
     data = bearing.model_dump()
     for symbol in (text.strip() for text in head):
