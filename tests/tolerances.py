@@ -166,6 +166,9 @@ OPENSEES_GIRDER_PIERS = 0.04  # likewise; 0.029 measured
 SERVED = 1e-9  # the same bearing behind a socket; the same numbers in another order, 1e-15 measured
 OPENSEES_PERIODS = 1e-4  # bodies there are stiff beams: 2e-5 measured
 OPENSEES_SCRIPT_PERIODS = 1e-6  # stiff springs hold bodies there: 7e-7 measured
+SAME_FRAME = 1e-9  # a frame and its closed form, or OpenSees: a few thousand roundings
+FRAME_CAP = 1e-3  # lumped masses of 32 members for even ones; 6e-4 measured, order two
+CONDENSED = 2e-3  # periods of the first modes, one rotation for each pier; 1e-3 measured
 PLAN_LINE = 1e-12  # of the peak: a plan shaken in one direction and the line; 9e-13 measured
 PLAN_BOOKS = 1e-10  # of the input
 STRUCTURE_BOOKS = 1e-9  # of the input, beta = 1/4: 7e-11 measured, 1e-6 is asked

@@ -67,6 +67,7 @@ from .results.metrics import measure_history as measure_history
 from .results.profiles import overlay as overlay
 from .sequences.result import SequenceResult as SequenceResult
 from .sequences.run import sequence as sequence
+from .structure.frame_files import import_frame as import_frame
 from .structure.model import Structure as Structure
 from .structure.model import load_structure as load_structure
 from .structure.result import examine_structure as examine_structure

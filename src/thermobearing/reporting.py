@@ -47,7 +47,8 @@ PACKAGES = {
     **{"cyclic": "cyclic", "bridge": "earthquake", "hybrid": "earthquake"},
     **{"sequence": "sequences", "identify": "identify", "validate": "validate"},
     **dict.fromkeys(("design", "bounds", "lambda"), "design"),
-    **{"study": "studies", "structures show": "structure", "serve": "opensees"},
+    **{"study": "studies", "serve": "opensees"},
+    **dict.fromkeys(("structures show", "structures import"), "structure"),
     **dict.fromkeys(("motions show", "motions make", "motions spectrum"), "motions"),
 }
 COMPARED = {"cyclic", "bridge", "hybrid"}  # commands with --compare

@@ -13,6 +13,7 @@ import thermobearing as tb
 from tests.fuzz import grammar, sheets
 from tests.fuzz.judge import COMPLETED, TYPED, Example, check_numbers
 from tests.fuzz.mutations import UNITS, damaged, plain_numbers, rows_of_numbers, toml_files
+from tests.verification.frames import PIER_PYTHON, PIER_TCL, TWO_PIERS
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.units import parse_quantity
 from thermobearing.commands.check import check_file
@@ -153,6 +154,21 @@ def _tables(draw: st.DrawFn) -> Example:
         wanted = {"time": "s", "force": "kN"}
         call = done(lambda folder: read_columns(folder / "a.csv", wanted, layout=layout))
     return Example({"a.csv": raw}, call, f"{use}: {raw[:300]!r}")
+
+
+@st.composite
+def _frames(draw: st.DrawFn) -> Example:
+    texts = {"a.csv": TWO_PIERS, "a.tcl": PIER_TCL, "a.py": PIER_PYTHON}
+    name = draw(st.sampled_from(sorted(texts)))
+    raw = draw(rows_of_numbers(texts[name]))
+    units = None if name == "a.csv" else draw(st.sampled_from(["kN-m", "N-mm", "kN", "m-m-m", ""]))
+
+    def read(folder: Path) -> None:
+        found = tb.import_frame(folder / name, units=units)
+        assert np.isfinite(found.table["period_s"]).all()
+        assert found.mass > 0.0
+
+    return Example({name: raw}, done(read), f"import_frame {name} {units}: {raw[:300]!r}")
 
 
 @st.composite
@@ -345,6 +361,7 @@ def library_borders() -> list[Border]:
         Border("test sidecar", sidecars, 140),
         Border("test record", records, 100),
         Border("table", _tables(), 180),
+        Border("frame", _frames(), 120),
         Border("motions file", _motion_files(), 240),
         Border("motions arithmetic", _motion_arithmetic(), 100),
         Border("result", _results(), 80),

@@ -11,7 +11,7 @@ import pytest
 
 import thermobearing as tb
 
-MOST = 77  # names that are promised; two are modules, which keep their own names apart
+MOST = 78  # names that are promised; two are modules, which keep their own names apart
 MODULES = {"laws", "opensees"}
 PUBLIC = sorted(
     [getattr(tb, name) for name in tb.__all__ if name not in MODULES]

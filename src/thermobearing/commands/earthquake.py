@@ -327,6 +327,32 @@ def _show(
 
 @command(
     structures,
+    "import",
+    fields(
+        "structure.frame_files:import_frame",
+        "units",
+        INPUT,
+        units="|Force and length of a script of OpenSees, such as kN-m or N-mm.",
+    ),
+    examples="structures import pier.csv -o pier\nstructures import pier.tcl --units kN-m -o pier",
+)
+def _import(
+    file: Annotated[
+        Path,
+        typer.Argument(help="Table of nodes and members (CSV, .xlsx), or script (.tcl, .py)."),
+    ],
+    given: dict[str, Any],
+    end: Printed,
+) -> Answer:
+    """Import a plane frame of piers and decks as a structure, and compare the periods of both."""
+    from thermobearing.structure.frame_files import import_frame
+
+    end.check()
+    return end.save_if_asked(import_frame(file, **given))
+
+
+@command(
+    structures,
     "export",
     fields(
         "opensees.script:write_structure",

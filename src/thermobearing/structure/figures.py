@@ -552,3 +552,52 @@ class StructureFigures(drawing.Figures):
         if not self._structure.plan:
             del found["plan"]
         return found
+
+
+class FrameFigures(StructureFigures):
+    """Figures of an imported structure: `result.plot.frame()`, and those of any structure."""
+
+    def frame(self) -> Figure:
+        """Return the frame with its nodes, and the structure that it became."""
+        frame, name = self._result.frame, self._structure.name
+        wide, high = self._model_size()
+        figure, (ax, right) = drawing.panels(1, 2, (2.0 * wide, high), f"{name}: the frame")
+        at = {node: (one.x, one.z) for node, one in frame.nodes.items()}
+        for one in frame.elements:
+            if one.is_member:
+                rigid = one.stiffness is None
+                look: drawing.Look = {"linestyle": "--"} if rigid else {"linewidth": 3.0}
+                points = np.array([at[end] for end in one.ends])
+                ax.plot(*points.T, color=PIER, zorder=1, **look)
+        grouped: dict[Any, list[str]] = {}
+        for node, place in at.items():
+            grouped.setdefault(place, []).append(node)
+        for place in {at[node] for node, own in frame.held.items() if any(own)}:
+            ax.plot(*place, "^", color=drawing.STEEL, markersize=15, zorder=0)
+        for one in frame.elements:
+            if not one.is_member:
+                ends = [end for end in one.ends if end != GROUND]
+                line = any(self._result.bodies[end].startswith("deck") for end in ends)
+                look = HANDLES["bearings" if line else "spring"] | {"marker": "s"}
+                ax.plot(*at[ends[-1]], markersize=11, zorder=2, **look)
+        size = {
+            place: sum(frame.nodes[one].mass[0] for one in own) for place, own in grouped.items()
+        }
+        for place in grouped:
+            ax.plot(*place, "o", color=drawing.INK, markersize=6 if size[place] else 3, zorder=3)
+        names = [
+            ax.annotate(", ".join(own), place, (9, 0), bbox=drawing.BOX, **TEXT)
+            for place, own in grouped.items()
+        ]
+        ax.margins(0.25, 0.12)
+        drawing.name_axes(ax, ALONG, "height [m]", "nodes and members (dashed: rigid)")
+        if len({x for x, _ in at.values()}) == 1:
+            ax.set(xticks=[], xlabel="")
+        self._model(right)
+        drawing.name_axes(right, title="bodies")
+        _make_room(ax, names, _separate(figure, names, sides="rlab"))
+        return figure
+
+    def draw_all(self) -> dict[str, Callable[[], Figure]]:
+        """Return the function that draws each figure, by name of its file."""
+        return {"frame": self.frame} | super().draw_all()

@@ -29,6 +29,7 @@ NAMED = ("name", "body", "base", "on", "moves", "rotates", "twists", "base_heigh
 CAPTIONS = {
     "model": "The model: masses, springs, hinges and bearing lines at their heights.",
     "plan": "The plan, to scale: decks, piers and bearing lines with their coordinates in m.",
+    "frame": "The imported frame and the resulting structure.",
     "modes": "Mode shapes, with period, damping ratio and share of the mass.",
 }
 LINE_ASSUMPTION = (
@@ -63,6 +64,8 @@ def build_pieces(saved: SavedResult) -> Pieces:
     structure = validated(Structure, case, str(saved.path / RESOLVED))
     found = build_tables(structure, saved["parts"], saved["periods"])
     tables = {key: replace(found[key], caption=words) for key, words in TABLES.items()}
+    if "frame" in saved.tables:
+        tables["frame"] = frame_table(saved["frame"])
     return Pieces(
         command="structures show",
         title=f"Structure {name}",
@@ -92,6 +95,13 @@ def build_tables(
     if len(shapes) <= MOST_COORDINATES or not structure.plan:
         names += [replace(kind, head=name, name=name) for name, kind in shapes]
     return {"parts": make_table(parts, columns, keys=4), "periods": make_table(modes, names)}
+
+
+def frame_table(periods: pd.DataFrame) -> Table:
+    """Return the periods of an imported structure and of its frame."""
+    names: list[str | Quantity] = ["mode", quantity("period_s", form=".4f"), "frame_period_s"]
+    names += ["period_difference", "effective_mass", "frame_effective_mass"]
+    return make_table(periods, names, caption="Periods of the structure and of the frame")
 
 
 def _mass_share(mode: Mapping[str, Any]) -> str:

@@ -1,0 +1,515 @@
+"""Plane frames of piers and decks, condensed to structures of rigid bodies, with their periods.
+
+What members join is a part. A part with an upright elastic member is a pier, a cantilever on one
+support; any other is a deck. Zero-length elements below decks are bearing lines.
+
+* A pier becomes a body that rotates about the top of its footing, on a rotational spring
+  F h²/u: F is a force at its highest seat, u the displacement and h the height there. Its mass is
+  (s·M·1)²/(s·M·s) at the height h (s·M·s)/(s·M·1), so that the shape s under F (with the
+  rotation of the foundation, 1 at the seat) has the mass and the participation that it has in
+  the frame. The remainder is at its base.
+* Nodes that rigid members join to a support that is not fixed become a footing on the springs of
+  the support. Without rotary inertia its rotation is part of the displacement u of the pier.
+* A deck becomes a body that moves sideways. Bearing lines keep their places and stiffnesses.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import chain
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.linalg import eigh, null_space
+from scipy.sparse.csgraph import connected_components
+
+from thermobearing.border.errors import InputError, nearest, printable, shortened
+from thermobearing.core.records import Floats
+from thermobearing.quantities.tables import Table
+from thermobearing.results.directory import FRAME_PERIODS, RESOLVED
+from thermobearing.results.screen import say, show_table
+from thermobearing.results.writing import write_csv
+from thermobearing.structure.matrices import Modes, displacement_row
+from thermobearing.structure.model import (
+    GROUND,
+    BearingLine,
+    Body,
+    Mass,
+    Reported,
+    Spring,
+    Structure,
+)
+from thermobearing.structure.report import frame_table
+from thermobearing.structure.result import StructureResult
+from thermobearing.structure.run import prepare_structure
+
+METRE = 1e3  # mm; frames are in kN, m, s and t, structures in kN, mm and s
+MOST_NODES = 300
+LIMIT = 0.05  # relative difference of a period that is warned of
+ALIKE = 0.7  # square of the cosine of two shapes from which they are one mode
+LOST = 0.02  # share in the mass from which a mode that the structure lacks is warned of
+NO_STIFFNESS = 1e-12  # of a motion, relative to that of its coordinates
+NO_MASS = 1e-12  # of the longest period squared, likewise
+SMALLEST = 1e-3  # mass [t] and height [m]
+TINY = 1e-30  # instead of zero in a divisor
+FREE = (False, False, False)
+WAYS = ("x", "z", "rotation")
+
+
+class Node(NamedTuple):
+    """A node: place [m], masses in x and z [t], rotary inertia [t m²], and its line in the file."""
+
+    x: float
+    z: float
+    mass: tuple[float, float, float]
+    line: str
+
+
+class Element(NamedTuple):
+    """What joins two nodes, or a node and the ground, and its line in the file.
+
+    `stiffness`: EA [kN] and EI [kN m²] of a member; in x and z [kN/m] and against rotation
+    [kN m/rad] of a zero-length element; None of a rigid member. `bearings`: their number.
+    """
+
+    name: str
+    ends: tuple[str, str]
+    stiffness: tuple[float, ...] | None
+    line: str
+    bearings: int = 1
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether it is a member that is not rigid."""
+        return self.stiffness is not None and len(self.stiffness) < len(WAYS)
+
+    @property
+    def is_member(self) -> bool:
+        """Whether it is a member, elastic or rigid."""
+        return self.stiffness is None or self.is_elastic
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A plane frame: `held` has the fixed motions of nodes, `ties` pairs of equal motions."""
+
+    file: str
+    nodes: dict[str, Node]
+    elements: list[Element]
+    held: dict[str, tuple[bool, ...]] = field(default_factory=dict)
+    ties: list[tuple[str, str, int]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be a frame."""
+        known = [*self.nodes, GROUND]
+        used = {name: "equal displacements" for tie in self.ties for name in tie[:2]}
+        used |= dict.fromkeys(self.held, "a support")
+        used |= {name: one.line for one in self.elements for name in one.ends}
+        faults = [
+            f'{line}: no node is called "{shortened(name)}"{nearest(name, known)}'
+            for name, line in used.items()
+            if name not in known
+        ]
+        for one in [] if faults else self.elements:
+            if one.is_member and GROUND in one.ends:
+                faults.append(f"{one.line}: {one.name} is on the ground; give it a fixed node")
+            elif one.ends[0] == one.ends[1] or (one.is_elastic and not np.any(self.span(one))):
+                faults.append(f"{one.line}: {one.name} has no length")
+        sizes = {one.line: min(one.stiffness or [0.0]) for one in self.elements}
+        sizes |= {one.line: min(one.mass) for one in self.nodes.values()}
+        faults += [f"{line}: a negative number" for line, size in sizes.items() if size < 0.0]
+        if not 2 <= len(self.nodes) <= MOST_NODES:
+            faults.append(f"has {len(self.nodes)} nodes; 2 to {MOST_NODES} can be imported")
+        if faults:
+            raise InputError(faults, self.file)
+
+    def span(self, one: Element) -> Floats:
+        """Return the distance of the second node of an element from the first in x and z [m]."""
+        near, far = (self.nodes[name] for name in one.ends)
+        return np.array([far.x - near.x, far.z - near.z])
+
+    def motions(self, name: str) -> Floats:
+        """Return the rows of displacement in x and z and rotation of a node, or of the ground."""
+        rows = np.zeros((len(WAYS), len(WAYS) * len(self.nodes)))
+        if name != GROUND:
+            first = len(WAYS) * list(self.nodes).index(name)
+            rows[:, first : first + len(WAYS)] = np.eye(len(WAYS))
+        return rows
+
+    def _strains(self, one: Element) -> Floats:
+        """Return the rows of extension and rotations of the ends relative to the chord."""
+        near, far = (self.motions(name) for name in one.ends)
+        apart = far - near
+        if not one.is_member or not (length := np.hypot(*self.span(one))):
+            return np.asarray(apart)
+        x, z = self.span(one) / length
+        chord = (x * apart[1] - z * apart[0]) / length
+        return np.array([x * apart[0] + z * apart[1], near[2] - chord, far[2] - chord])
+
+    def only(self, names: Iterable[str], held: Iterable[str] = ()) -> "Frame":
+        """Return these nodes and what joins them to each other and the ground; fix `held`."""
+        kept = {*names, GROUND}
+        fixed = {name: own for name, own in self.held.items() if name in kept}
+        return replace(
+            self,
+            nodes={name: node for name, node in self.nodes.items() if name in kept},
+            elements=[one for one in self.elements if kept.issuperset(one.ends)],
+            held=fixed | dict.fromkeys(held, (True, True, True)),
+            ties=[tie for tie in self.ties if kept.issuperset(tie[:2])],
+        )
+
+    @cached_property
+    def mass(self) -> Floats:
+        """Return the mass of each coordinate."""
+        return np.array([node.mass for node in self.nodes.values()]).ravel()
+
+    @cached_property
+    def _stiffness(self) -> tuple[Floats, Floats]:
+        """Return the stiffness of the motions that supports and rigid members allow, and these.
+
+        A coordinate that nothing resists, as the rotation of a node on bearings, is at rest.
+        """
+        count = len(self.mass)
+        stiffness, bound = np.zeros((count, count)), [np.zeros(count)]
+        for one in self.elements:
+            rows = self._strains(one)
+            if one.stiffness is None:
+                bound += [*rows]
+            elif one.is_member:
+                axial, bending = np.array(one.stiffness) / np.hypot(*self.span(one))
+                law = [[axial, 0, 0], [0, 4 * bending, 2 * bending], [0, 2 * bending, 4 * bending]]
+                stiffness += rows.T @ np.array(law) @ rows
+            else:
+                stiffness += rows.T @ (np.array(one.stiffness)[:, None] * rows)
+        for name, own in self.held.items():
+            bound += [*self.motions(name)[list(own)]]
+        bound += [(self.motions(a) - self.motions(b))[k] for a, b, k in self.ties]
+        loose = ~(np.any(bound, axis=0) | stiffness.any(axis=0))
+        allowed = null_space(np.array([*bound, *np.eye(count)[loose]]))
+        allowed /= np.sqrt(np.diag(allowed.T @ stiffness @ allowed).clip(TINY))
+        reduced = allowed.T @ stiffness @ allowed
+        values, shapes = eigh(reduced) if len(reduced) else ([1.0], reduced)
+        if values[0] <= NO_STIFFNESS:
+            node, way = divmod(int(np.abs(allowed @ shapes[:, 0]).argmax()), len(WAYS))
+            raise InputError(
+                f"is a mechanism: nothing resists a motion of node {list(self.nodes)[node]} "
+                f"({WAYS[way]}); add the support, spring or member that does",
+                self.file,
+            )
+        return reduced, allowed
+
+    def displacement(self, name: str) -> Floats:
+        """Return the displacements under a horizontal force of 1 kN at a node."""
+        reduced, allowed = self._stiffness
+        return np.asarray(allowed @ np.linalg.solve(reduced, allowed.T @ self.motions(name)[0]))
+
+    def modes(self) -> Modes:
+        """Return the natural modes with unit modal mass."""
+        reduced, allowed = self._stiffness
+        squares, shapes = eigh(allowed.T @ (self.mass[:, None] * allowed), reduced)
+        kept = np.flatnonzero(squares > NO_MASS * squares.max(initial=0.0))[::-1]
+        roots = np.sqrt(squares[kept])
+        return Modes(1.0 / roots, allowed @ shapes[:, kept] / roots)
+
+
+def _label(frame: Frame, members: Iterable[Element]) -> dict[str, int]:
+    """Return a number for each node, the same for nodes that members join."""
+    numbers = {name: k for k, name in enumerate(frame.nodes)}
+    graph = np.zeros((len(numbers), len(numbers)))
+    for one in members:
+        graph[numbers[one.ends[0]], numbers[one.ends[1]]] = 1.0
+    return dict(zip(numbers, connected_components(graph, directed=False)[1].tolist(), strict=True))
+
+
+def _find_parts(frame: Frame) -> dict[str, list[str]]:
+    """Return the nodes of the ground, of each pier and of each deck, by name."""
+    members = [one for one in frame.elements if one.is_member]
+    labels = _label(frame, members)
+    elastic = [one for one in members if one.is_elastic]
+    upright = {labels[one.ends[0]] for one in elastic if np.diff(np.abs(frame.span(one))) > 0.0}
+    joined = {name for one in members for name in one.ends}
+    fixed = [name for name, own in frame.held.items() if all(own) and name not in joined]
+    parts = {GROUND: [GROUND, *fixed]}
+    for kind in ("pier", "deck"):
+        wanted = [k for k in dict.fromkeys(labels.values()) if (k in upright) == (kind == "pier")]
+        some = [[name for name in labels if labels[name] == k] for k in wanted]
+        some = [part for part in some if part[0] not in fixed]
+        some.sort(key=lambda part: min(frame.nodes[name].x for name in part))
+        for k, part in enumerate(some, 1):
+            parts[kind if len(some) == 1 else f"{kind} {k}"] = part
+    return parts
+
+
+def _find_lines(frame: Frame, bodies: dict[str, str]) -> list[tuple[Element, str, str]]:
+    """Return the bearing lines with their lower and upper nodes."""
+    found = []
+    for one in frame.elements:
+        lower, upper = sorted(one.ends, key=lambda name: bodies[name].startswith("deck"))
+        below, above = bodies[lower], bodies[upper]
+        if one.is_member or (GROUND in (below, above) and not above.startswith("deck")):
+            continue
+        if below.startswith("deck") or not above.startswith("deck"):
+            raise InputError(
+                f"{one.line}: {one.name} joins {below} and {above}; a zero-length element is "
+                "between a deck and a pier, or between one of these and the ground",
+                frame.file,
+            )
+        if one.stiffness and one.stiffness[0] > 0.0:
+            found.append((one, lower, upper))
+    for a, b, k in frame.ties:
+        if WAYS[k] == "x" and bodies[a] != bodies[b]:
+            raise InputError(f"nodes {a} and {b} move equally in x: no bearing acts", frame.file)
+    if not found:
+        raise InputError("has no zero-length element below a deck, a bearing line", frame.file)
+    return found
+
+
+class _Pier(NamedTuple):
+    """A pier of a frame in numbers: nodes, flexibility [rad/(kN m)], mass and its height."""
+
+    foot: str  # the supported node
+    base: str  # the top of the footing
+    block: list[str]  # nodes of the footing
+    rocks: bool  # whether the footing has a rotation of its own
+    soil: Floats  # stiffness of the support in x, z and against rotation
+    flexibility: float
+    mass: float  # effective
+    height: float  # of this mass above the base
+    rest: float  # mass at the base
+
+
+def _examine_pier(
+    frame: Frame, name: str, part: list[str], ground: list[str], seats: list[str]
+) -> _Pier:
+    """Return a pier in numbers; see the docstring of the module."""
+    alone, nodes = frame.only([*part, *ground]), frame.nodes
+    springs = [one for one in alone.elements if not one.is_member]
+    feet = {one for one in part if any(frame.held.get(one, FREE))}
+    feet |= {end for one in springs for end in one.ends if end in part}
+    if len(feet) != 1 or not seats:
+        raise InputError(
+            f"{name} (nodes {shortened(', '.join(part))}) has {len(feet)} supported nodes and "
+            f"{len(seats)} bearing lines; a pier is a cantilever on one supported node, with a "
+            "bearing line, joined to decks by zero-length elements only",
+            frame.file,
+        )
+    (foot,) = feet
+    rigid = _label(alone, [one for one in alone.elements if one.stiffness is None])
+    block = [one for one in part if rigid[one] == rigid[foot]]
+    elastic = [one for one in alone.elements if one.is_elastic]
+    starts = [end for one in elastic for end in one.ends if end in block]
+    base, seat = (max(some, key=lambda one: nodes[one].z) for some in (starts, seats))
+    height = nodes[seat].z - nodes[base].z
+    rocks = not frame.held.get(foot, FREE)[2] and any(nodes[one].mass[2] for one in block)
+    shape, along = alone.displacement(seat), np.tile([1.0, 0.0, 0.0], len(alone.nodes))
+    shape = shape - (alone.motions(base if rocks else foot)[0] @ shape) * along
+    bent = reach = alone.motions(seat)[0] @ shape
+    if rocks:  # the rotation of the footing is one of its own
+        fixed = frame.only(part, block)
+        bent = fixed.motions(seat)[0] @ fixed.displacement(seat)
+    if not (height > SMALLEST and bent > 0.0 and reach > 0.0):
+        fault = f"{name} has no bearing line that moves above its base, node {base}"
+        raise InputError(fault, frame.file)
+    shape = shape / reach
+    mass = alone.mass * np.repeat([one in part and one not in block for one in alone.nodes], 3)
+    modal, share = mass @ np.square(shape), mass @ (along * shape)
+    if not share > 0.0:
+        raise InputError(f"{name} has no mass above its base, node {base}", frame.file)
+    soil = np.sum([np.zeros(3), *(np.array(one.stiffness) for one in springs)], axis=0)
+    size, at = share**2 / modal, height * modal / share
+    return _Pier(foot, base, block, rocks, soil, bent / height**2, size, at, mass @ along - size)
+
+
+def _place_pier(
+    frame: Frame, name: str, pier: _Pier
+) -> tuple[list[Body], list[Mass], list[Spring]]:
+    """Return a pier as bodies with masses and springs, with a footing if the support moves."""
+    nodes, side, rocks = frame.nodes, frame.held.get(pier.foot, FREE)[0], pier.rocks
+    foot, base = METRE * nodes[pier.foot].z, METRE * nodes[pier.base].z
+    block = [nodes[one] for one in pier.block]
+    below = GROUND if side and not rocks else name.replace("pier", "footing")
+    at = {"x": METRE * nodes[pier.base].x}
+    masses = _mass(name, pier.mass, base + METRE * pier.height) + _mass(name, pier.rest, base)
+    for node in block:
+        at_foot = below, node.mass[0], METRE * node.z, node.mass[2]
+        masses += _mass(name, node.mass[0], base) if below == GROUND else _mass(*at_foot)
+    bodies, springs = [], []
+    if below != GROUND:
+        on = GROUND if side else None
+        bodies = [Body(name=below, base_height=foot, on=on, moves=not side, rotates=rocks, **at)]
+    if not side:
+        size, own = pier.soil[0] / METRE, f"{below}, sideways"
+        springs.append(Spring(name=own, body=below, height=foot, stiffness=size))
+    if rocks:
+        size, own = METRE * pier.soil[2], f"{below}, rocking"
+        springs.append(Spring(name=own, body=below, rotational_stiffness=size))
+    size, own = METRE / pier.flexibility, f"{name}, bending"
+    springs.append(Spring(name=own, body=name, base=below, rotational_stiffness=size))
+    bodies.append(Body(name=name, base_height=base, on=below, rotates=True, **at))
+    return bodies, masses, springs
+
+
+def _mass(body: str, mass: float, height: float, inertia: float = 0.0) -> list[Mass]:
+    """Return a mass [t, t m²] of a body at a height [mm]; nothing if it is zero."""
+    own = {"mass": mass / METRE, "rotary_inertia": METRE * inertia}
+    return [Mass(body=body, height=height, **own)] if mass > SMALLEST else []
+
+
+def _place_deck(
+    frame: Frame, name: str, part: list[str]
+) -> tuple[list[Body], list[Mass], list[Spring]]:
+    """Return a deck as a body with its mass."""
+    nodes = [frame.nodes[one] for one in part]
+    masses = [node.mass[0] for node in nodes]
+    stuck = [one for one in part if frame.held.get(one, FREE)[0]]
+    if stuck or sum(masses) < SMALLEST:
+        fault = f"is fixed in x at node {stuck[0]}" if stuck else "has no mass"
+        raise InputError(
+            f"{name} (nodes {shortened(', '.join(part))}) {fault}; nodes without an upright member "
+            "are a deck, which moves on bearing lines",
+            frame.file,
+        )
+    x, z = (METRE * float(np.average([node[k] for node in nodes], weights=masses)) for k in (0, 1))
+    return [Body(name=name, moves=True, x=x)], _mass(name, sum(masses), z), []
+
+
+def _condense(frame: Frame) -> tuple[Structure, dict[str, str]]:
+    """Return the structure that a frame becomes, and the body of each node."""
+    parts = _find_parts(frame)
+    of = {node: name for name, part in parts.items() for node in part}
+    lines, ground, nodes = _find_lines(frame, of), parts.pop(GROUND), frame.nodes
+    placed = []
+    for name, part in parts.items():
+        if name.startswith("deck"):
+            placed.append(_place_deck(frame, name, part))
+        else:
+            seats = [lower for _, lower, _ in lines if lower in part]
+            pier = _examine_pier(frame, name, part, ground, seats)
+            placed.append(_place_pier(frame, name, pier))
+            of |= dict.fromkeys(pier.block, placed[-1][0][-1].on or GROUND)  # the footing
+    bodies, masses, springs = (list(chain(*each)) for each in zip(*placed, strict=True))
+    bearings = []
+    for one, lower, upper in lines:
+        node = nodes[upper if of[lower] == GROUND else lower]
+        own: dict[str, Any] = {"height": METRE * node.z, "x": METRE * node.x}
+        own |= {"body": of[upper], "base": of[lower], "count": one.bearings}
+        size = one.stiffness[0] / one.bearings / METRE if one.stiffness else 0.0
+        bearings.append(BearingLine(name=one.name, equivalent_stiffness=size, **own))
+    deck = max((one for one in masses if one.body.startswith("deck")), key=lambda one: one.mass)
+    report = {"deck": deck.body}
+    if on_piers := [line for line in bearings if line.base != GROUND]:
+        name = min(on_piers, key=lambda line: line.body != deck.body).base
+        (base,) = (body.on for body in bodies if body.name == name)
+        top = max(line.height for line in on_piers if line.base == name)
+        report |= {"pier": name, "pier_base": base, "pier_top": top}
+    path = Path(frame.file)
+    found = Structure(
+        name=printable(path.stem)[:60],
+        description=f"Imported from the frame in {printable(path.name)}",
+        **{"bodies": bodies, "masses": masses, "springs": springs, "bearings": bearings},
+        report=Reported(**report),
+    )
+    return found, of
+
+
+class ImportedFrame(StructureResult):
+    """A structure that a frame was condensed to, and its periods compared with those of the frame.
+
+    Attributes
+    ----------
+    frame : Frame
+        Nodes and elements of the file, in kN, m, s and t.
+    bodies : dict
+        Body of each node of the frame.
+    periods : DataFrame
+        One row per mode of the structure, with the mode of the frame whose shape is closest, and
+        per other mode of the frame with more than 2 % of the mass: both periods [s], the relative
+        difference, and the shares in the mass.
+    """
+
+    title = "Imported frame"
+    _figures = "FrameFigures"
+
+    def __init__(self, frame: Frame) -> None:
+        try:
+            structure, self.bodies = _condense(frame)
+            super().__init__(prepare_structure(structure), "consistent")
+        except InputError as error:  # of a part of the structure
+            raise InputError(error.problems, frame.file) from None
+        self.frame = frame
+        self.periods = self._compare()
+
+    def _compare(self) -> pd.DataFrame:
+        """Return the modes of the structure and the frame, paired by their shapes."""
+        frame, modes, motions = self.frame, self.frame.modes(), []
+        for name, node in frame.nodes.items():
+            body, z = self.bodies[name], METRE * node.z
+            at, above = (displacement_row(self.structure, body, z + h) for h in (0, 1))
+            motions += [at / METRE, 0.0 * at, at - above]  # rotations have the other sign
+        own, full, mass = np.array(motions) @ self.prepared.modes.shapes, modes.shapes, frame.mass
+        sizes = [mass @ np.square(shapes) for shapes in (own, full)]
+        alike = np.square(own.T @ (mass[:, None] * full)) / np.outer(*sizes).clip(TINY)
+        within = alike.sum(axis=0) > ALIKE  # modes that those of the structure describe together
+        found: dict[int, int] = {}  # modes of the frame, by those of the structure
+        for k, period in enumerate(self.prepared.modes.periods):
+            near = np.abs(modes.periods / period - 1.0) < LIMIT
+            fits = (alike[k] > ALIKE) | (within & near)  # equal piers mix their shapes
+            fits[list(found.values())] = False
+            if fits.any():
+                found[k] = int(np.where(fits, alike[k], -1.0).argmax())
+        mass, full = (each[:: len(WAYS)] for each in (mass, full))
+        shares = np.square(mass @ full) / mass.sum()
+        others = pd.DataFrame({"frame_period_s": modes.periods, "frame_effective_mass": shares})
+        others = others[others.index.isin(found.values()) | (shares > LOST)]
+        table = self.table[["mode", "period_s", "effective_mass"]]
+        table = table.set_index(pd.Index([found.get(k, -1 - k) for k in range(len(table))]))
+        periods = table.join(others, how="outer")
+        periods["period_difference"] = periods["period_s"] / periods["frame_period_s"] - 1.0
+        order = periods["period_s"].fillna(periods["frame_period_s"]).sort_values(ascending=False)
+        return periods.loc[order.index].reset_index(drop=True)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Implausible numbers, and what the structure does not have of the frame."""
+        found = list(super().warnings)
+        for row in self.periods.to_dict("records"):
+            own, full, gap = (
+                row[key] for key in ("period_s", "frame_period_s", "period_difference")
+            )
+            share, lost = row["effective_mass"], row["frame_effective_mass"]
+            if abs(gap) > LIMIT:
+                found.append(
+                    f"The period of {own:.4g} s is {full:.4g} s in the frame, a difference of "
+                    f"{gap:+.1%} (limit {LIMIT:.0%}): one rotation of each pier does not describe "
+                    "this mode"
+                )
+            elif np.isnan(own):
+                found.append(
+                    f"The mode of the frame at {full:.4g} s, with {lost:.1%} of the mass, has no "
+                    "counterpart: higher modes of piers and decks are lost"
+                )
+            elif np.isnan(full) and share > LOST:
+                words = f"with {share:.1%} of the mass, has no counterpart in the frame"
+                found.append(f"The mode at {own:.4g} s, {words}")
+        return found
+
+    def tables(self) -> dict[str, Table]:
+        """Return the parts, the modes, and the comparison of periods."""
+        return super().tables() | {"frame": frame_table(self.periods)}
+
+    def show(self) -> None:
+        """Print the structure, its modes, and the comparison of periods."""
+        super().show()
+        show_table(self.tables()["frame"])
+        say(f"Damping ratios are zero and piers elastic: complete {RESOLVED} where needed.")
+
+    def summary(self) -> dict[str, Any]:
+        """Return the content of summary.json."""
+        periods = self.periods.to_dict("records")
+        return super().summary() | {"command": "structures import", "frame": periods}
+
+    def _write(self, folder: Path) -> None:
+        super()._write(folder)
+        write_csv(folder / FRAME_PERIODS, self.periods)

@@ -1,0 +1,105 @@
+"""Drawings of structures: parts to scale, names apart from each other and from the marks."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests.unit.test_figures import overlaps
+from tests.unit.test_lines_and_piers import make_bridge, two_piers
+from tests.verification.frames import TWO_PIERS, written
+from thermobearing.results.figure_style import figure_style
+from thermobearing.structure.figures import _lay_out
+from thermobearing.structure.model import load_structure
+
+
+def test_piers_stand_side_by_side_and_the_deck_lies_over_them() -> None:
+    layout = _lay_out(make_bridge(two_piers()))
+    assert layout.columns["A"] < layout.columns["deck"] < layout.columns["B"]
+    assert layout.ends["A"] == (0.0, 10.0)
+    assert layout.ends["deck"][0] > 10.0
+    assert layout.scaled
+    assert not _lay_out(load_structure("hybrid-pier")).scaled
+
+
+def test_names_of_bearing_lines_lie_apart_and_inside_the_frame() -> None:
+    bridge = make_bridge(two_piers())
+    for first in ("P1", "pier 1, on the left"):
+        named = [first, *(f"{first}, line {k}" for k in range(2, 1 + len(bridge.bearings)))]
+        lines = [
+            line.model_copy(update={"name": name})
+            for line, name in zip(bridge.bearings, named, strict=True)
+        ]
+        figure = tb.examine_structure(bridge.model_copy(update={"bearings": lines})).plot.model()
+        figure.draw_without_rendering()
+        (ax,) = figure.axes
+        shown = {text.get_text().replace("\n", " "): text for text in ax.texts}
+        boxes = [shown[name].get_window_extent() for name in named]
+        for k, box in enumerate(boxes):
+            assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+            assert box.y1 < ax.get_window_extent().y1
+
+
+def test_names_in_plan_lie_apart_and_off_the_marks() -> None:
+    """Six lines along the bridge, then the same with long names, each second one 1 m aside."""
+    bridge = load_structure("five-span-bridge")
+    crowded = [
+        line.model_copy(update={"name": f"{line.name}, upstream side", "x": 2e4 * (k // 2), "y": y})
+        for k, line in enumerate(bridge.bearings)
+        for y in [1e3 * (k % 2)]
+    ]
+    for lines in (bridge.bearings, crowded):
+        plan = bridge.model_copy(update={"bearings": lines})
+        figure = tb.examine_structure(plan).plot.plan()
+        figure.draw_without_rendering()
+        (ax,) = figure.axes
+        boxes = [text.get_window_extent() for text in ax.texts if len(text.get_text()) > 1]
+        assert len(boxes) == len(lines) + 4 + 1  # lines, piers, deck
+        frame = ax.get_window_extent()
+        for k, box in enumerate(boxes):
+            assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+            assert frame.y0 < box.y0 < box.y1 < frame.y1
+            for mark in ax.lines:
+                (at,) = ax.transData.transform(mark.get_xydata())
+                assert not box.contains(*at)
+    scale = np.diff(ax.transData.transform([(0.0, 0.0), (1.0, 1.0)]), axis=0)[0]
+    assert_allclose(scale[0], scale[1])  # to scale
+
+
+def test_supports_with_coordinates_stand_to_scale() -> None:
+    layout = _lay_out(load_structure("five-span-bridge"))
+    assert list(layout.seats.values()) == [0.0, 40.0, 80.0, 120.0, 160.0, 200.0]
+    assert layout.columns["footing P2"] == layout.columns["P2"] == 80.0
+    assert layout.placed
+    assert not _lay_out(load_structure("five-span-girder")).placed
+
+
+@pytest.mark.parametrize("name", ["pier-p1", "five-span-bridge"])
+def test_a_structure_fits_in_a_column_of_a_paper(name: str) -> None:
+    """Its legend is wrapped, and takes no room from the panel."""
+    with figure_style({"width": "single-column"}):
+        found = tb.examine_structure(name)
+        shown = [found.plot.model(), *([found.plot.plan()] if found.structure.plan else [])]
+        for figure in shown:
+            assert overlaps(figure) == []
+            assert figure.axes[0].get_window_extent().height > 1.5 * figure.dpi
+
+
+def test_a_frame_is_drawn_with_its_nodes_apart(tmp_path: Path) -> None:
+    """Each node is named once, nodes at one place together; the structure is in the other panel."""
+    result = tb.import_frame(written(tmp_path, "frame.csv", TWO_PIERS))
+    figure = result.plot.frame()
+    left, right = figure.axes
+    names = [text for text in left.texts if text.get_text()]
+    drawn = ", ".join(text.get_text() for text in names).split(", ")
+    assert sorted(drawn) == sorted(result.frame.nodes)
+    assert "T1, D1" in {text.get_text() for text in names}
+    figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in names]
+    for k, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[:k])
+    dashed = [line for line in left.lines if line.get_linestyle() == "--"]
+    assert len(dashed) == 1
+    assert {"A1", "P1", "P2", "A2", "deck"} <= {text.get_text() for text in right.texts}
