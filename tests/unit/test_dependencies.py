@@ -192,6 +192,7 @@ def test_sdist_holds_what_is_needed(built: Path) -> None:
         ".pyi",
         ".toml",
         ".npz",
+        ".json",
         ".typed",
         ".md",
         *(".css", ".html", ".js", ".typ"),  # of reports

@@ -10,6 +10,7 @@ from thermobearing.commands.common import (
     BAD_INPUT,
     INPUT,
     LABORATORY,
+    RESULT,
     SEARCH,
     Answer,
     Ending,
@@ -20,6 +21,7 @@ from thermobearing.commands.common import (
     with_progress,
 )
 from thermobearing.commands.options import command, fields, option
+from thermobearing.results.directory import QUOFEM
 
 if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
@@ -36,6 +38,9 @@ LIMITS = Annotated[
         "temperature or NRMSE in a validation test. May be repeated.",
         metavar="QUANTITY=NUMBER",
     ),
+]
+FOR_QUOFEM = Annotated[
+    bool, option("--quofem", help="Also write a quoFEM folder, DIR/quofem.", panel=RESULT)
 ]
 FIT_OPTIONS = (
     fields(
@@ -111,7 +116,8 @@ def _identify(
         ),
     ],
     given: dict[str, Any],
-    check: Annotated[bool, option("--check", help="Only check the tests, without a calibration.")],
+    check: Annotated[bool, option("--check", help="Check the tests without calibrating.")],
+    quofem: FOR_QUOFEM,
     limit: LIMITS,
     end: Ending,
 ) -> Answer:
@@ -151,7 +157,14 @@ def _identify(
     if sampled or predicted:
         seed = given.get("seed", 0)
         found = found.with_forecast(_forecast(found, sampled, predicted, seed, end.quiet))
-    return end.save(found, target)
+    answer = end.save(found, target)
+    if quofem:
+        from thermobearing.identify.quofem import write_quofem
+
+        folder = write_quofem(_final(found), target / QUOFEM)
+        if not end.quiet:
+            echo_written(folder)
+    return answer
 
 
 def _fit(
@@ -177,17 +190,23 @@ def _forecast(
     quiet: bool,
 ) -> Any:
     """Return posterior and predictions of a fit; the runs that it takes are announced first."""
-    from thermobearing.identify.result import Identification
     from thermobearing.identify.uncertainty.posterior import forecast, posterior_effort
     from thermobearing.results.time_axis import duration
 
-    final = found if isinstance(found, Identification) else found.final
+    final = _final(found)
     if posterior and not quiet:
         runs, seconds = posterior_effort(final)
         tests = "1 test" if len(final.records) == 1 else f"{len(final.records)} tests"
         effort = f"up to {runs} runs of the model through {tests}, about {duration(seconds)}"
         typer.echo(f"posterior: {effort}", err=True)
     return forecast(final, predict, posterior=posterior, seed=seed)
+
+
+def _final(found: "Identification | CrossValidation") -> "Identification":
+    """Return the calibration, of a cross-validation the one to all tests that are not held out."""
+    from thermobearing.validate.result import CrossValidation
+
+    return found.final if isinstance(found, CrossValidation) else found
 
 
 def _limits(words: list[str] | None) -> dict[str, float]:

@@ -182,11 +182,11 @@ TEMPERATURES, VALIDATED_CYCLES = "temperatures.csv", "cycles.csv"
 FOLDS, THERMOCOUPLES = "folds.csv", "thermocouples.csv"
 REPORT_HTML, REPORT_PDF, WORKBOOK = "report.html", "report.pdf", "report.xlsx"
 CERTIFICATE_HTML, CERTIFICATE_PDF = "certificate.html", "certificate.pdf"
-TITLE, LOGO = "report.toml", "report-logo"
+TITLE, LOGO, QUOFEM = "report.toml", "report-logo", "quofem"
 # All files that commands write into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {
     *(SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, MODES, RIG, TESTED_RANGE),
-    *(DIRECTIONS, COMPONENTS, ROTATION),
+    *(DIRECTIONS, COMPONENTS, ROTATION, QUOFEM, FRAME_PERIODS),
     *(PARTS, LINES, PIERS, STRUCTURE_PARTS, PERIODS, IDENTIFIED, COMPOUND, FIT_TABLE, SAMPLES),
     *(SIDECARS, MOTION, SPECTRUM, FACTORS, SCALE, BOUNDS, BOUNDS_TCL, BOUNDS_PYTHON, ROUNDS),
     *(CHECKS, BEARINGS, TEMPERATURES, VALIDATED_CYCLES, FOLDS, THERMOCOUPLES, ".DS_Store"),

@@ -97,6 +97,18 @@ class Problem:
                 rows.append(np.sqrt(record.weight) * KELVIN_AS / KELVIN * off)
         return np.concatenate(rows)
 
+    def data(self) -> list[Floats]:
+        """Return what the responses of each record are compared with, weighted as the residuals.
+
+        The residuals are linear in the prediction: these are minus those of a prediction of zero.
+        """
+        found = []
+        for record, weight in zip(self.records, self.weights, strict=True):
+            nothing = {title: np.zeros_like(v) for title, v in record.temperatures.items()}
+            zero = Prediction(np.zeros_like(record.force), nothing)
+            found.append(-self._weighted(record, weight, zero))
+        return found
+
     def split_parts(
         self, bearing: Bearing, moved: Sequence[TestRecord], *, fine: bool = True
     ) -> list[Floats] | None:

@@ -1,0 +1,184 @@
+"""A calibration as a folder of quoFEM (NHERI SimCenter): inputs, model, parameters and data.
+
+quoFEM writes the parameters of a run into `params.py`, calls `model.py`, and reads `results.out`.
+Responses are weighted, so that their differences from the data are the residuals of `identify`, and
+parameters are on the scale of the search, on which the prior is uniform. The keys of the inputs
+are those of quoFEM 3.5 and 4 (its examples qfem-0018 and qfem-0034).
+"""
+
+import json
+import re
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import thermobearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import validated
+from thermobearing.core.records import Floats
+from thermobearing.identify.fit.parameters import BACKWARD, Parameter, parameter_set
+from thermobearing.identify.fit.problem import Problem
+from thermobearing.identify.records.record import WEIGHTS, TestRecord
+from thermobearing.identify.result import Identification
+from thermobearing.laws import load, loaded_files
+from thermobearing.results.directory import write_directory
+
+DRIVER, PARAMETERS, MEASURED = "model.py", "params.py", "measured.csv"
+PROBLEM, README = "calibration.json", "README.md"
+RESULTS = "results.out"  # which quoFEM reads
+BEFORE = {"linear": "", "log": "ln_", "log1p": "ln1p_"}  # a symbol, by the scale of the parameter
+SAMPLES = "time", "displacement", "force", "block"
+KEPT = ("name", *SAMPLES, "ambient", "temperatures", "places", *WEIGHTS)  # of a test
+INPUTS = "deterministic.json", "bayesian.json"  # of Dakota, of UCSD-UQ
+MODEL = '''"""Run the tests with the parameters of quoFEM, and write the responses."""
+
+import params
+
+from thermobearing.identify.quofem import write_responses
+
+write_responses(vars(params))
+'''
+
+
+def write_quofem(found: Identification, folder: str | Path) -> Path:
+    """Write a calibration as a folder that quoFEM opens and runs.
+
+    Parameters
+    ----------
+    found : Identification
+        Its free parameters, bounds, tests, weights and starting values are used.
+    folder : str or Path
+        New directory. `bayesian.json` is for TMCMC, `deterministic.json` for least squares.
+
+    Returns
+    -------
+    Path
+        The directory.
+
+    Raises
+    ------
+    OutputError
+        The directory exists, or cannot be written.
+    """
+
+    def _fill(target: Path) -> None:
+        for file in loaded_files():
+            shutil.copy(file, target)
+        starts = {_name(one): _searched(one, one.value) for one in found.pset.free}
+        texts = {
+            DRIVER: MODEL,
+            PARAMETERS: "".join(f"{name} = {value!r}\n" for name, value in starts.items()),
+            MEASURED: _row(found.problem.data(), ","),
+            PROBLEM: json.dumps(_problem_table(found), default=np.ndarray.tolist),
+            README: _readme(found),
+        }
+        texts |= {name: json.dumps(_input(found, name, starts), indent=4) for name in INPUTS}
+        for name, text in texts.items():
+            (target / name).write_text(text, encoding="utf-8")
+
+    return write_directory(Path(folder), _fill)
+
+
+def write_responses(params: Mapping[str, Any], folder: str | Path = ".") -> None:
+    """Run the tests of a folder of `write_quofem` with some parameters, and write results.out.
+
+    `params` holds the values by name, as in params.py. A test that ends early is as far from the
+    data as `identify` takes it to be.
+    """
+    place = Path(folder)
+    table = json.loads((place / PROBLEM).read_text(encoding="utf-8"))
+    for file in table["laws"]:
+        load(place / file)
+    problem = _problem(table)
+    scales = [(one, BACKWARD[one.kind.scale]) for one in problem.pset.free]
+    cube = [one.place(back(float(params[_name(one)]))) for one, back in scales]
+    parts = zip(problem.data(), problem.parts(np.array(cube), fine=True), strict=True)
+    (place / RESULTS).write_text(_row([data + residual for data, residual in parts], " "))
+
+
+def _row(parts: list[Floats], between: str) -> str:
+    return between.join(f"{value:.12g}" for value in np.concatenate(parts)) + "\n"
+
+
+def _name(parameter: Parameter) -> str:
+    """Return the name of a parameter in quoFEM, which is one of Python."""
+    return BEFORE[parameter.kind.scale] + re.sub(r"\W", "_", parameter.kind.symbol)
+
+
+def _searched(parameter: Parameter, value: float) -> float:
+    """Return a value on the scale of the search, between the bounds."""
+    low, high = parameter.ends
+    return low + parameter.place(value) * (high - low)
+
+
+def _problem_table(found: Identification) -> dict[str, Any]:
+    """Return the least-squares problem of a calibration as JSON takes it, without rounding."""
+    ties = {p.kind.key: p.tie for p in found.pset.parameters if p.tie is not None}
+    free = {p.kind.key: (p.lower, p.upper) for p in found.pset.free}
+    tests = []
+    for record, weights in zip(found.problem.records, found.problem.weights, strict=True):
+        test = {name: getattr(record, name) for name in KEPT}
+        tests.append(test | {"clipped": np.flatnonzero(weights == 0.0)})
+    return {
+        "bearing": found.pset.base.model_dump(mode="json"),
+        "free": [*free, *(f"{key} = {factor!r} * {of}" for key, (of, factor) in ties.items())],
+        "bounds": free,
+        "temperatures": found.problem.temperatures,
+        "laws": [Path(file).name for file in loaded_files()],
+        "tests": tests,
+    }
+
+
+def _problem(table: dict[str, Any]) -> Problem:
+    """Return the least-squares problem of `_problem_table`."""
+    records, clipped = [], []
+    for test in table["tests"]:
+        bad = np.zeros(len(test["time"]), dtype=bool)
+        bad[np.array(test.pop("clipped"), dtype=np.int64)] = True
+        clipped.append(bad)
+        samples: dict[str, Any] = {name: np.array(test[name]) for name in SAMPLES}
+        samples["temperatures"] = {k: np.array(v) for k, v in test["temperatures"].items()}
+        records.append(TestRecord(**(test | samples)))
+    bearing = validated(Bearing, table["bearing"], PROBLEM, from_file=False)
+    pset = parameter_set(bearing, table["free"], [], table["bounds"])
+    return Problem(records, pset, temperatures=table["temperatures"], clipped=clipped)
+
+
+def _input(found: Identification, name: str, starts: dict[str, float]) -> dict[str, Any]:
+    """Return an input of quoFEM: applications, their settings, responses and parameters."""
+    variables: list[dict[str, Any]] = []
+    for parameter, (symbol, start) in zip(found.pset.free, starts.items(), strict=True):
+        low, high = parameter.ends
+        kind: dict[str, Any] = {"distribution": "Uniform", "variableClass": "Uncertain"}
+        if name == INPUTS[0]:  # versions of quoFEM differ in the spelling of the start
+            kind = {"distribution": "ContinuousDesign", "variableClass": "Design"}
+            kind |= {"initialpoint": start, "initialPoint": start}
+        ends = {"lowerbound": low, "upperbound": high, "inputType": "Parameters", "refCount": 1}
+        variables.append({"name": symbol, "value": f"RV.{symbol}", **kind, **ends})
+    responses = [
+        {"name": f"test_{number}", "type": "field", "length": len(part)}
+        for number, part in enumerate(found.problem.data(), 1)
+    ]
+    table: dict[str, Any] = json.loads(_template(name))
+    return table | {"EDP": responses, "randomVariables": variables}
+
+
+def _readme(found: Identification) -> str:
+    estimates = [(one.parameter, one.value) for one in found.uncertainty.estimates.values()]
+    return _template(README).format(
+        bearing=found.bearing.name,
+        version=thermobearing.__version__,
+        tests=", ".join(record.name for record in found.records),
+        samples=found.uncertainty.samples,
+        worth=found.uncertainty.effective_samples,
+        wider=(found.uncertainty.samples / found.uncertainty.effective_samples) ** 0.5,
+        found=", ".join(f"{_name(one)} = {_searched(one, value):.6g}" for one, value in estimates),
+    )
+
+
+def _template(name: str) -> str:
+    return data_path("identify", "quofem", name).read_text(encoding="utf-8")
