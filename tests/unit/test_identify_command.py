@@ -172,6 +172,19 @@ def test_laplace_samples_have_the_covariance(found: Identification) -> None:
     np.testing.assert_allclose(draws.std(axis=0), spread, rtol=0.1)
 
 
+def test_samples_do_not_depend_on_the_eigenvectors(monkeypatch: pytest.MonkeyPatch) -> None:
+    """LAPACK may choose any signs, and any axes where eigenvalues are equal."""
+    axes = np.linalg.qr(np.arange(9.0).reshape(3, 3) ** 2 + np.eye(3))[0]
+    values = np.array([4.0, 1.0, 1.0])
+    covariance = (axes * values) @ axes.T
+    expected = posterior._normal_draws(covariance, 5, seed=1)
+    turned = axes.copy()
+    turned[:, 0] *= -1.0
+    turned[:, 1:] = axes[:, 1:] @ np.array([[0.6, -0.8], [0.8, 0.6]])
+    monkeypatch.setattr(np.linalg, "eigh", lambda _: (values, turned))
+    np.testing.assert_allclose(posterior._normal_draws(covariance, 5, seed=1), expected, rtol=1e-12)
+
+
 def test_band_at_a_temperature_that_was_not_tested(found: Identification) -> None:
     band = posterior._predictive_band(found, posterior._laplace_samples(found), -20.0)
     truth = ForwardModel(found.records[0], HDR, fine=True, ambient=-20.0).run(HDR)

@@ -143,11 +143,18 @@ def forecast(
 
 def _laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -> Samples:
     """Draw from the normal distribution of the fit, within the bounds."""
-    rng = np.random.default_rng(seed)
-    values, vectors = np.linalg.eigh(found.uncertainty.covariance)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    draws = found.cube + rng.normal(size=(count, len(found.cube))) @ root.T
+    draws = found.cube + _normal_draws(found.uncertainty.covariance, count, seed)
     return Samples(np.clip(draws, 0.0, 1.0), "laplace")
+
+
+def _normal_draws(covariance: Floats, count: int, seed: int) -> Floats:
+    """Return draws from a normal distribution [count, n], the same ones on every machine.
+
+    The symmetric root of the covariance is unique, signs and axes of eigenvectors are not.
+    """
+    values, axes = np.linalg.eigh(covariance)
+    root = (axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T
+    return np.asarray(np.random.default_rng(seed).normal(size=(count, len(root))) @ root)
 
 
 def need_emcee() -> None:
@@ -210,11 +217,8 @@ def _posterior_samples(
 def _with_assumed(found: Identification, cube: Floats, seed: int) -> Floats:
     """Return draws moved by the uncertainty of the assumed values."""
     assumed, inside = found.uncertainty.assumed, found.uncertainty.inside
-    groups = len(assumed.spread)
-    rng = np.random.default_rng(seed)
-    off = rng.multivariate_normal(np.zeros(groups), assumed.spread, size=len(cube))
     moved = cube.copy()
-    moved[:, inside] += off @ assumed.shifts.T
+    moved[:, inside] += _normal_draws(assumed.spread, len(cube), seed) @ assumed.shifts.T
     return np.clip(moved, 0.0, 1.0)
 
 
