@@ -69,14 +69,17 @@ def write_quofem(found: Identification, folder: str | Path) -> Path:
         for file in loaded_files():
             shutil.copy(file, target)
         starts = {_name(one): _searched(one, one.value) for one in found.pset.free}
+        data = found.problem.data()
         texts = {
             DRIVER: MODEL,
             PARAMETERS: "".join(f"{name} = {value!r}\n" for name, value in starts.items()),
-            MEASURED: _row(found.problem.data(), ","),
+            MEASURED: _row(data, ","),
             PROBLEM: json.dumps(_problem_table(found), default=np.ndarray.tolist),
             README: _readme(found),
         }
-        texts |= {name: json.dumps(_input(found, name, starts), indent=4) for name in INPUTS}
+        lengths = [len(part) for part in data]
+        inputs = {name: _input(found, name, starts, lengths) for name in INPUTS}
+        texts |= {name: json.dumps(table, indent=4) for name, table in inputs.items()}
         for name, text in texts.items():
             (target / name).write_text(text, encoding="utf-8")
 
@@ -148,7 +151,9 @@ def _problem(table: dict[str, Any]) -> Problem:
     return Problem(records, pset, temperatures=table["temperatures"], clipped=clipped)
 
 
-def _input(found: Identification, name: str, starts: dict[str, float]) -> dict[str, Any]:
+def _input(
+    found: Identification, name: str, starts: dict[str, float], lengths: list[int]
+) -> dict[str, Any]:
     """Return an input of quoFEM: applications, their settings, responses and parameters."""
     variables: list[dict[str, Any]] = []
     for parameter, (symbol, start) in zip(found.pset.free, starts.items(), strict=True):
@@ -160,8 +165,8 @@ def _input(found: Identification, name: str, starts: dict[str, float]) -> dict[s
         ends = {"lowerbound": low, "upperbound": high, "inputType": "Parameters", "refCount": 1}
         variables.append({"name": symbol, "value": f"RV.{symbol}", **kind, **ends})
     responses = [
-        {"name": f"test_{number}", "type": "field", "length": len(part)}
-        for number, part in enumerate(found.problem.data(), 1)
+        {"name": f"test_{number}", "type": "field", "length": length}
+        for number, length in enumerate(lengths, 1)
     ]
     table: dict[str, Any] = json.loads(_template(name))
     return table | {"EDP": responses, "randomVariables": variables}
