@@ -1,4 +1,4 @@
-"""Libraries of the faces, for every platform, from one text in LLVM's language.
+"""Libraries of the faces, for every platform, from their texts in the language of LLVM.
 
 llvmlite emits the objects and the linkers in the wheel `ziglang` make libraries of them, all on
 one machine and the same to the byte each time.
@@ -7,21 +7,23 @@ one machine and the same to the byte each time.
 import hashlib
 import json
 import os
-import re
 import struct
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from importlib.metadata import version
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import llvmlite.binding as llvm
 
-from kernels.faces import Compiled
 from kernels.header import header
+from thermobearing.core.compiled.faces import Compiled
 from thermobearing.core.compiled.native import PREFIX
+from thermobearing.core.compiled.objects import IN_LIBRARY, Processor, emit
 
 
 class Target(NamedTuple):
@@ -33,6 +35,13 @@ class Target(NamedTuple):
     features: str
     linker: Sequence[str]
     suffix: str
+
+
+class Emitted(NamedTuple):
+    """An object for a platform."""
+
+    target: Target
+    content: bytes
 
 
 _ZIG = (sys.executable, "-m", "ziglang")
@@ -80,77 +89,42 @@ TARGETS = (
 )
 
 
-def combine(faces: Iterable[Compiled], sources: str) -> str:
-    """Return one module of all faces, which exports these and the digest of the sources.
-
-    What numba adds for Python is dropped.
-    """
-    whole = llvm.parse_assembly(
-        f"""
+def emit_all(faces: Sequence[Compiled], sources: str, targets: Sequence[Target]) -> list[Emitted]:
+    """Return the objects of some faces for each target, made on all cores."""
+    version_of_sources = f"""
 @{PREFIX}sources = constant [{len(sources) + 1} x i8] c"{sources}\\00"
 @_fltused = constant i32 0
 """
-    )
-    for face in faces:
-        whole.link_in(llvm.parse_assembly(_exported(face)))
-    return _without_unused(whole)
+    work = [
+        (target, text)
+        for target in targets
+        for text in (
+            version_of_sources,
+            *(face.text for face in faces if face.for_pages or target.suffix != "wasm"),
+        )
+    ]
+    work.sort(key=lambda item: -len(item[1]))  # the longest first, so that all cores end together
+    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
+        objects = pool.map(_emit, *zip(*work, strict=True))
+        return [Emitted(target, content) for (target, _), content in zip(work, objects, strict=True)]
 
 
-def _exported(face: Compiled) -> str:
-    """Return the text of a face whose function takes the table only."""
-    text = re.sub(r" = common (local_unnamed_addr )?global", r" = internal global", face.text)
-    text = "\n".join(
-        line for line in text.splitlines() if not line.startswith(("target ", "source_filename"))
-    )
-    module = llvm.parse_assembly(text)
-    module.get_function(face.function).name = inner = f"{face.symbol}_with_status"
-    for k, function in enumerate(one for one in module.functions if not one.is_declaration):
-        function.linkage = "internal"
-        if function.name != inner:  # numba's names count what was compiled before
-            function.name = f"{face.symbol}_{k}"
-    return f"""{module}
-define void @{face.symbol}(ptr %table) {{
-  %result = alloca ptr
-  %problem = alloca ptr
-  %status = call i32 @{inner}(ptr %result, ptr %problem, ptr %table)
-  ret void
-}}
-"""
+def _emit(target: Target, text: str) -> bytes:
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    processor = Processor(target.triple, target.processor, target.features)
+    return emit(text, processor, IN_LIBRARY)
 
 
-def _without_unused(module: Any) -> str:
-    target = llvm.Target.from_triple("x86_64-unknown-linux-gnu").create_target_machine()
-    builder = llvm.create_pass_builder(target, llvm.create_pipeline_tuning_options(speed_level=2))
-    passes = llvm.create_new_module_pass_manager()
-    passes.add_global_dead_code_eliminate_pass()
-    passes.add_strip_dead_prototype_pass()
-    passes.run(module, builder)
-    return str(module)
-
-
-def emit(text: str, target: Target) -> bytes:
-    """Return the object of a module for a platform."""
-    machine = llvm.Target.from_triple(target.triple).create_target_machine(
-        cpu=target.processor,
-        features=target.features,
-        opt=3,
-        reloc="pic",
-        codemodel="default",
-    )
-    lines = [line for line in text.splitlines() if not line.startswith("target ")]
-    head = f'target datalayout = "{machine.target_data}"\ntarget triple = "{target.triple}"\n'
-    module = llvm.parse_assembly(head + "\n".join(lines))
-    found: bytes = machine.emit_object(module)
-    return found
-
-
-def link(objects: bytes, target: Target, file: Path, symbols: Sequence[str]) -> None:
-    """Write the library of an object."""
+def link(objects: Sequence[bytes], target: Target, file: Path, symbols: Sequence[str]) -> None:
+    """Write the library of some objects."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "kernels.o").write_bytes(objects)
+        names = [f"kernels{number}.o" for number in range(len(objects))]
+        for object_name, content in zip(names, objects, strict=True):
+            (folder / object_name).write_bytes(content)
         exports = [f"--export={symbol}" for symbol in symbols] if target.suffix == "wasm" else []
-        command = [*target.linker, *exports, "kernels.o", "-o", file.name]
+        command = [*target.linker, *exports, *names, "-o", file.name]
         done = subprocess.run(
             command,
             cwd=folder,
@@ -176,21 +150,16 @@ def build(
     faces: Sequence[Compiled], described: dict[str, Any], folder: Path, targets: Sequence[Target]
 ) -> None:
     """Write the libraries for some platforms and the description of all of them."""
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
-    single = [face for face in faces if face.for_pages]
-    texts = {
-        wide: combine(faces if wide else single, described["sources"])
-        for wide in {target.suffix != "wasm" for target in targets}
-    }
+    emitted = emit_all(faces, described["sources"], targets)
     folder.mkdir(exist_ok=True)
     for old in folder.iterdir():  # of another build, perhaps of other sources
         old.unlink()
     libraries = {}
-    symbols = [face.symbol for face in single] + [f"{PREFIX}sources"]
+    symbols = [face.symbol for face in faces if face.for_pages] + [f"{PREFIX}sources"]
     for target in targets:
         file = folder / f"{target.name}.{target.suffix}"
-        link(emit(texts[target.suffix != "wasm"], target), target, file, symbols)
+        objects = sorted(item.content for item in emitted if item.target == target)
+        link(objects, target, file, symbols)
         content = file.read_bytes()
         libraries[target.name] = {
             "file": file.name,

@@ -1,18 +1,29 @@
-"""Kernels compiled by numba at their first run, and the cache of their machine code.
+"""Kernels as numba compiles them: as parts of what calls them, and alone.
+
+A kernel calls other kernels, and a step has a hundred of them. By itself numba would optimise each
+of these functions together with all that it calls, and make machine code of it, before it goes into
+the functions that call it: the same code a dozen times. Here numba only writes the functions (a
+`Part`); they are linked, optimised and translated once, with the function that Python calls
+(`faces.py`).
 
 Nothing imports this before numba is needed. Importing it teaches numba the kernels and the lanes.
 """
 
 import contextlib
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import llvmlite.binding as llvm
 import numba
 from numba import types
 from numba.core import caching as _caching
+from numba.core import cgutils
+from numba.core import codegen as _codegen
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.imputils import lower_constant
+from numba.core.registry import CPUDispatcher, cpu_target
 from numba.extending import models, register_model, typeof_impl
 
 from thermobearing.core.compiled.kernel import Kernel
@@ -20,6 +31,7 @@ from thermobearing.core.compiled.sources import OPTIONS, cache_directory, kernel
 from thermobearing.core.vector import Choice
 
 caching: Any = _caching  # numba has no types here
+codegen: Any = _codegen
 
 
 class _Locator(caching._CacheLocator):
@@ -73,8 +85,103 @@ class _Cache(caching.FunctionCache):
             super().save_overload(signature, data)
 
 
+class _NoEnvironment:
+    """In place of numba's engine for parts, which have no machine code and run no Python code."""
+
+    def set_env(self, *_: Any) -> None:
+        """Do nothing: an environment is for code that calls the interpreter."""
+
+
+class Part(codegen.JITCodeLibrary):  # type: ignore[misc]
+    """A function as numba has written it, which is not optimised and has no machine code."""
+
+    def __init__(self, *settings: Any) -> None:
+        super().__init__(*settings)
+        self.texts: list[str] = []
+
+    @property
+    def codegen(self) -> Any:
+        """Return what takes the environment of the function."""
+        return _NoEnvironment()
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        """Keep what numba has written."""
+        self.texts.append(cgutils.normalize_ir_text(str(ir_module)))
+
+    def add_linking_library(self, library: Any) -> None:
+        """Keep a library that this one calls."""
+        self._linking_libraries.append(library)
+
+    def finalize(self) -> None:
+        """Do nothing: there is no machine code to be made of a part."""
+        self._finalized = True
+
+    def get_pointer_to_function(self, _: str) -> int:
+        """Return no address: Python does not call a part."""
+        return 0
+
+    def _get_module_for_linking(self) -> Any:
+        """Return the part with all that it calls, for a function that numba compiles alone."""
+        if self._shared_module is None:
+            module = linked(self)
+            for function in module.functions:
+                if not function.is_declaration:
+                    function.linkage = "linkonce_odr"
+            self._shared_module = module
+        return self._shared_module
+
+
+def linked(part: Part) -> Any:
+    """Return a module of LLVM with a part and all that it calls, each once."""
+    module = llvm.parse_assembly("")
+    for library in dict.fromkeys(_called(part)):
+        if isinstance(library, Part):
+            for text in library.texts:
+                module.link_in(llvm.parse_assembly(text))
+        else:
+            module.link_in(library._get_module_for_linking(), preserve=True)
+    return module
+
+
+def _called(library: Any) -> Iterator[Any]:
+    """Yield all libraries that one calls, those that are called by others first, and itself."""
+    waiting = [(library, False)]
+    entered = set()
+    while waiting:
+        library, is_complete = waiting.pop()
+        if is_complete:
+            yield library
+        elif library not in entered:
+            entered.add(library)
+            waiting.append((library, True))
+            if isinstance(library, Part):
+                waiting += [(called, False) for called in reversed(library._linking_libraries)]
+
+
+class _PartDispatcher(CPUDispatcher):  # type: ignore[misc]
+    """A kernel as a part of the functions that call it."""
+
+    def compile(self, signature: Any) -> Any:
+        """Write the function for arguments of some types."""
+        with global_compiler_lock:
+            target = cpu_target.target_context.codegen()
+            usual = target._library_class
+            target._library_class = Part
+            try:
+                return super().compile(signature)
+            finally:
+                target._library_class = usual
+
+
+def new_part(function: Callable[..., Any]) -> Any:
+    """Return a kernel as a part of what calls it."""
+    wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    options = {**OPTIONS, **wrappers, "nopython": True, "boundscheck": None}
+    return _PartDispatcher(py_func=function, locals={}, targetoptions=options)
+
+
 def new_dispatcher(function: Callable[..., Any]) -> Any:
-    """Return a function as numba compiles it, or as it is where numba is disabled."""
+    """Return a function as numba compiles it alone, or as it is where numba is disabled."""
     njit: Any = numba.njit
     dispatcher: Any = njit(**OPTIONS)(function)
     if cache_directory() is not None and hasattr(dispatcher, "_cache"):
@@ -84,7 +191,7 @@ def new_dispatcher(function: Callable[..., Any]) -> Any:
 
 @typeof_impl.register(Kernel)
 def _typeof_kernel(kernel: Kernel, _: Any) -> Any:
-    return types.Dispatcher(kernel.dispatcher)
+    return types.Dispatcher(kernel.part)
 
 
 class ChoiceType(types.Callable, types.Opaque):
@@ -100,7 +207,7 @@ class ChoiceType(types.Callable, types.Opaque):
         while isinstance(kind, types.BaseTuple):
             columns: Any = kind
             kind, rank = columns.types[0], rank + 1
-        return types.Dispatcher(self.choice.versions[rank].dispatcher)
+        return types.Dispatcher(self.choice.versions[rank].part)
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
         """Return the signature of a call."""

@@ -1,8 +1,9 @@
 """The decorator of kernels, and which code runs them.
 
 Every kernel is marked by the decorator `compiled`. Its first call decides what runs it: the library
-that was built ahead of time (`native.py`), numba where there is none (`jit.py`), or plain Python
-under NUMBA_DISABLE_JIT=1. numba is not imported before a kernel needs it.
+that was built ahead of time (`native.py`), machine code that numba makes where there is none
+(`objects.py`), or plain Python under NUMBA_DISABLE_JIT=1. numba is not imported before a kernel is
+compiled.
 """
 
 import importlib.util
@@ -36,8 +37,15 @@ class Kernel:
         return f"{self.__module__.partition('.')[2]}.{self.__qualname__}"
 
     @cached_property
+    def part(self) -> Any:
+        """The function as numba compiles it into other kernels."""
+        from thermobearing.core.compiled.jit import new_part
+
+        return new_part(self.py_func)
+
+    @cached_property
     def dispatcher(self) -> Any:
-        """The function as numba compiles it, for any arguments."""
+        """The function as numba compiles it alone, for any arguments."""
         from thermobearing.core.compiled.jit import new_dispatcher
 
         return new_dispatcher(self.py_func)
@@ -49,15 +57,15 @@ class Kernel:
         return self.run(*given)
 
     def _first_call(self, *given: Any) -> Any:
-        return self.chosen()(*given)
+        return self.chosen(given)(*given)
 
-    def chosen(self) -> Callable[..., Any]:
-        """Return what runs the kernel, which is decided here unless a call has done so."""
+    def chosen(self, given: tuple[Any, ...]) -> Callable[..., Any]:
+        """Return what runs the kernel, which its first arguments decide."""
         if self.run == self._first_call:
-            self.run = self._choose()
+            self.run = self._choose(given)
         return self.run
 
-    def _choose(self) -> Callable[..., Any]:
+    def _choose(self, given: tuple[Any, ...]) -> Callable[..., Any]:
         """Return what runs the kernel from now on."""
         from thermobearing.core.compiled.native import find_face
 
@@ -67,7 +75,9 @@ class Kernel:
         if face is not None:
             return face
         if has_numba():
-            return cast("Callable[..., Any]", self.dispatcher)
+            from thermobearing.core.compiled.objects import find_faces
+
+            return find_faces(self).runner(given)
         if reason:
             raise MissingKernelsError(f"{reason} {NO_NUMBA}")
         return self.py_func
@@ -91,7 +101,7 @@ def prepare(kernel: Callable[..., R], *given: Any) -> Callable[..., R]:
     kernel : marked with `compiled`.
     given : all arguments of a call; those that are numbers stand for any.
     """
-    face = getattr(cast("Kernel", kernel).chosen(), "__self__", None)
+    face = getattr(cast("Kernel", kernel).chosen(given), "__self__", None)
     places = [k for k, one in enumerate(given) if isinstance(one, float | int)]
 
     def call(*numbers: float) -> R:
@@ -116,13 +126,13 @@ def has_numba() -> bool:
 
 
 def is_compiled(kernel: str) -> bool:
-    """Return whether a kernel, as "march.march", needs no compiling before its first run."""
+    """Return whether a kernel, as "core.march.march", needs no compiling before its first run."""
     from thermobearing.core.compiled.native import open_library
 
     if open_library()[0] is not None:
         return True
     folder = cache_directory()
-    return folder is not None and any(folder.rglob(f"{kernel}-*.nbi"))
+    return folder is not None and any(folder.glob(f"*/{kernel}-*.json"))
 
 
 def compiled(function: F) -> F:

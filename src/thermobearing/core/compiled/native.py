@@ -10,8 +10,9 @@ pointer to a table of slots of eight bytes:
     a tuple of records or arrays       the address of a table with all of them, and their number
     a result                           where the face writes it, after the arguments
 
-A record within a record has its slots among those of the outer one. Whatever does not fit the
-description (a file that differs, another processor, an array of another kind) is left to numba.
+A record within a record has its slots among those of the outer one. Where a library does not fit
+(a file that differs, another processor), or an argument (an array of another kind), numba compiles
+a face that does (`objects.py`).
 """
 
 import ctypes
@@ -160,7 +161,8 @@ def find_face(kernel: Kernel) -> tuple[Callable[..., Any] | None, str]:
     entry = library.description["entries"].get(kernel.name)
     if entry is None:
         return None, ""
-    return Face(library, entry, kernel).call, ""
+    function = getattr(library.code, entry["symbol"])
+    return Face(function, library.description, kernel).call, ""
 
 
 @cache
@@ -290,15 +292,31 @@ def _new_kind(described: Any, description: dict[str, Any]) -> Kind:
 
 
 class Face:
-    """A function of a library, with the arguments and results of its kernel."""
+    """A function of one pointer to a table, with the arguments and results of its kernel.
 
-    def __init__(self, library: Library, entry: dict[str, Any], kernel: Kernel) -> None:
+    Parameters
+    ----------
+    function : of ctypes.
+    description : of the records, rows and entries, among them that of the kernel.
+    kernel : what the function runs.
+    other : runs the kernel with arguments that this face was not built for; numba by default.
+    """
+
+    def __init__(
+        self,
+        function: Any,
+        description: dict[str, Any],
+        kernel: Kernel,
+        other: Callable[..., Any] | None = None,
+    ) -> None:
+        entry = description["entries"][kernel.name]
         self.kernel = kernel
-        self.function = getattr(library.code, entry["symbol"])
+        self.other = other or self._run_other
+        self.function = function
         self.function.restype = None
         self.kinds = []
         for _, described in entry["arguments"]:
-            kind: Any = _new_kind(described, library.description)
+            kind: Any = _new_kind(described, description)
             if isinstance(kind, RecordKind):
                 reused = REUSED.get(described["record"].rstrip("2"), 0)
                 kind = TableKind(kind, counted=False, reused=reused)
@@ -322,10 +340,10 @@ class Face:
         views = {code: content.cast(code) for code in "dq"}  # type: ignore[call-overload]
         places = []
         try:
-            for kind, one in zip(self.kinds, given, strict=True):
+            for kind, argument in zip(self.kinds, given, strict=True):
                 if isinstance(kind, NumberKind):
                     places.append((views[kind.format], len(slots)))
-                kind.add(one, slots, held)
+                kind.add(argument, slots, held)
             self.arguments.pack_into(table, 0, *slots)
         except (UnsuitableError, struct.error, ValueError):
             return None
@@ -338,24 +356,29 @@ class Face:
             for (view, place), number in zip(places, numbers, strict=True):
                 view[place] = number
             function(table)
-            found = results(table, first)
-            return found[0] if single else found or None
+            values = results(table, first)
+            return values[0] if single else values or None
 
         return call
 
     def call(self, *given: Any) -> Any:
-        """Call the kernel; arguments that do not fit are left to numba."""
+        """Call the kernel; arguments that do not fit are left to another face."""
         slots: Slots = []
         held: Slots = []
         table = self.table()
         try:
-            for kind, one in zip(self.kinds, given, strict=True):
-                kind.add(one, slots, held)
+            for kind, argument in zip(self.kinds, given, strict=True):
+                kind.add(argument, slots, held)
             self.arguments.pack_into(table, 0, *slots)
         except (UnsuitableError, struct.error, ValueError) as problem:
             if not has_numba():
                 raise UnsuitableError(f"{self.kernel.name}(): {problem}") from None
-            return self.kernel.dispatcher(*given)
+            return self.other(*given)
         self.function(table)
-        found = self.results.unpack_from(table, self.arguments.size)
-        return found[0] if self.single else found or None
+        values = self.results.unpack_from(table, self.arguments.size)
+        return values[0] if self.single else values or None
+
+    def _run_other(self, *given: Any) -> Any:
+        from thermobearing.core.compiled.objects import find_faces
+
+        return find_faces(self.kernel).call(*given)

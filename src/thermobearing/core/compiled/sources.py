@@ -39,6 +39,9 @@ OPTIONS: Any = {
     "nogil": True,
 }
 
+# The files of this folder that decide what machine code is made of the sources.
+COMPILERS = ("faces.py", "jit.py", "objects.py")
+
 ROOM = 25_000_000  # for the machine code of all kernels, and some more [bytes]
 
 
@@ -63,12 +66,15 @@ def sources_digest() -> str:
 
 @cache
 def kernels_digest() -> str:
-    """Return the digest that identifies a set of kernels and the version that compiles them."""
+    """Return the digest that identifies a set of kernels and what compiles them."""
     try:
         compiler = version("numba")
     except PackageNotFoundError:
         compiler = ""
-    return hashlib.sha256(f"{compiler} {sources_digest()}".encode()).hexdigest()[:16]
+    digest = hashlib.sha256(f"{compiler} {sources_digest()}".encode())
+    for name in COMPILERS:
+        digest.update(Path(__file__).with_name(name).read_bytes().replace(b"\r\n", b"\n"))
+    return digest.hexdigest()[:16]
 
 
 @cache

@@ -1,12 +1,13 @@
 """Faces of the kernels: functions of one pointer to a table, for callers without numba.
 
-What a kernel takes is found by running the package: the arguments of each call from Python have
-numba types, and these say all there is to know. Nothing is listed by hand. From the types follow
-the description of the table (`Description`, which `core/compiled/native.py` reads) and the machine
-code that reads it (`compile_face`).
+The arguments of a call from Python have numba types, and these say all there is to know; nothing is
+listed by hand. From the types follow the description of the table (`Description`, which `native.py`
+reads) and the function that reads it, with all that it calls (`compile_face`).
 """
 
+import gc
 import operator
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, NamedTuple
@@ -20,14 +21,15 @@ from numba.extending import intrinsic, lower_builtin, models, register_model, ty
 from numba.np import arrayobj
 
 from thermobearing.core import types as core_types
+from thermobearing.core.compiled.jit import linked, new_part
 from thermobearing.core.compiled.kernel import Kernel
-from thermobearing.core.compiled.native import PREFIX
-from thermobearing.core.compiled.sources import OPTIONS
+from thermobearing.core.compiled.native import PREFIX, UnsuitableError
 from thermobearing.core.lanes import views
 from thermobearing.core.records import row_type
 from thermobearing.structure import types as structure_types
 
 TABLE = types.CPointer(types.int64)
+_NUMBERS = (types.Float, types.Integer, types.Boolean)
 SLOT = ir.IntType(64)
 BYTES = 8
 
@@ -90,7 +92,7 @@ def face_type(kind: Any) -> Any:
 
     Raises
     ------
-    TypeError : tables cannot hold such an argument.
+    UnsuitableError : tables cannot hold such an argument.
     """
     if isinstance(kind, types.BaseNamedTuple):
         inner = [face_type(one) for one in kind.types]
@@ -99,9 +101,9 @@ def face_type(kind: Any) -> Any:
         return Listed(face_type(kind.dtype))
     if isinstance(kind, types.Array) and kind.layout == "C":
         return kind.copy(readonly=False)
-    if isinstance(kind, types.Float | types.Integer | types.Boolean):
+    if isinstance(kind, _NUMBERS):
         return types.unliteral(kind)
-    raise TypeError(f"{kind} has no place in a table")
+    raise UnsuitableError(f"{kind} has no place in a table")
 
 
 def count_slots(kind: Any) -> int:
@@ -166,21 +168,24 @@ def _results(kind: Any) -> list[Any]:
 
 
 class Compiled(NamedTuple):
-    """A face as numba left it."""
+    """A face as numba has written it."""
 
     symbol: str  # what callers use
-    function: str  # the name in the text
-    text: str  # the optimized module in LLVM's language
+    text: str  # the module in the language of LLVM, not optimised; it exports the symbol only
     results: list[Any]  # numba types
     for_pages: bool  # whether a page needs it
 
 
-def compile_face(kernel: Kernel, given: tuple[Any, ...]) -> Compiled:
-    """Compile the function that calls a kernel with what stands in a table.
+def compile_face(kernel: Kernel, kinds_of_call: tuple[Any, ...]) -> Compiled:
+    """Write the function that calls a kernel with what stands in a table.
 
     Records that are arguments stand in tables of their own, and results after all arguments.
+
+    Raises
+    ------
+    UnsuitableError : tables cannot hold such arguments or results.
     """
-    kinds = [face_type(kind) for kind in given]
+    kinds = [face_type(kind) for kind in kinds_of_call]
 
     @intrinsic
     def arguments(_: Any, table: Any) -> Any:
@@ -200,14 +205,16 @@ def compile_face(kernel: Kernel, given: tuple[Any, ...]) -> Compiled:
         return types.Tuple(kinds)(table), code
 
     first = sum(1 if isinstance(kind, types.BaseTuple) else count_slots(kind) for kind in kinds)
-    found: list[Any] = []
+    results: list[Any] = []
 
     @intrinsic
     def write(_: Any, table: Any, result: Any) -> Any:
-        found.append(result)
+        results[:] = _results(result)
 
         def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            for k, kind in enumerate(_results(result)):
+            if not all(isinstance(kind, _NUMBERS) for kind in results):
+                return context.get_dummy_value()  # the kernel is refused below
+            for k, kind in enumerate(results):
                 single = not isinstance(result, types.BaseTuple)
                 value = values[1] if single else builder.extract_value(values[1], k)
                 if not isinstance(kind, types.Float):
@@ -218,58 +225,61 @@ def compile_face(kernel: Kernel, given: tuple[Any, ...]) -> Compiled:
 
         return types.none(table, result), code
 
-    run = kernel.dispatcher
+    run = kernel.part
 
     def face(table: Any) -> None:
         write(table, run(*arguments(table)))
 
-    dispatcher: Any = numba.njit(**OPTIONS)(face)
-    dispatcher.compile((TABLE,))
-    (made,) = dispatcher.overloads.values()
+    dispatcher: Any = new_part(face)
+    with _without_collection():
+        dispatcher.compile((TABLE,))
+    (overload,) = dispatcher.overloads.values()
+    for kind in results:
+        if not isinstance(kind, _NUMBERS):
+            raise UnsuitableError(f"{kind} has no place in a table")
     symbol = PREFIX + kernel.__name__.strip("_")
-    text = made.library.get_llvm_str()
-    return Compiled(
-        symbol, made.fndesc.llvm_func_name, text, _results(found[-1]), is_for_pages(kernel)
-    )
-
-
-class Recorded(Exception):  # noqa: N818  # it stops a run that is not wanted any further
-    """A kernel was called that runs in machine code only."""
+    text = _exported(linked(overload.library), overload.fndesc.llvm_func_name, symbol)
+    return Compiled(symbol, text, results, is_for_pages(kernel))
 
 
 @contextmanager
-def recorded(kernels: list[Kernel]) -> Iterator[dict[str, tuple[Any, ...]]]:
-    """Note the types of the arguments of the first call of each kernel.
-
-    Kernels of structures run as Python, for they would be compiled for these very tuples.
-    """
-    found: dict[str, tuple[Any, ...]] = {}
-    depth = [0]
-
-    def recorder(kernel: Kernel) -> Callable[..., Any]:
-        def call(*given: Any) -> Any:
-            if not depth[0]:
-                found.setdefault(kernel.name, tuple(numba.typeof(one) for one in given))
-            of_core = ".core." in kernel.__module__
-            if not (of_core or is_for_pages(kernel)):
-                raise Recorded(kernel.name)
-            depth[0] += 1
-            run = kernel.dispatcher if of_core else kernel.py_func
-            try:
-                return run(*given)
-            finally:
-                depth[0] -= 1
-
-        return call
-
-    before = [kernel.run for kernel in kernels]
-    for kernel in kernels:
-        kernel.run = recorder(kernel)
+def _without_collection() -> Iterator[None]:
+    """Do not collect garbage: numba makes millions of objects, most of which live until the end."""
+    collecting = gc.isenabled()
+    gc.disable()
     try:
-        yield found
+        yield
     finally:
-        for kernel, run in zip(kernels, before, strict=True):
-            kernel.run = run
+        if collecting:
+            gc.enable()
+
+
+def _exported(module: Any, function: str, symbol: str) -> str:
+    """Return the text of a module that exports one function, which takes the table only.
+
+    The names that numba gives count what was compiled before, so functions get other names: the
+    same kernel has the same text in every process.
+    """
+    inner = f"{symbol}_with_status"
+    module.get_function(function).name = inner
+    defined = [function for function in module.functions if not function.is_declaration]
+    for number, function in enumerate(defined):
+        function.linkage = "internal"
+        if function.name != inner:
+            function.name = f"{symbol}_{number}"
+    for number, variable in enumerate(module.global_variables):
+        if not variable.is_declaration:
+            variable.name = f"{symbol}_variable_{number}"
+    text = re.sub(r" = common (local_unnamed_addr )?global", " = internal global", str(module))
+    lines = [line for line in text.splitlines() if not line.startswith(("target ", "source_file"))]
+    return "\n".join(lines) + f"""
+define void @{symbol}(ptr %table) {{
+  %result = alloca ptr
+  %problem = alloca ptr
+  %status = call i32 @{inner}(ptr %result, ptr %problem, ptr %table)
+  ret void
+}}
+"""
 
 
 def _named_rows() -> dict[str, str]:

@@ -1,0 +1,219 @@
+"""Machine code of single kernels: made when one is first called, and kept for every process.
+
+A checkout has no libraries. There the first call of a kernel compiles its face (`faces.py`) for the
+processor of this machine, and keeps the object and its description in the folder of the user
+(`sources.py`). Later processes load it without numba, which takes a second to import. Where several
+processes need the same kernel at once, one compiles it and the others wait.
+"""
+
+import contextlib
+import ctypes
+import hashlib
+import json
+import os
+import platform
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import llvmlite.binding as llvm
+
+from thermobearing.core.compiled.kernel import Kernel
+from thermobearing.core.compiled.native import Face, UnsuitableError
+from thermobearing.core.compiled.sources import cache_directory, sources_digest
+
+LEVEL = 3  # of LLVM's optimisation, the highest
+
+
+class Processor(NamedTuple):
+    """What machine code is made for, in the words of LLVM."""
+
+    triple: str
+    name: str
+    features: str
+
+
+@cache
+def this_processor() -> Processor:
+    """Return the processor of this machine, or that of NUMBA_CPU_NAME and NUMBA_CPU_FEATURES."""
+    name = os.environ.get("NUMBA_CPU_NAME", "")
+    features = os.environ.get("NUMBA_CPU_FEATURES", "")
+    if not name:
+        name, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    return Processor(llvm.get_process_triple(), name, features)
+
+
+# How the code of a library finds its constants, and that of an object which is loaded into this
+# process: there the two may lie far apart. The choices of numba (JITCPUCodegen).
+IN_LIBRARY = {"reloc": "pic", "codemodel": "default"}
+IN_PROCESS = {
+    "reloc": "static" if platform.machine().lower() in ("x86_64", "amd64") else "default",
+    "codemodel": "jitdefault",
+    "jit": True,
+}
+
+
+def emit(text: str, processor: Processor, addresses: dict[str, Any]) -> bytes:
+    """Return the object of a module in the language of LLVM, optimised for a processor.
+
+    `addresses` is IN_LIBRARY or IN_PROCESS.
+    """
+    machine = llvm.Target.from_triple(processor.triple).create_target_machine(
+        cpu=processor.name, features=processor.features, opt=LEVEL, **addresses
+    )
+    module = llvm.parse_assembly(
+        f'target datalayout = "{machine.target_data}"\n'
+        f'target triple = "{processor.triple}"\n{text}'
+    )
+    options = llvm.create_pipeline_tuning_options(speed_level=LEVEL)
+    options.loop_vectorization = True
+    options.slp_vectorization = False  # as in numba; pairs of floats are slower than single ones
+    passes = llvm.create_pass_builder(machine, options)
+    passes.getModulePassManager().run(module, passes)
+    content: bytes = machine.emit_object(module)
+    return content
+
+
+class Faces:
+    """The faces of a kernel: those that are kept, and those that its calls need besides."""
+
+    def __init__(self, kernel: Kernel) -> None:
+        self.kernel = kernel
+        self.faces = [_load(kernel, self.call, *kept) for kept in _read_kept(kernel)]
+
+    def call(self, *given: Any) -> Any:
+        """Call the kernel, with arguments of any kind."""
+        return self.runner(given)(*given)
+
+    def runner(self, given: tuple[Any, ...]) -> Callable[..., Any]:
+        """Return what runs the kernel with arguments like these."""
+        for face in self.faces:
+            if face.prepare(*given):
+                return face.call
+        try:
+            compiled = _compile_or_wait(self.kernel, given)
+        except UnsuitableError:  # no table can hold them: numba compiles the kernel alone
+            dispatcher: Callable[..., Any] = self.kernel.dispatcher
+            return dispatcher
+        self.faces.append(_load(self.kernel, self.call, *compiled))
+        return self.faces[-1].call
+
+
+@cache
+def find_faces(kernel: Kernel) -> Faces:
+    """Return the faces of a kernel."""
+    return Faces(kernel)
+
+
+def folder_of_objects() -> Path | None:
+    """Return the folder of the objects for this processor; None if none can be kept."""
+    folder = cache_directory()
+    if folder is None:
+        return None
+    words = hashlib.sha256("\n".join(this_processor()).encode()).hexdigest()[:16]
+    return folder / f"{this_processor().name}-{words}"
+
+
+def _read_kept(kernel: Kernel) -> Iterator[tuple[bytes, dict[str, Any]]]:
+    """Yield the objects and descriptions of a kernel that are kept and not damaged."""
+    folder = folder_of_objects()
+    for file in sorted(folder.glob(f"{kernel.name}-*.json")) if folder else ():
+        kept = _read_one(file)
+        if kept is not None:
+            yield kept
+
+
+def _read_one(file: Path) -> tuple[bytes, dict[str, Any]] | None:
+    """Return an object and its description; None if they are absent or damaged."""
+    try:
+        description = json.loads(file.read_text(encoding="utf-8"))
+        content = file.with_suffix(".o").read_bytes()
+        complete = hashlib.sha256(content).hexdigest() == description["sha256"]
+    except (OSError, ValueError, KeyError, TypeError):  # a power cut leaves anything
+        return None
+    return (content, description) if complete else None
+
+
+def _compile_or_wait(kernel: Kernel, given: tuple[Any, ...]) -> tuple[bytes, dict[str, Any]]:
+    """Return the object of a kernel for some arguments, and its description."""
+    import numba
+
+    kinds = tuple(numba.typeof(argument) for argument in given)
+    folder = folder_of_objects()
+    if folder is None:
+        return _compile(kernel, kinds)
+    words = hashlib.sha256(str(kinds).encode()).hexdigest()[:16]
+    file = folder / f"{kernel.name}-{words}.json"
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    with _locked(file.with_suffix(".lock")):
+        kept = _read_one(file)
+        if kept is None:
+            kept = _compile(kernel, kinds)
+            with contextlib.suppress(OSError):  # a full disk must not end the run
+                _keep(file, *kept)
+    return kept
+
+
+@contextlib.contextmanager
+def _locked(file: Path) -> Iterator[None]:
+    """Let one process at a time compile a kernel; none waits where a file cannot be locked."""
+    from filelock import FileLock
+
+    lock = FileLock(file)
+    try:
+        lock.acquire()
+    except (OSError, NotImplementedError):
+        yield
+        return
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def _keep(file: Path, content: bytes, description: dict[str, Any]) -> None:
+    """Write an object, and then its description, each complete or not at all."""
+    described = json.dumps(description).encode()
+    for path, data in ((file.with_suffix(".o"), content), (file, described)):
+        part = path.with_name(f"{path.name}.{os.getpid()}")
+        part.write_bytes(data)
+        os.replace(part, path)
+
+
+def _compile(kernel: Kernel, kinds: tuple[Any, ...]) -> tuple[bytes, dict[str, Any]]:
+    """Compile the face of a kernel for arguments of some numba types."""
+    from thermobearing.core.compiled.faces import Description, compile_face
+
+    compiled = compile_face(kernel, kinds)
+    description = Description()
+    description.add(kernel, kinds, compiled)
+    _initialize()
+    content = emit(compiled.text, this_processor(), IN_PROCESS)
+    digest = hashlib.sha256(content).hexdigest()
+    return content, {**description.all(sources_digest()), "sha256": digest}
+
+
+@cache
+def _initialize() -> None:
+    """Initialise LLVM for this machine."""
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+
+
+def _load(
+    kernel: Kernel, other: Callable[..., Any], content: bytes, description: dict[str, Any]
+) -> Face:
+    """Return the face of an object; `other` runs the kernel with arguments that do not fit it.
+
+    Objects of one kernel export the same name, so each has an engine of its own.
+    """
+    _initialize()
+    machine = llvm.Target.from_triple(this_processor().triple).create_target_machine(**IN_PROCESS)
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(content))
+    engine.finalize_object()
+    address = engine.get_function_address(description["entries"][kernel.name]["symbol"])
+    function: Any = ctypes.CFUNCTYPE(None)(address)
+    function.engine = engine  # it owns the machine code
+    return Face(function, description, kernel, other)
