@@ -11,12 +11,12 @@ so that the energy balance closes to rounding. `published` leaves the side loss 
 matrix (P2: explicit in time, as printed).
 """
 
-from thermobearing.core.compiled.kernel import compiled
+from thermobearing.core.compiled.kernel import compiled, compiled_apart
 from thermobearing.core.records import Floats
 from thermobearing.core.types import Cells, CellWork
 
 
-@compiled
+@compiled_apart
 def factor(rates: Cells, side_implicit: bool, dt: float, cells: CellWork) -> None:
     """LU factors of I + dt/2 M for this dt [s], into the workspace `cells`."""
     half = 0.5 * dt

@@ -34,7 +34,7 @@ import ctypes
 import math
 from typing import Any
 
-from thermobearing.core.compiled.kernel import compiled
+from thermobearing.core.compiled.kernel import compiled, compiled_apart
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.records import Rows
 from thermobearing.core.types import DEPTH, EULER, Layer, Rubber, State, Turn
@@ -99,7 +99,7 @@ def call_in_plane(
     return found  # type: ignore[return-value]
 
 
-@compiled
+@compiled_apart
 def own_on_line(rubber: Rubber, z: float, moved: float) -> tuple[float, float]:
     """Z and dZ/dd after a motion by the law of a user."""
     d_y, r = rubber.yield_displacement, rubber
@@ -107,7 +107,7 @@ def own_on_line(rubber: Rubber, z: float, moved: float) -> tuple[float, float]:
     return u * d_y, slope
 
 
-@compiled
+@compiled_apart
 def own_in_plane(rubber: Rubber, z: Pair, moved: Pair) -> tuple[Pair, Square]:
     """`own_on_line` in a plane."""
     d_y, r = rubber.yield_displacement, rubber
@@ -193,7 +193,7 @@ def euler_increment(
     return z + slope * increment, slope
 
 
-@compiled
+@compiled_apart
 def entry(layer: Layer, turns: Rows[Turn], sigma: float) -> tuple[bool, float, float, float, float]:
     """Find the branch on which a layer sets out in the direction sigma.
 
@@ -209,7 +209,7 @@ def entry(layer: Layer, turns: Rows[Turn], sigma: float) -> tuple[bool, float, f
     return back, known, centre, to_d, to_z
 
 
-@compiled
+@compiled_apart
 def branch(
     layer: Layer, turns: Rows[Turn], d: float, sigma: float
 ) -> tuple[float, float, float, float, float]:
@@ -370,7 +370,7 @@ def _way_from_zero(u: float, d_y: float, curvature: float) -> float:
     return loading + behind
 
 
-@compiled
+@compiled_apart
 def forget(turns: Rows[Turn], full: bool, amplitude: float, d_y: float, curvature: float) -> None:
     """Drop the two oldest inner turning points of DEPTH + 1.
 

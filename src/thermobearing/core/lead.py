@@ -8,7 +8,7 @@ In a plane the yield surface of a core is a circle, to which forces return along
 
 import math
 
-from thermobearing.core.compiled.kernel import compiled
+from thermobearing.core.compiled.kernel import compiled, compiled_apart
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.lead_ends import exchange_at_ends
 from thermobearing.core.types import (
@@ -58,7 +58,7 @@ def _late_factor(t_plus: float) -> float:
     return 8.0 / (3.0 * math.pi) - 0.5 / math.sqrt(math.pi * t_plus) * series
 
 
-@compiled
+@compiled_apart
 def half_space_factor(t_plus: float) -> float:
     """F(t+) of Eq. 5.5: mean surface rise of a disc of constant flux, dimensionless."""
     early = t_plus < 0.6
@@ -80,7 +80,7 @@ def end_factor(start: float, end: float) -> float:
     return 1.0 / half_space_factor(middle * middle)
 
 
-@compiled
+@compiled_apart
 def side_factor(start: float, end: float) -> float:
     """Mean of t+^{-1/3} over a step, exact."""
     after: float = end ** (2.0 / 3.0)
@@ -250,7 +250,7 @@ def exchange(
     return lead_temperature + (heat - passed) / capacity
 
 
-@compiled
+@compiled_apart
 def published_exchange(
     constants: Constants,
     work: Workspace,

@@ -13,7 +13,7 @@ with q the heat flow of one core through the port.
 import math
 from typing import Final
 
-from thermobearing.core.compiled.kernel import compiled
+from thermobearing.core.compiled.kernel import compiled, compiled_apart
 from thermobearing.core.records import Floats
 from thermobearing.core.types import Constants, State, Workspace
 
@@ -36,7 +36,7 @@ def _invert(matrix: Floats) -> None:
                     matrix[i, j] -= factor * matrix[p, j]
 
 
-@compiled
+@compiled_apart
 def factor_ports(constants: Constants, work: Workspace, dt: float) -> None:
     """Return each term's decay over dt [s], its gain from a flow, and the ports' conductance."""
     lead, lead_cells, lead_modes = constants.lead, constants.lead_cells, constants.lead_modes

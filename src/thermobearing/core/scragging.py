@@ -18,14 +18,14 @@ step: force and tangent of the step are what they are for constant stiffness.
 
 import math
 
-from thermobearing.core.compiled.kernel import compiled
+from thermobearing.core.compiled.kernel import compiled, compiled_apart
 from thermobearing.core.lanes.choose import any_lane, select
 from thermobearing.core.records import Rows
 from thermobearing.core.types import Layer, LayerWork, Rubber
 from thermobearing.core.vector import minus, norm
 
 
-@compiled
+@compiled_apart
 def stiffen(rubber: Rubber, layers: Rows[Layer], work: LayerWork) -> None:
     """Multiply both stiffness terms of every layer by what is left of its virgin stiffness."""
     for j in range(len(work.trial)):
@@ -35,7 +35,7 @@ def stiffen(rubber: Rubber, layers: Rows[Layer], work: LayerWork) -> None:
         work.hysteretic[j] *= factor * factor * (1.0 + rubber.scragging_amplitude * unstrained)
 
 
-@compiled
+@compiled_apart
 def wear(rubber: Rubber, old: Rows[Layer], new: Rows[Layer]) -> None:
     """Largest displacement and virgin share after a step."""
     for j in range(len(old)):

@@ -28,7 +28,7 @@ eigenvalue of its symmetric part.
 
 import math
 
-from thermobearing.core.compiled.kernel import compiled
+from thermobearing.core.compiled.kernel import compiled, compiled_apart
 from thermobearing.core.hardening import force_and_tangent, hardening_strain, weight
 from thermobearing.core.hysteresis import NO_MOTION, advance, leaves_branch, start_slope
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
@@ -130,7 +130,7 @@ def _line_slope(
     return slope
 
 
-@compiled
+@compiled_apart
 def search(
     rubber: Rubber,
     multiplicity: Floats,
@@ -205,7 +205,7 @@ def _common_force(
     return force, divide(compliance, by_x), apart
 
 
-@compiled
+@compiled_apart
 def _force_by_weight(
     rubber: Rubber, multiplicity: Floats, work: LayerWork, new: Rows[Layer], x: Vector, w: float
 ) -> Vector:

@@ -12,7 +12,7 @@ search for x may call `move` as often as it needs between one `begin` and one `s
 
 import math
 
-from thermobearing.core.compiled.kernel import compiled
+from thermobearing.core.compiled.kernel import compiled, compiled_apart
 from thermobearing.core.hardening import hardening_strain, strain_factor
 from thermobearing.core.heat import eliminate, factor, substitute
 from thermobearing.core.hysteresis import remember
@@ -81,7 +81,7 @@ def of_piece(p: LawPiece, temperature: float) -> tuple[float, float]:
     return elastic, hysteretic
 
 
-@compiled
+@compiled_apart
 def tabled(law: Rows[LawPiece], temperature: float) -> tuple[float, float]:
     """Logarithms of the factors of the temperature table on the two stiffness terms."""
     k = 0

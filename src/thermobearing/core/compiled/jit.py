@@ -98,6 +98,7 @@ class Part(codegen.JITCodeLibrary):  # type: ignore[misc]
     def __init__(self, *settings: Any) -> None:
         super().__init__(*settings)
         self.texts: list[str] = []
+        self.is_rare = False  # whether it stays a function of its own
 
     @property
     def codegen(self) -> Any:
@@ -137,10 +138,21 @@ def linked(part: Part) -> Any:
     for library in dict.fromkeys(_called(part)):
         if isinstance(library, Part):
             for text in library.texts:
-                module.link_in(llvm.parse_assembly(text))
+                part_module = llvm.parse_assembly(text)
+                if library.is_rare:
+                    _keep_apart(part_module)
+                module.link_in(part_module)
         else:
             module.link_in(library._get_module_for_linking(), preserve=True)
     return module
+
+
+def _keep_apart(module: Any) -> None:
+    """Let the functions of a module be called, and not be written into what calls them."""
+    for function in module.functions:
+        if not function.is_declaration:
+            function.add_function_attribute("noinline")
+            function.add_function_attribute("cold")
 
 
 def _called(library: Any) -> Iterator[Any]:
@@ -161,6 +173,8 @@ def _called(library: Any) -> Iterator[Any]:
 class _PartDispatcher(CPUDispatcher):  # type: ignore[misc]
     """A kernel as a part of the functions that call it."""
 
+    is_rare = False
+
     def compile(self, signature: Any) -> Any:
         """Write the function for arguments of some types."""
         with global_compiler_lock:
@@ -168,16 +182,23 @@ class _PartDispatcher(CPUDispatcher):  # type: ignore[misc]
             usual = target._library_class
             target._library_class = Part
             try:
-                return super().compile(signature)
+                address = super().compile(signature)
             finally:
                 target._library_class = usual
+            for overload in self.overloads.values():
+                overload.library.is_rare = self.is_rare
+            return address
 
 
-def new_part(function: Callable[..., Any]) -> Any:
-    """Return a kernel as a part of what calls it."""
+def new_part(function: Callable[..., Any], *, is_rare: bool = False) -> Any:
+    """Return a kernel as a part of what calls it; a rare one stays a function of its own."""
     wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     options = {**OPTIONS, **wrappers, "nopython": True, "boundscheck": None}
-    return _PartDispatcher(py_func=function, locals={}, targetoptions=options)
+    dispatcher = _PartDispatcher(
+        py_func=function, locals={}, targetoptions={**options, "forceinline": not is_rare}
+    )
+    dispatcher.is_rare = is_rare
+    return dispatcher
 
 
 def new_dispatcher(function: Callable[..., Any]) -> Any:

@@ -26,8 +26,9 @@ class MissingKernelsError(RuntimeError):
 class Kernel:
     """A function that is run as machine code; the plain Python is `py_func`."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], *, is_rare: bool = False) -> None:
         self.py_func = function
+        self.is_rare = is_rare
         self.run: Callable[..., Any] = self._first_call
         update_wrapper(self, function)
 
@@ -41,7 +42,7 @@ class Kernel:
         """The function as numba compiles it into other kernels."""
         from thermobearing.core.compiled.jit import new_part
 
-        return new_part(self.py_func)
+        return new_part(self.py_func, is_rare=self.is_rare)
 
     @cached_property
     def dispatcher(self) -> Any:
@@ -146,3 +147,12 @@ def compiled(function: F) -> F:
     interpreter, so threads may run side by side (`nogil`).
     """
     return cast(F, Kernel(function))
+
+
+def compiled_apart(function: F) -> F:
+    """Mark a function as a kernel that most steps do not run, such as the first step.
+
+    It is called and not written into the kernels that call it. What every step runs stays small
+    then, and fits the instruction cache of a processor (32 kB).
+    """
+    return cast(F, Kernel(function, is_rare=True))
