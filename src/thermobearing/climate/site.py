@@ -17,6 +17,7 @@ from thermobearing.climate.generator import CLIMATES, generate_weather
 from thermobearing.climate.hourly import DAY, Hourly
 from thermobearing.climate.readers import read_weather
 from thermobearing.core.records import Floats, Ints
+from thermobearing.quantities.governing import place_of_least
 
 YEAR = 365  # days of a winter year, at least
 RETURN_PERIOD = 50  # of the design temperature [year]
@@ -118,7 +119,7 @@ def _winters(series: Hourly) -> list[Floats]:
         months = dates.astype("datetime64[M]").astype(np.int64)
         monthly = [days[months % 12 == k] for k in range(12)]
         means = [each.mean() if len(each) else np.inf for each in monthly]
-        begins = (int(np.argmin(means)) + 6) % 12
+        begins = (place_of_least(means) + 6) % 12
         years = (months - begins) // 12
         found = [days[years == year] for year in np.unique(years)]
         found = [winter for winter in found if len(winter) >= YEAR][: 1 if series.recurs else None]

@@ -36,6 +36,7 @@ from thermobearing.model.earlier import BLIND
 from thermobearing.model.handover import DIMENSIONS, PREFIX, state_memory
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
+from thermobearing.quantities.governing import place_of_largest, place_of_least
 from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import find_cycles
 from thermobearing.results.ranges import Row, compare_with_tests, outside_tests, reached_by
@@ -333,7 +334,8 @@ def _rows_worth(result: Result, run: int) -> Ints:
     for first, end in pairwise(sorted(place for place in bounds if place <= count)):
         block = slice(first, end)
         even = np.linspace(0, end - first - 1, min(end - first, POINTS)).round()
-        ends = [turn(values[block]) for values in sides for turn in (np.argmax, np.argmin)]
+        turns = place_of_largest, place_of_least
+        ends = [turn(values[block]) for values in sides for turn in turns]
         kept.append(first + np.concatenate([even, ends]).astype(np.int64))
     return np.unique(np.concatenate(kept))
 

@@ -20,6 +20,7 @@ from thermobearing.core.records import Floats
 from thermobearing.cyclic.comparison import compared_places
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.cyclic.tables import inner_layer
+from thermobearing.quantities.governing import largest_by, place_of_largest
 from thermobearing.quantities.register import quantity
 from thermobearing.results import drawing
 from thermobearing.results.profiles import (
@@ -447,7 +448,7 @@ class Figures(drawing.Figures):
         self._require("force_shares")
         result, count = self._result, len(self._ambient)
         loaded = [n for n, about in enumerate(result.segments) if about["kind"] == "cycles"]
-        largest = max(loaded, key=lambda n: float(result.segments[n]["amplitude_strain"]))
+        largest = largest_by(loaded, lambda n: float(result.segments[n]["amplitude_strain"]))
         size = (max(6.0, 1.5 + 3.0 * count), 5.4)
         title, titles = self._title("shares of the force"), self._run_titles()
         figure, axes = drawing.panels(2, count, size, title, share=True)
@@ -472,7 +473,7 @@ class Figures(drawing.Figures):
         time = self._result.time(run)[rows]
         force = self._data["force"].values[run, rows]
         ax.plot(time - time[0], force, **FORCE)
-        peak, shares = int(np.argmax(force)), []
+        peak, shares = place_of_largest(force), []
         for name, _, colour in SHARES:
             values = self._data[name].values[run, rows]
             ax.plot(time - time[0], values, color=colour, linewidth=1.3)

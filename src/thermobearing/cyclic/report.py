@@ -32,6 +32,7 @@ from thermobearing.cyclic.tables import (
     ratio_table,
     warming,
 )
+from thermobearing.quantities.governing import largest_by, place_of_least
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
 from thermobearing.report.content import RIG, TESTED_RANGE, TESTS, input_table
@@ -197,7 +198,7 @@ def _governing(result: Result, rows: pd.DataFrame, largest: float) -> str:
         f"{KJ * row['energy_kN_mm']:.2f} kJ a cycle)"
         for row in last.to_dict("records")
     ]
-    ambient, force, _ = max(_peaks(result), key=lambda peak: peak[1])
+    ambient, force, _ = largest_by(_peaks(result), lambda peak: peak[1])
     return (
         f"At {percent(largest)} shear strain the equivalent shear modulus G_e of the last cycle is "
         f"{joined(each)}; the largest force is {number(force)} kN, at {degrees([ambient])}."
@@ -221,7 +222,7 @@ def _changes(result: Result, rows: pd.DataFrame) -> str:
     if (last["cycle"] > first["cycle"]).any():
         softer = last["G_eq_MPa"] / first["G_eq_MPa"]
         fall = change(float(softer.min()), "higher", "lower")
-        ambient = degrees([softer.index.tolist()[int(softer.argmin())]])
+        ambient = degrees([softer.index.tolist()[place_of_least(softer)]])
         heated.append(
             f"the modulus of the last cycle of that strain is {fall} than that of its first "
             f"({ambient})"

@@ -17,6 +17,7 @@ from thermobearing.laws import built_in_laws
 from thermobearing.model import checks
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import BOOKS_CLOSE, RIG, input_table, limit_checks
@@ -248,7 +249,8 @@ def governing_checks(rows: pd.DataFrame, *, every_part: bool) -> pd.DataFrame:
     """
     size = rows["used"].where(rows["limit"].notna(), rows["value"]).astype(float).fillna(-np.inf)
     keys = [rows[name] for name in ("code", "bearing", *["part"] * every_part, "what")]
-    found = rows.loc[[values.idxmax() for _, values in size.groupby(keys, sort=False)]]
+    groups = [values for _, values in size.groupby(keys, sort=False)]
+    found = rows.loc[[values.index[place_of_largest(values)] for values in groups]]
     strains = found["what"].str.endswith("strain")
     found.loc[strains, ["value", "limit"]] *= 100.0
     found.loc[strains, "unit"] = "%"

@@ -16,6 +16,7 @@ from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.motions.library import list_motions
+from thermobearing.quantities.governing import order_from_least, place_of_largest, place_of_least
 
 DEMANDS = {  # column of the study's table: title of the panel
     "bearing_strain_max": "bearing strain",
@@ -140,7 +141,7 @@ def _compared(
                 "lower_bound": lower,
                 "upper_bound": upper,
                 "coupled_max": float(values.max()),
-                "coupled_at_degC": float(values.index[int(values.argmax())]),
+                "coupled_at_degC": float(values.index[place_of_largest(values)]),
                 "envelope_over_coupled": ratio,
                 "verdict": _verdict(ratio),
                 **{f"coupled_{t:g}_degC": float(values[t]) for t in ambient},
@@ -167,7 +168,7 @@ def _demanded(study: EarthquakeResult) -> pd.DataFrame:
 
 def least_safe(table: pd.DataFrame) -> pd.DataFrame:
     """Return of several lines or piers the one whose envelope is lowest over the coupled model."""
-    order = table["envelope_over_coupled"].to_numpy().argsort(kind="stable")
+    order = order_from_least(table["envelope_over_coupled"])
     lowest = table.iloc[order].drop_duplicates(["motion", "demand"])
     kept: pd.DataFrame = lowest.sort_index()
     kept.attrs = dict(table.attrs)
@@ -200,9 +201,11 @@ def bound_models(
         known = ", ".join(f"{value:g}" for value in sorted(set(table["strain"])))
         raise InputError(f"strain = {strain:g}: the table has {known}")
     wide = rows.pivot_table(index=["basis", "ambient_degC"], columns="quantity", values="value")
-    ordered = wide.reset_index().sort_values("K_eq").to_dict("records")
+    cycles = wide.reset_index().to_dict("records")
+    stiffness = [float(cycle["K_eq"]) for cycle in cycles]
+    softest, stiffest = place_of_least(stiffness), place_of_largest(stiffness)
     found = []
-    for name, row in (("lower", ordered[0]), ("upper", ordered[-1])):
+    for name, row in (("lower", cycles[softest]), ("upper", cycles[stiffest])):
         amplitude = strain * total_rubber_thickness
         p = backbone(float(row["K_eq"]), float(row["energy"]), amplitude, kind)
         found.append(

@@ -260,7 +260,7 @@ def _wrapped(label: str) -> str:
 def _draw_factors(ax: Axes, rows: pd.DataFrame) -> None:
     """Draw factors of one quantity over temperature, a line and a band for each basis."""
     for basis, (colour, _) in LOOKS.items():
-        one = rows[rows["basis"] == basis].sort_values("ambient_degC")
+        one = rows[rows["basis"] == basis].sort_values("ambient_degC", kind="stable")
         x = one["ambient_degC"].to_numpy()
         if np.isfinite(one["factor_low"]).all():
             low, high = one["factor_low"].to_numpy(), one["factor_high"].to_numpy()

@@ -15,6 +15,7 @@ from thermobearing.core.records import Floats
 from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.checks import Check
+from thermobearing.quantities.governing import place_of_largest
 
 if TYPE_CHECKING:
     from thermobearing.design.case import LineGroup
@@ -125,8 +126,8 @@ def collect_peaks(
                 values = peaks[column][places if name in OF_LINES else slice(None)]
                 row[column] = float(np.fmax.reduce(values))
             if group is not None:
-                ductility = np.nan_to_num(peaks["ductility"], nan=-1.0)
-                row["pier"] = str(data["pier_part"].values[ductility.argmax()])
+                governing = place_of_largest(peaks["ductility"])
+                row["pier"] = str(data["pier_part"].values[governing])
             fails = [k for k, limit in kept.items() if limit is not None and row[k] > limit]
             fails += [str(v) for v in dict.fromkeys(mine["outcome"]) if v != "completed"]
             row |= {"verdict": "NG" if fails else "OK", "fails": " ".join(fails)}
@@ -154,7 +155,7 @@ def envelope(table: pd.DataFrame) -> pd.DataFrame:
         for column in (name for name in COLLECTED.values() if name in mine):
             values = mine[column].to_numpy(dtype=float)
             if np.isfinite(values).any():
-                worst = int(np.nanargmax(values))
+                worst = place_of_largest(values)
                 row = dict(zip(_whose(table), key, strict=True)) | {"peak": column}
                 rows.append(row | {"largest": float(values[worst]), "at_degC": airs[worst]})
     return pd.DataFrame(rows)
@@ -166,7 +167,9 @@ def coldest_sentences(table: pd.DataFrame) -> list[str]:
     for key, mine in table.groupby(_whose(table), sort=False) if len(table) else ():
         rows = mine.to_dict("records")
         cold = min(rows, key=lambda row: row["ambient_degC"])
-        far, force = (max(rows, key=lambda row: row[k]) for k in ("displacement_mm", "force_kN"))
+        far, force = (
+            rows[place_of_largest(mine[name])] for name in ("displacement_mm", "force_kN")
+        )
         fails = f" ({cold['fails']})" if cold["fails"] else ""
         pier = f" of {cold['pier']}" if "pier" in cold else ""
         said.append(

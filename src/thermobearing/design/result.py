@@ -34,6 +34,7 @@ from thermobearing.design.tables import (
 )
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.checks import Check
+from thermobearing.quantities.governing import largest_by
 from thermobearing.quantities.tables import Table
 from thermobearing.results import directory as files
 from thermobearing.results.base import Result
@@ -100,7 +101,7 @@ class Design(Result):
     @property
     def last(self) -> Round:
         """The round that was taken; of several groups the one with the largest strain."""
-        return max(self.taken, key=lambda turn: turn.found / turn.size.total_rubber_thickness)
+        return largest_by(self.taken, lambda turn: turn.found / turn.size.total_rubber_thickness)
 
     @property
     def usable(self) -> bool:

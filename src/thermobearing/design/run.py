@@ -34,6 +34,7 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.model.checks import Check
 from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
+from thermobearing.quantities.governing import order_from_largest
 from thermobearing.structure.model import list_piers
 
 BLIND = 23.0  # degC: the bilinear bearing does not care
@@ -197,7 +198,7 @@ def _at_every_air(
         return pd.DataFrame()
     stiffnesses = [turn.stiffness for turn in rounds]
     used = [turn.found / turn.size.total_rubber_thickness for turn in rounds]
-    groups = [case.groups[k] for k in np.argsort(used)[::-1] if case.line_groups]
+    groups = [case.groups[k] for k in order_from_largest(used) if case.line_groups]
     tables = []
     for items in equal:
         shaken = _round_analysis(case, [one.bearing for one in items], stiffnesses, case.ambient)

@@ -10,6 +10,7 @@ from thermobearing.cyclic.reported import checks_table
 from thermobearing.design.bounds import BOUNDS_NOTE
 from thermobearing.design.codes import FOOTNOTE
 from thermobearing.design.peaks import COLLECTED
+from thermobearing.quantities.governing import least_by
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.words import counted, degrees, printed_unit, tidy
@@ -35,7 +36,7 @@ def bounds_sentences(summary: Summary) -> list[str]:
         early = [f"Some runs did not complete ({summary['outcome']}): {sentence}"]
     verdicts = [row["verdict"] for _, row in rows]
     unsafe, wasteful = verdicts.count("unsafe"), verdicts.count("wasteful")
-    name, least = min(rows, key=lambda pair: pair[1]["envelope_over_coupled"])
+    name, least = least_by(rows, lambda pair: float(pair[1]["envelope_over_coupled"]))
     what = DEMANDS.get(least["demand"], (least["demand"],))[0]
     first = (
         f"Of {counted(len(rows), 'demand')}, {unsafe} are unsafe (below 0.95 of the coupled "

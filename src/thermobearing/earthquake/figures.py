@@ -30,6 +30,7 @@ from thermobearing.earthquake.panels import (
     select_part,
 )
 from thermobearing.earthquake.tables import COMBINATIONS
+from thermobearing.quantities.governing import order_from_largest, place_of_largest
 from thermobearing.quantities.register import quantity
 from thermobearing.results import drawing
 from thermobearing.results.profiles import draw_profile_panels
@@ -115,7 +116,7 @@ class EarthquakeFigures(Panels):
             runs = [int(run) for run in chosen.index[chosen["motion"] == motion]]
             if sizes in self._data:  # the largest first, so that none hides a smaller one
                 size = np.nan_to_num(self._data[sizes].values)
-                runs = sorted(runs, key=lambda run: -float(size[run]))
+                runs = [runs[place] for place in order_from_largest(size[runs])]
             for run in runs:
                 draw(panel, run)
             for place, line in enumerate(panel.get_lines()):  # equal ones remain visible
@@ -170,7 +171,7 @@ class EarthquakeFigures(Panels):
             for run in runs:
                 values = factor * self._values(name, run)
                 if np.isfinite(values).all():
-                    place = int(np.abs(values).argmax())
+                    place = place_of_largest(np.abs(values))
                     mark: drawing.Look = {"color": self._colour(run), "markeredgecolor": "white"}
                     at = [self._values("time", run)[place]], [values[place]]
                     panel.plot(*at, "o", markersize=4.0, zorder=4, **mark)
@@ -359,7 +360,8 @@ class EarthquakeFigures(Panels):
             runs = self._find_runs(bearing=bearing, motion=motion)
             runs = [run for run in runs if self._result.modes[run] == mode]
             largest = {run: np.abs(self._values("bearing_speed", run)).max() for run in runs}
-            for place, run in enumerate(sorted(runs, key=lambda run: -largest[run])):
+            fastest = order_from_largest(list(largest.values()))
+            for place, run in enumerate(runs[k] for k in fastest):
                 speed = self._values("bearing_speed", run)
                 kept, width = drawing.thin(speed, TIME_BINS), 1.1 if place == 0 else 0.7
                 time = self._values(clock, run)[kept]

@@ -13,6 +13,7 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.types import Books
 from thermobearing.cyclic.protocol import lengths
+from thermobearing.quantities.governing import places_of_largest
 from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT, largest_loop
 from thermobearing.structure.model import Pier, list_hinges
@@ -125,7 +126,7 @@ def farthest(values: Any) -> Any:
     [-3.0, nan]
     """
     known = np.asarray(values, dtype=float)
-    place = np.nan_to_num(np.abs(known), nan=-1.0).argmax(axis=-1)[..., None]
+    place = places_of_largest(np.abs(known))[..., None]
     return np.take_along_axis(known, place, axis=-1)[..., 0]
 
 

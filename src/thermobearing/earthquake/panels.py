@@ -15,6 +15,7 @@ from thermobearing.earthquake.measures import DIRECTION, GOVERNING
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.tables import INNER, SINGLE, run_keys
 from thermobearing.model.earlier import REFERENCE
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import quantity
 from thermobearing.results import drawing
 from thermobearing.results.profiles import MOST_PROFILES, ProfilePanel
@@ -226,7 +227,7 @@ class Panels(drawing.Figures):
             room = MARGIN * (last - first)
             values = data[name].values[run][kept] if name else ground[:0]
             known = bool(name) and np.isfinite(values).all()
-            at = [time[int(np.abs(values).argmax())]] if known else []
+            at = [time[place_of_largest(np.abs(values))]] if known else []
             starts += [place - room for place in [first, *at]]
             ends += [place + room for place in [last, *at]]
             lasts.append(time[-1])
@@ -245,7 +246,7 @@ class Panels(drawing.Figures):
         path = path[np.isfinite(path)]
         beyond = np.abs(path) > rotation
         elastic = slice(0, int(beyond.argmax()) if beyond.any() else len(path))
-        place = int(np.abs(path[elastic]).argmax()) if len(path[elastic]) else 0
+        place = place_of_largest(np.abs(path[elastic])) if len(path[elastic]) else 0
         if not path[place]:
             return None
         return rotation, rotation * float(data["pier_moment"][run, place]) / path[place]

@@ -17,6 +17,7 @@ from thermobearing.earthquake.panels import part_names, select_part
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.tables import balance_table, cold_ratios
 from thermobearing.model.options import outdoors
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
@@ -291,7 +292,7 @@ def _largest(result: EarthquakeResult, column: str, part: str = "") -> tuple[flo
     table = result.table
     if not table[column].notna().any():
         return float("nan"), ""
-    place = int(np.nanargmax(table[column].to_numpy(dtype=float)))
+    place = place_of_largest(table[column])
     where = f", {_named(part, table[part].iloc[place])}" if part in table else ""
     return float(table[column].iloc[place]), plain(result.run_names[place] + where)
 
@@ -404,7 +405,7 @@ def _ductilities(result: EarthquakeResult) -> list[Check]:
     found = []
     for what, values in columns:
         if np.isfinite(values).any():
-            place = int(np.nanargmax(values))
+            place = place_of_largest(values)
             label = f"ductility of {what} ({plain(names[place])})"
             largest = float(values[place])
             judged = (1.0, "", source, PASSED) if largest <= 1.0 else unlimited

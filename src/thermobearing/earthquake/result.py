@@ -14,6 +14,7 @@ from thermobearing.cyclic.protocol import LARGEST_STRAIN
 from thermobearing.earthquake import measures, tables
 from thermobearing.earthquake.measures import DIRECTION, farthest
 from thermobearing.model.outcomes import NOT_PHYSICAL
+from thermobearing.quantities.governing import place_of_largest, places_of_largest
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.results import directory
@@ -99,7 +100,7 @@ class EarthquakeResult(DatasetResult):
         torn = table[(table["outcome"] == NOT_PHYSICAL) & (table[STRAIN] > LARGEST_STRAIN)]
         if self.outcome != NOT_PHYSICAL or not len(torn):
             return super().sentence
-        run = int(torn.index[int(torn[STRAIN].argmax())])
+        run = int(torn.index[place_of_largest(torn[STRAIN])])
         line = f"line {table['strain_line'][run]}, " if self.has_parts else ""
         return (
             f"A bearing was strained to {100.0 * table[STRAIN][run]:.0f} % ({line}"
@@ -262,11 +263,11 @@ class EarthquakeResult(DatasetResult):
         for name, (part, peak) in measures.PLACES.items() if self.has_parts else ():
             if part == "pier_part" and not self.has_pier:
                 continue
-            sizes = np.nan_to_num(np.abs(data[peak].values), nan=-1.0)
-            names = data[part].values[sizes.argmax(axis=1)]
-            frame[name] = np.where(sizes.max(axis=1) < 0.0, "", names)
+            sizes = np.abs(data[peak].values)
+            names = data[part].values[places_of_largest(sizes)]
+            frame[name] = np.where(np.isnan(sizes).all(axis=1), "", names)
         same = [name for name in measures.KEYS if name in frame and name != "ambient_degC"]
-        sorted_ = frame.sort_values("ambient_degC")
+        sorted_ = frame.sort_values("ambient_degC", kind="stable")
         warmest = sorted_.groupby(same, sort=False)["bearing_energy_kN_mm"].transform("last")
         frame["energy_of_warmest"] = frame["bearing_energy_kN_mm"] / warmest.loc[frame.index]
         energy = self.energy
@@ -356,7 +357,7 @@ class EarthquakeResult(DatasetResult):
         said, energy = super().warnings, self.energy
         if "actuator_kN_mm" in energy:
             ratios = energy["actuator_kN_mm"] / energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
-            worst = float(ratios.iloc[ratios.abs().argmax()]) if len(ratios) else 0.0
+            worst = float(ratios.iloc[place_of_largest(ratios.abs())]) if len(ratios) else 0.0
             if abs(worst) > LARGEST_ACTUATOR_SHARE:
                 does, damped = ("take", "more") if worst > 0.0 else ("feed", "less")
                 said.append(

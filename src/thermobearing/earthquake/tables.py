@@ -16,6 +16,7 @@ from thermobearing.cyclic.reported import bearing_check_tables
 from thermobearing.earthquake import measures
 from thermobearing.earthquake.motions import rotation_frame
 from thermobearing.model.earlier import REFERENCE
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.words import joined
@@ -316,7 +317,7 @@ def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
             mine = table[table["bearing"] == bearing]
             if column not in mine or not mine[column].notna().any():
                 continue
-            worst = mine.loc[mine[column].idxmax()]
+            worst = mine.iloc[place_of_largest(mine[column])]
             row = {"bearing": bearing, "what": what, "largest": float(worst[column])}
             row |= {"part": str(worst[part]) if several else "", "motion": str(worst["motion"])}
             rows.append(row | {"ambient_degC": float(worst["ambient_degC"])})

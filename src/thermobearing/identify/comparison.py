@@ -12,6 +12,7 @@ from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import Prediction
 from thermobearing.identify.records.cycles import Loop, compare_loops
 from thermobearing.identify.records.record import TestRecord
+from thermobearing.quantities.governing import largest_by
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import Row
 
@@ -141,7 +142,7 @@ class Comparison:
 
 
 def _worst(errors: list[float]) -> float:
-    return max(errors, key=abs) if errors else NAN
+    return largest_by(errors, abs) if errors else NAN
 
 
 def cycles_frame(comparisons: list[Comparison]) -> pd.DataFrame:

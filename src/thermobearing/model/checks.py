@@ -17,6 +17,7 @@ from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.core.records import Floats
 from thermobearing.model.element import BearingElement
+from thermobearing.quantities.governing import largest_by, place_of_least
 
 PASSED, FAILED = "OK", "NG"
 NO_LIMIT, NO_VALUE = "limit not available", "demand not available"
@@ -83,7 +84,7 @@ def failed_checks(rows: Sequence[dict[str, Any]]) -> list[str]:
             found.setdefault((row["bearing"], row["part"], row["what"]), []).append(row)
     said = []
     for (bearing, part, what), mine in found.items():
-        worst = max(mine, key=lambda row: float(row["used"]))
+        worst = largest_by(mine, lambda row: float(row["used"]))
         unit = f" {worst['unit']}".removesuffix(" 1")
         limit = f"the limit is {worst['limit']:.4g}{unit}"
         says = worst["source"] if worst["verdict"] == NOT_MODELLED else limit
@@ -225,7 +226,7 @@ def vertical_checks(
         return []
     plan = bearing.geometry.plan
     areas = overlap_area(plan, displacement)
-    place = int(areas.argmin())
+    place = place_of_least(areas)
     least, moved = float(areas[place]), float(np.linalg.norm(displacement[place]))
     degrees = max(temperature, bearing.hysteresis.reference_temperature)
     modulus = checked_modulus(bearing, temperature)

@@ -12,6 +12,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from thermobearing.motions.measures import significant_interval
 from thermobearing.motions.record import MM_S2_PER_GAL, GroundMotion
 from thermobearing.motions.run import MM_PER_CM, MotionResult, Reference
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.results import drawing
 
 BINS = 2000
@@ -32,7 +33,7 @@ def _draw_histories(axes: Sequence[Axes], motion: GroundMotion, name: str, *, la
         ax.axvspan(*strong, color=drawing.PALE, zorder=0, linewidth=0)
         kept = drawing.thin(values, BINS)
         ax.plot(time[kept], values[kept], color=MOTION_COLOUR, linewidth=0.8)
-        peak = int(np.abs(values).argmax())
+        peak = place_of_largest(np.abs(values))
         ax.plot(time[peak], values[peak], "o", color=drawing.INK, markersize=3.5)
         ax.set_xlim(0.0, time[-1])
         size = name + title.format(abs(values[peak]))

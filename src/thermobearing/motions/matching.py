@@ -250,7 +250,7 @@ def _compare(amplitudes: _Amplitudes, wanted: Floats) -> _Round:
     motion = amplitudes.motion()
     spectrum = response_spectrum(motion, amplitudes.periods, DAMPING)
     error = float(np.sqrt(np.mean((spectrum.acceleration / wanted - 1.0) ** 2)))
-    order = np.argsort(-spectrum.peaks, axis=0)
+    order = np.argsort(-spectrum.peaks, axis=0, kind="stable")
     peaks = np.take_along_axis(spectrum.peaks, order, axis=0)
     times = np.take_along_axis(spectrum.peak_times, order, axis=0)
     # Where a response has one sign only, the other peak is zero.

@@ -8,6 +8,7 @@ from thermobearing.cyclic import reported
 from thermobearing.cyclic.tables import energy_table
 from thermobearing.model.options import ModelOptions
 from thermobearing.opensees.result import ServedResult
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.report import content
 from thermobearing.report.pieces import Pieces, ReportFigure
 from thermobearing.report.words import counted, number, quantity
@@ -71,8 +72,8 @@ def _question(result: ServedResult, case: Mapping[str, Any]) -> str:
 
 def _answer(result: ServedResult) -> list[str]:
     table = result.table
-    moved, pushed = int(table["strain_max"].argmax()), int(table["bearing_force_max_kN"].argmax())
-    warm = int(table["rubber_highest_degC"].argmax())
+    names = "strain_max", "bearing_force_max_kN", "rubber_highest_degC"
+    moved, pushed, warm = (place_of_largest(table[name]) for name in names)
     found = (
         f"The largest shear strain is {100.0 * table['strain_max'][moved]:.0f} % (element "
         f"{table['element'][moved]}), the largest force of one bearing "

@@ -17,6 +17,7 @@ import pandas as pd
 
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import flat
+from thermobearing.quantities.governing import largest_by, least_by
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.report.pieces import (
@@ -153,9 +154,9 @@ def limit_checks(
     found = []
     for (bearing, limit), mine in groups.items():
         name = f"{bearing}: {titles[limit]}" if bearing else titles[limit]
-        above = max(mine, key=lambda row: row["asked"])
+        above = largest_by(mine, lambda row: float(row["asked"]))
         found.append(_check(name, above, bearing, source, lower=False))
-        below = min(mine, key=lambda row: row["asked"])
+        below = least_by(mine, lambda row: float(row["asked"]))
         if below["passed"] and below["asked"] < below["lowest"]:
             found.append(_check(name, below, bearing, source, lower=True))
     return found

@@ -209,7 +209,7 @@ def ambient_colours(ambient: Floats) -> list[str]:
     """Return colours from cold (blue) to warm (red); of a single temperature by its value."""
     place = np.clip((ambient - COLD) / (WARM - COLD), 0.0, 1.0)
     if len(ambient) > 1:
-        place = np.argsort(np.argsort(ambient)) / (len(ambient) - 1)
+        place = np.argsort(np.argsort(ambient, kind="stable")) / (len(ambient) - 1)
     return [to_hex(COLD_TO_WARM(float(p))) for p in place]
 
 

@@ -20,6 +20,7 @@ import numpy as np
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import HUGEST
 from thermobearing.core.records import Floats
+from thermobearing.quantities.governing import TIE, place_of_largest, place_of_least
 from thermobearing.results.loop import measure_loop
 
 # Smallest reference energy of a balance error. Sums of forces of up to 1e4 kN over
@@ -298,13 +299,15 @@ def find_largest_loop(displacement: Floats, alike: float = 0.0) -> tuple[int, in
     first = int((ways >= (1.0 - alike) * ways.max()).argmax())
     other = (d * d[first] < 0.0)[first:]  # on the other side
     end = first + int(other.argmax()) if other.any() else len(d)
-    peak = first + int(ways[first:end].argmax()) if alike else int(ways.argmax())
+    peak = first + place_of_largest(ways[first:end]) if alike else place_of_largest(ways)
     e = d / d[peak]  # 1 at the peak
     rests = not alike and np.ptp(e[-max(2, int(RESTING * len(e))) :]) < NOISE
     after, before = _look_from(e[peak:], LEFT if rests else NOISE), _look_from(e[peak::-1])
     if after.own_end is None or before.own_end is None:
         return None
-    if after.next_end is not None and (before.next_end is None or after.depth >= before.depth):
+    if after.next_end is not None and (
+        before.next_end is None or after.depth >= before.depth - TIE
+    ):
         return peak - before.own_end, peak + after.next_end
     return None if before.next_end is None else (peak - before.next_end, peak + after.own_end)
 
@@ -326,7 +329,7 @@ def _look_from(e: Floats, left: float = NOISE) -> _Side:
         return _Side(own_end, 0.0, None)
     back = e[first:] > NOISE
     stop = first + int(back.argmax()) if back.any() else len(e)
-    deepest = first + int(e[first:stop].argmin())
+    deepest = first + place_of_least(e[first:stop])
     end = _back_at_zero(-e[deepest:], left)
     return _Side(own_end, float(-e[deepest]), None if end is None else deepest + end)
 

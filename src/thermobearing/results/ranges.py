@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from thermobearing.core.records import Floats
+from thermobearing.quantities.governing import largest_by, place_of_largest
 
 Ends = tuple[float, float]
 Row = dict[Any, Any]
@@ -147,7 +148,7 @@ def outside_tests(
         _, title, factor, unit = TESTED[limit]
         passed = [row for row in rows if row["limit"] == limit and row["passed"]]
         if out := [row for row in passed if sign * (row["asked"] - row[end]) > 0]:
-            worst = max(out, key=lambda row: sign * row["asked"])
+            worst = out[place_of_largest([sign * row["asked"] for row in out])]
             many = f"{len(out)} of {runs} runs, most: " if runs > 1 else ""
             where = str(worst["run"]).removeprefix(f"{name}, ")
             found.append(
@@ -166,7 +167,7 @@ def rate_note(rows: Iterable[Mapping[Any, Any]]) -> str:
     out = [row for row in rates if row["passed"] and row["asked"] > row["largest"]]
     if not out:
         return ""
-    worst = max(out, key=lambda row: row["asked"] / row["largest"])
+    worst = largest_by(out, lambda row: float(row["asked"] / row["largest"]))
     many = f"{len(out)} of {len(rates)} runs, most: " if len(rates) > 1 else ""
     return (
         f"strain rates reach {worst['asked']:.3g}/s, {worst['asked'] / worst['largest']:.3g} times "

@@ -8,6 +8,7 @@ import xarray as xr
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.core.records import Floats
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.results.writing import as_attribute, from_attribute
 
 REACHED = ("rig", "tested_range", "bearing_checks")  # attributes with rows of each run
@@ -72,7 +73,7 @@ def temperature_differences(place: str, found: Floats, expected: Floats) -> dict
     error = found - expected
     return {
         f"{place} rms K": float(np.sqrt(np.mean(error**2))),
-        f"{place} largest K": float(error[np.abs(error).argmax()]),
+        f"{place} largest K": float(error[place_of_largest(np.abs(error))]),
     }
 
 

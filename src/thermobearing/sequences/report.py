@@ -14,6 +14,7 @@ from thermobearing.cyclic.dataset import written_part
 from thermobearing.cyclic.report import rig_table, words_of_test
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.measures import BEARING
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report import content
@@ -107,7 +108,7 @@ def _answer(result: SequenceResult) -> list[str]:
     table, rubber = result.table, result.case.bearing.total_rubber_thickness
     force = table[["force_max_kN", "force_min_kN"]].abs().max(axis=1)
     far = table["displacement_max_mm"]
-    pushed, moved = int(force.argmax()), int(far.argmax())
+    pushed, moved = place_of_largest(force), place_of_largest(far)
     governing = (
         f"Of {counted(len(table), 'part')}, the largest force is {number(force[pushed], '.4g')} kN "
         f"({table['part'][pushed]}) and the largest shear strain {100.0 * far[moved] / rubber:.0f} "
@@ -135,7 +136,7 @@ def _memory(table: pd.DataFrame, force: "pd.Series[Any]") -> str:
     for stem, what in (stems | {"lead": "lead"}).items():
         if f"{stem}_end_degC" in table:
             start, end = (table[f"{stem}_{name}_degC"].to_numpy() for name in ("start", "end"))
-            most = int((end - start).argmax())
+            most = place_of_largest(end - start)
             words.append(
                 f"the {what} warms most in {table['part'][most]}, from {number(start[most])} to "
                 f"{number(end[most])} °C"

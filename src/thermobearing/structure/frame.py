@@ -27,6 +27,7 @@ from scipy.sparse.csgraph import connected_components
 
 from thermobearing.border.errors import InputError, nearest, printable, shortened
 from thermobearing.core.records import Floats
+from thermobearing.quantities.governing import largest_by, order_from_largest, place_of_largest
 from thermobearing.quantities.tables import Table
 from thermobearing.results.directory import FRAME_PERIODS, RESOLVED
 from thermobearing.results.screen import say, show_table
@@ -192,7 +193,7 @@ class Frame:
         reduced = allowed.T @ stiffness @ allowed
         values, shapes = eigh(reduced) if len(reduced) else ([1.0], reduced)
         if values[0] <= NO_STIFFNESS:
-            node, way = divmod(int(np.abs(allowed @ shapes[:, 0]).argmax()), len(WAYS))
+            node, way = divmod(place_of_largest(np.abs(allowed @ shapes[:, 0])), len(WAYS))
             raise InputError(
                 f"is a mechanism: nothing resists a motion of node {list(self.nodes)[node]} "
                 f"({WAYS[way]}); add the support, spring or member that does",
@@ -397,7 +398,7 @@ def _condense(frame: Frame) -> tuple[Structure, dict[str, str]]:
         own |= {"body": of[upper], "base": of[lower], "count": one.bearings}
         size = one.stiffness[0] / one.bearings / METRE if one.stiffness else 0.0
         bearings.append(BearingLine(name=one.name, equivalent_stiffness=size, **own))
-    deck = max((one for one in masses if one.body.startswith("deck")), key=lambda one: one.mass)
+    deck = largest_by([one for one in masses if one.body.startswith("deck")], lambda one: one.mass)
     report = {"deck": deck.body}
     if on_piers := [line for line in bearings if line.base != GROUND]:
         name = min(on_piers, key=lambda line: line.body != deck.body).base
@@ -458,7 +459,7 @@ class ImportedFrame(StructureResult):
             fits = (alike[k] > ALIKE) | (within & near)  # equal piers mix their shapes
             fits[list(found.values())] = False
             if fits.any():
-                found[k] = int(np.where(fits, alike[k], -1.0).argmax())
+                found[k] = place_of_largest(np.where(fits, alike[k], -1.0))
         mass, full = (each[:: len(WAYS)] for each in (mass, full))
         shares = np.square(mass @ full) / mass.sum()
         others = pd.DataFrame({"frame_period_s": modes.periods, "frame_effective_mass": shares})
@@ -467,8 +468,8 @@ class ImportedFrame(StructureResult):
         table = table.set_index(pd.Index([found.get(k, -1 - k) for k in range(len(table))]))
         periods = table.join(others, how="outer")
         periods["period_difference"] = periods["period_s"] / periods["frame_period_s"] - 1.0
-        order = periods["period_s"].fillna(periods["frame_period_s"]).sort_values(ascending=False)
-        return periods.loc[order.index].reset_index(drop=True)
+        order = order_from_largest(periods["period_s"].fillna(periods["frame_period_s"]))
+        return periods.iloc[order].reset_index(drop=True)
 
     @property
     def warnings(self) -> list[str]:

@@ -15,6 +15,7 @@ from scipy.linalg import eigh
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.structure.model import (
     DIRECTIONS,
@@ -410,7 +411,7 @@ def _dashpots(parts: list[Part], modes: Modes) -> Floats:
     matrix = np.zeros((len(modes.shapes), len(modes.shapes)))
     for part in parts:
         share = _energies(part, modes.shapes) / modes.frequencies**2
-        matrix += 2.0 * part[0] / modes.frequencies[int(np.argmax(share))] * part[1]
+        matrix += 2.0 * part[0] / modes.frequencies[place_of_largest(share)] * part[1]
     return matrix
 
 

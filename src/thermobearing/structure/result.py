@@ -15,6 +15,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.toml import sourced_toml
 from thermobearing.border.units import parse_quantity
 from thermobearing.core.records import Floats
+from thermobearing.quantities.governing import places_of_largest
 from thermobearing.quantities.tables import Table
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import PERIODS, RESOLVED, STRUCTURE_PARTS
@@ -102,7 +103,7 @@ class StructureResult(Result):
     def table(self) -> pd.DataFrame:
         """One row per mode: period [s], damping ratio, effective mass, shape (largest 1)."""
         modes = self.prepared.modes
-        farthest = np.abs(modes.shapes).argmax(axis=0)
+        farthest = places_of_largest(np.abs(modes.shapes.T))
         shapes = modes.shapes / modes.shapes[farthest, np.arange(len(farthest))]
         if self.structure.plan:  # a coordinate at rest has the rounding of the others
             moved = np.sqrt(np.diag(self.prepared.matrices.mass))[:, None] * np.abs(shapes)

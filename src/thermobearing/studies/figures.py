@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
+from thermobearing.quantities.governing import order_from_least
 from thermobearing.report.content import words
 from thermobearing.results import drawing
 from thermobearing.results.profiles import COLOURS
@@ -300,7 +301,8 @@ def _draw_variance(found: pd.DataFrame, demand: str) -> Figure:
     kinds = [kind for kind in KINDS if kind in found]
     by = "total" if "total" in found else "share"
     rest = found["factor"] == REST
-    rows = pd.concat([found[rest], found[~rest].sort_values(by)])
+    factors = found[~rest]
+    rows = pd.concat([found[rest], factors.iloc[order_from_least(factors[by])]])
     size = (5.6, 1.2 + 0.42 * len(rows))
     title = f"Variance contributions, {column_words(demand)}"
     figure, (ax,) = drawing.panels(1, 1, size, title)

@@ -13,6 +13,7 @@ from thermobearing.identify.report import (
     tests_table,
     thermocouples_table,
 )
+from thermobearing.quantities.governing import largest_by, least_by
 from thermobearing.quantities.tables import Table
 from thermobearing.report import content
 from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
@@ -65,7 +66,7 @@ def _answer(summary: Summary) -> list[str]:
         errors = [(item["errors"][name]["error"], item) for item in known]
         errors = [(error, item) for error, item in errors if error is not None]
         if errors:
-            error, item = max(errors, key=lambda pair: abs(pair[0]))
+            error, item = largest_by(errors, lambda pair: abs(pair[0]))
             worst.append(f"{name} {percent(error, 1)} ({_whose(item, items)})")
     verdict_ = {"within": "meets the limits", "beyond": "exceeds a limit"}.get(
         str(summary["verdict"]), str(summary["verdict"])
@@ -73,7 +74,7 @@ def _answer(summary: Summary) -> list[str]:
     errors_ = f"; largest errors {joined(worst)}" if worst else ""
     found = [*early, f"The model {verdict_}{errors_}."]
     if known:
-        lowest = min(known, key=lambda item: item["R2"])
+        lowest = least_by(known, lambda item: float(item["R2"]))
         largest = [
             f"{name} x {item['largest_loop']['ratio'][name]:.2f}"
             for item in known[:1]

@@ -15,6 +15,7 @@ import numpy as np
 from thermobearing.core.records import Floats
 from thermobearing.identify.case import IdentifyCase
 from thermobearing.identify.fit.problem import ROBUST_SCALE, Problem
+from thermobearing.quantities.governing import order_from_least
 
 Objective = Callable[[Floats], float]
 MAX_INDUCED, MAX_FORAGING, MAX_DIFFUSION = 0.01, 0.02, 0.005  # N_max, V_f, D_max of section 3
@@ -167,7 +168,7 @@ def _starting_points(problem: Problem, first: Floats, case: IdentifyCase) -> lis
     cube = qmc.LatinHypercube(len(first), rng=case.seed).random(PROBES * others)
     probes = np.clip(first + AROUND * (2.0 * cube - 1.0), INSIDE, 1.0 - INSIDE)
     costs = [problem.cost(point) for point in probes]
-    return [first, *(probes[i] for i in np.argsort(costs)[:others])]
+    return [first, *(probes[i] for i in order_from_least(costs)[:others])]
 
 
 def _least_squares(

@@ -29,6 +29,7 @@ from thermobearing.identify.fit.problem import AT_BOUND, Problem, half_cycles, l
 from thermobearing.identify.records.cycles import TURN, turning_points
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.uncertainty.covariance import CLEAR, Group, linearise_assumed
+from thermobearing.quantities.governing import place_of_largest, place_of_least
 
 SATURATED = 0.55  # part of a leg after which Z counts as saturated
 YIELD_STRAINS = (0.05, 0.1, 0.18, 0.3, 0.5, 0.8)  # d_y / t_r to try
@@ -117,7 +118,7 @@ def loop_start(
             trial |= {kinds.SIGMA_Y: stress, kinds.K_L: stiffness}
         trials.append({key: value for key, value in trial.items() if key not in fixed})
     costs = [_cost(base, trial, records, models) for trial in trials]
-    return trials[int(np.argmin(costs))]
+    return trials[place_of_least(costs)]
 
 
 def _lists(base: Bearing, fixed: set[str]) -> tuple[tuple[float, ...], ...]:
@@ -205,7 +206,7 @@ def sensitivities(
         left = np.sqrt(np.diag(np.linalg.inv(information + np.diag(prior))))[: len(free)]
         ratios = np.where(kept, left, ratios)
         over = np.where(kept & movable, ratios / limits, 0.0)
-        worst = int(np.argmax(over))
+        worst = place_of_largest(over)
         if over[worst] <= 1.0:
             break
         kept[worst], prior[worst] = False, 1.0

@@ -27,6 +27,7 @@ from thermobearing.identify.records.treatment import (
     treat,
     warn,
 )
+from thermobearing.quantities.governing import largest_by
 from thermobearing.results.directory import FIGURES, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style
 from thermobearing.results.metrics import loop_energy
@@ -315,7 +316,7 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
         measured = compute_measures(record, record.force, bearing.area, rubber)
     except InputError:  # a cycle with too few samples, which the check of sampling has refused
         return
-    modulus = max(measured, key=lambda m: m.amplitude_mm).G_eq_MPa
+    modulus = largest_by(measured, lambda m: m.amplitude_mm).G_eq_MPa
     stated = f"the equivalent shear modulus at the largest amplitude is {modulus:.3g} MPa"
     if not SOFTEST <= modulus <= STIFFEST:
         less = "less than any rubber" if modulus < SOFTEST else "more than any bearing"

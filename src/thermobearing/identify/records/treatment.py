@@ -30,6 +30,7 @@ from thermobearing.identify.records.cycles import (
     turning_points,
 )
 from thermobearing.identify.records.record import PAUSE, TestRecord
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.report.words import counted
 
 Flags = NDArray[np.bool_]
@@ -346,7 +347,7 @@ def describe_treatment(found: Treatment) -> Iterator[Finding]:
         if flags.any():
             values = getattr(record, name)
             off = np.abs(values - _bridge(record.time, values, flags))
-            worst = int(np.argmax(off))
+            worst = place_of_largest(off)
             said = f"{counted(len(split_runs(flags)), 'spike')} in the {name}, the largest "
             said += f"{off[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
             ask = "not removed; give despike = true in the sidecar, or --despike, to remove them"

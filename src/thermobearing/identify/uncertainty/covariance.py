@@ -24,6 +24,7 @@ from thermobearing.identify.fit.parameters import Parameter, at_one_temperature
 from thermobearing.identify.fit.problem import AT_BOUND, BLOCK_TURN, Linear, Problem, linearise
 from thermobearing.identify.records.cycles import dead_band, estimate_noise, turning_points
 from thermobearing.identify.records.record import TestRecord
+from thermobearing.quantities.governing import largest_by, order_from_largest
 
 PART = 0.25  # of a standard uncertainty: the step of a derivative
 LARGEST_SPREAD = 2.0  # relative standard uncertainty
@@ -421,7 +422,8 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
     """Return likely causes of residuals that are not noise; contradicted assumptions first."""
     if found.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
         return []
-    evidence = sorted(found.assumed.evidence, key=lambda item: -item.explained)
+    groups = found.assumed.evidence
+    evidence = [groups[k] for k in order_from_largest([item.explained for item in groups])]
     if at_one_temperature(record.ambient for record in problem.records):
         evidence = [item for item in evidence if item.group.keys[0] not in (kinds.M_T, kinds.N_T)]
     said = []
@@ -442,7 +444,7 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
         if item.explained > MUCH and abs(item.sigmas) > SURELY * item.stderr
     ]
     if held:  # parameters whose freedom would remove much of the misfit
-        worst = max(held, key=lambda item: item.explained)
+        worst = largest_by(held, lambda item: item.explained)
         name = worst.group.name
         free = [*(item.parameter.kind.symbol for item in found.estimates.values()), name]
         said.append(

@@ -23,6 +23,7 @@ from scipy.special import ndtr, stdtrit
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.core.records import Floats, Ints
 from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
+from thermobearing.quantities.governing import order_from_largest
 from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.run.shard import BAD_INPUT, BROKEN
@@ -318,5 +319,5 @@ def worst_runs(table: pd.DataFrame, count: int = WORST, by: str | None = None) -
     completed = table[table[OUTCOME] == COMPLETED]
     if len(completed) == 0:
         return []
-    order = np.argsort(-_numbers(completed, by or ranked_by(completed)), kind="stable")
+    order = order_from_largest(_numbers(completed, by or ranked_by(completed)))
     return [int(run) for run in completed["run"].iloc[order[:count]]]

@@ -186,7 +186,7 @@ def shares_of_time(levels: Sequence[float], temperatures: Any) -> Floats:
     values = np.asarray(temperatures, dtype=float).ravel()
     if len(at) == 0 or len(values) == 0 or not np.isfinite(values).all():
         raise InputError("needs temperature levels, and temperatures of the site without gaps")
-    order = np.argsort(at)
+    order = np.argsort(at, kind="stable")
     known = at[order]
     if (np.diff(known) <= 0.0).any():
         raise InputError("a temperature level is given twice")
