@@ -23,6 +23,7 @@ from thermobearing.cyclic.protocol import cyclic_test
 from thermobearing.cyclic.run import run
 from thermobearing.model.checks import Check
 from thermobearing.model.earlier import BilinearParameters
+from thermobearing.results.sums import sum_of_products
 
 # The rubber: JRA equivalent linearisation of high damping rubber (Eq. 6.1-6.3).
 Kind = Literal["HDR", "HDR-S"]
@@ -74,12 +75,12 @@ def _powers(strain: float, count: int) -> Floats:
 
 def shear_modulus(compound: DesignRubber, strain: float) -> float:
     """Return design equivalent shear modulus G_e [MPa] at a design shear strain (Eq. 6.2)."""
-    return float(compound.shear_modulus @ _powers(strain, len(compound.shear_modulus)))
+    return sum_of_products(compound.shear_modulus, _powers(strain, len(compound.shear_modulus)))
 
 
 def damping_ratio(compound: DesignRubber, strain: float) -> float:
     """Return design equivalent damping ratio h_B at a design shear strain (Eq. 6.3)."""
-    return float(compound.damping_ratio @ _powers(strain, len(compound.damping_ratio)))
+    return sum_of_products(compound.damping_ratio, _powers(strain, len(compound.damping_ratio)))
 
 
 def equivalent_stiffness(

@@ -40,6 +40,7 @@ from thermobearing.results.ranges import (
     outside_tests,
     reached_by,
 )
+from thermobearing.results.sums import product_in_order
 from thermobearing.results.writing import as_attribute
 from thermobearing.structure.matrices import (
     displacement_row,
@@ -388,7 +389,10 @@ def _bodies(task: "Task", history: StructureHistory) -> Floats:
     ]
     a = history.rows.a[::every]
     ground = task.shaking.ground[: len(history.rows.a) : every]
-    each = [measures.with_resultant((a @ row + ground) / measures.MM_PER_M) for row in rows]
+    each = [
+        measures.with_resultant((product_in_order(a, row) + ground) / measures.MM_PER_M)
+        for row in rows
+    ]
     return np.stack(each, axis=1)
 
 

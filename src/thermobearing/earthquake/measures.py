@@ -16,6 +16,7 @@ from thermobearing.cyclic.protocol import lengths
 from thermobearing.quantities.governing import places_of_largest
 from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT, largest_loop
+from thermobearing.results.sums import product_in_order, sum_of_products
 from thermobearing.structure.model import Pier, list_hinges
 from thermobearing.structure.run import StructureHistory
 
@@ -138,11 +139,11 @@ def structure_traces(task: "Task", history: StructureHistory) -> dict[str, Float
     rotation, moment = _hinge_histories(history, pier.hinges)
     found = {
         "ground_acceleration": ground,
-        "pier_displacement": q @ (top - base),
-        "pier_top_displacement": q @ top,
-        "deck_displacement": q @ deck,
-        "deck_acceleration": a @ deck / MM_PER_M + ground,
-        "pier_top_acceleration": a @ top / MM_PER_M + ground,
+        "pier_displacement": product_in_order(q, top - base),
+        "pier_top_displacement": product_in_order(q, top),
+        "deck_displacement": product_in_order(q, deck),
+        "deck_acceleration": product_in_order(a, deck) / MM_PER_M + ground,
+        "pier_top_acceleration": product_in_order(a, top) / MM_PER_M + ground,
     }
     found = {name: with_resultant(values) for name, values in found.items()}
     return found | {"pier_rotation": rotation, "pier_moment": moment}
@@ -227,8 +228,9 @@ def pier_histories(
     q = history.rows.q
     rotation, moment = _hinge_histories(history, pier.hinges)
     ground = task.shaking.ground[: len(q)]
-    acceleration = with_resultant((history.rows.a @ top + ground) / MM_PER_M)
-    moved, carried = with_resultant(q @ (top - base)), with_resultant(q @ top)
+    acceleration = with_resultant((product_in_order(history.rows.a, top) + ground) / MM_PER_M)
+    moved = with_resultant(product_in_order(q, top - base))
+    carried = with_resultant(product_in_order(q, top))
     return moved, rotation, moment, carried, acceleration
 
 
@@ -311,8 +313,9 @@ def _actuator_work(task: "Task", history: StructureHistory) -> float:
         felt = force - force[0]
         if task.noise is not None:
             felt[1:] += task.noise[: len(felt) - 1]
-        work = 0.5 * (felt[1:] + felt[:-1]) @ np.diff(history.rows.q @ row)
-        found += line.count / line.scale**2 * float(work)
+        moved = np.diff(product_in_order(history.rows.q, row))
+        work = sum_of_products(0.5 * (felt[1:] + felt[:-1]), moved)
+        found += line.count / line.scale**2 * work
     return found
 
 

@@ -17,6 +17,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.results.sums import product_in_order
 from thermobearing.structure.model import (
     DIRECTIONS,
     GROUND,
@@ -200,19 +201,21 @@ def twist_load(structure: Structure) -> tuple[Floats, float]:
     """Return force [n] per angular acceleration of a ground that turns, and inertia [kN mm s2]."""
     mass = np.array([item.mass for item in structure.masses])
     points = np.array([structure.point(item) for item in structure.masses])
-    arms = points - mass @ points / mass.sum()
+    arms = points - product_in_order(points.T, mass) / mass.sum()
     load, inertia = np.zeros(len(_coordinates(structure))), 0.0
     for item, (x, y) in zip(structure.masses, arms, strict=True):
         moving = displacement_row(structure, item.body, item.height, *structure.point(item))
         own = item.twist_inertia or 0.0
-        load -= item.mass * moving @ [-y, x] + own * _twist_row(structure, item.body)
+        load -= item.mass * (x * moving[:, 1] - y * moving[:, 0]) + own * _twist_row(
+            structure, item.body
+        )
         inertia += item.mass * (x * x + y * y) + own
     return load, float(inertia)
 
 
 def _square(row: Floats) -> Floats:
     """Return the matrix of a stiffness or mass of one on a row, or on both of a plan."""
-    return np.outer(row, row) if row.ndim == 1 else row @ row.T
+    return np.outer(row, row) if row.ndim == 1 else product_in_order(row, row.T)
 
 
 def _spring_parts(structure: Structure, spring: Spring) -> list[Part]:
@@ -281,7 +284,7 @@ def _check_mass(mass: Floats, names: list[str], where: str) -> None:
 def hinge_stiffness(structure: Structure, matrices: Matrices) -> Floats:
     """Return the initial stiffness [n, n] of the hinges."""
     values = np.array([hinge.stiffness for hinge in list_hinges(structure)])
-    return np.asarray(matrices.hinge_rows.T @ (values[:, None] * matrices.hinge_rows))
+    return product_in_order(matrices.hinge_rows.T, values[:, None] * matrices.hinge_rows)
 
 
 def line_stiffness(structure: Structure, matrices: Matrices, each: Floats | None = None) -> Floats:
@@ -291,7 +294,7 @@ def line_stiffness(structure: Structure, matrices: Matrices, each: Floats | None
     values = one * np.array([line.count for line in lines])
     rows = _line_rows(matrices)
     values = np.repeat(values, len(rows) // len(values))
-    return np.asarray(rows.T @ (values[:, None] * rows))
+    return product_in_order(rows.T, values[:, None] * rows)
 
 
 def _line_rows(matrices: Matrices) -> Floats:

@@ -29,6 +29,7 @@ from thermobearing.motions.pair import MotionPair, pair_direction, rotation_meas
 from thermobearing.motions.record import GroundMotion, acceleration_unit
 from thermobearing.motions.spectrum import ANGLES, DAMPING, response_spectrum, rotated_spectrum
 from thermobearing.motions.synthesis import LARGEST_SEED
+from thermobearing.results.sums import product_in_order
 from thermobearing.structure.model import Structure
 
 Kind = Literal["normal", "lognormal", "uniform", "triangular"]
@@ -397,8 +398,9 @@ def _directional(pair: MotionPair, scale: ScaleFactor) -> Floats:
         ).acceleration
         return np.asarray(found[:, 0])
     both = np.array([[one.acceleration, one.velocity] for one in (pair.first, pair.second)])
-    turned = [pair_direction(float(angle)) for angle in ANGLES]
-    return np.asarray(np.abs(turned @ both[:, int(scale.measure == "PGV")]).max(axis=1))
+    turned = np.array([pair_direction(float(angle)) for angle in ANGLES])
+    along = product_in_order(turned, both[:, int(scale.measure == "PGV")])
+    return np.asarray(np.abs(along).max(axis=1))
 
 
 def intensity(motion: GroundMotion | MotionPair, scale: ScaleFactor) -> float:
