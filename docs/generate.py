@@ -218,7 +218,7 @@ def quantities_table() -> str:
     from thermobearing.quantities.register import registered_quantities
 
     rows = [
-        [f"`{row.name}`", row.head, row.stored, row.meaning.replace("|", "\\|")]
+        [f"`{row.name}`", row.head, row.stored, row.definition.replace("|", "\\|")]
         for row in sorted(registered_quantities().values(), key=lambda row: row.name)
         if row.stored
     ]

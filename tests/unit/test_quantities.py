@@ -1,14 +1,20 @@
 """The register of quantities, and tables that it describes."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
+from numpy.testing import assert_array_equal
 
 from thermobearing.border.units import conversion
 from thermobearing.quantities import register
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import make_table
 from thermobearing.results.screen import show_table
+from thermobearing.results.writing import json_line, write_csv, write_dataset
 
 ROWS = register.registered_quantities()
 
@@ -24,12 +30,58 @@ def test_a_row_formats_numbers_and_says_its_unit_in_its_name(name: str) -> None:
     row = ROWS[name]
     assert row.head
     for value in (0.0, -12.5, 1e5):
-        float(row.text(value if row.form != "d" else int(value)).replace(register.MINUS, "-"))
+        text = row.text(value if row.form != "d" else int(value))
+        float(text.removeprefix("< ").replace(register.MINUS, "-"))
     ends = {"_kN": "kN", "_degC": "degC", "_kN_mm": ("kN mm", "kN/mm"), "_MPa": "MPa"}
     ends["_s"] = ("s", "m/s", "cm/s", "mm/s")
     for end, unit in ends.items():
         if name.endswith(end):
             assert row.stored in unit if isinstance(unit, tuple) else row.stored == unit
+
+
+RESIDUALS = {
+    **dict.fromkeys(["mechanical_residual", "thermal_residual", "structure_residual"], 1e-12),
+    **dict.fromkeys(["layer_force_mismatch", "layer_force_mismatch_max"], 1e-10),
+    **dict.fromkeys(["layer_force_mismatch_max_kN", "end_velocity_cm_s"], 1e-10),
+    "end_displacement_cm": 1e-10,
+}
+
+
+def test_residuals_say_below_what_they_are_rounding() -> None:
+    assert {name: row.rounding for name, row in ROWS.items() if row.rounding} == RESIDUALS
+    for name, limit in RESIDUALS.items():
+        assert f"0 where less than {limit:.0e}" in ROWS[name].definition
+
+
+@pytest.mark.parametrize(("name", "limit"), RESIDUALS.items())
+def test_rounding_is_zero_in_files_and_a_bound_for_readers(name: str, limit: float) -> None:
+    row = ROWS[name]
+    bound = f"< {limit:.0e}".replace("-", register.MINUS)
+    for value in (0.0, 0.9 * limit, -0.9 * limit, np.float32(0.9 * limit)):
+        assert row.text(value) == bound
+        assert row.without_rounding(value) == row.shown(value) == 0.0
+    for value in (1.1 * limit, -1.1 * limit):
+        assert "<" not in row.text(value)
+        assert row.without_rounding(value) == value
+    assert row.text(np.nan) == ""
+    assert row.without_rounding(None) is None
+    kept = row.without_rounding(np.array([0.5 * limit, np.nan, 2.0 * limit]))
+    assert_array_equal(kept, [0.0, np.nan, 2.0 * limit])
+
+
+def test_files_have_no_digits_of_rounding(tmp_path: Path) -> None:
+    values = {"thermal_residual": [3e-16, -2e-3], "strain_max": [3e-16, 1.0]}
+    write_csv(tmp_path / "table.csv", pd.DataFrame(values))
+    assert pd.read_csv(tmp_path / "table.csv").to_numpy().tolist() == [[0.0, 3e-16], [-2e-3, 1.0]]
+    assert json.loads(json_line({"runs": [{name: v[0] for name, v in values.items()}]})) == {
+        "runs": [{"thermal_residual": 0.0, "strain_max": 3e-16}]
+    }
+    data = xr.Dataset({name: ("run", v) for name, v in values.items()})
+    write_dataset(data, tmp_path / "result.nc")
+    with xr.open_dataset(tmp_path / "result.nc") as stored:
+        assert stored["thermal_residual"].values.tolist() == [0.0, -2e-3]
+        assert stored["strain_max"].values.tolist() == [3e-16, 1.0]
+    assert data["thermal_residual"].values[0] == 3e-16  # the result itself keeps its digits
 
 
 def test_numbers_are_shown_in_the_unit_of_the_head() -> None:

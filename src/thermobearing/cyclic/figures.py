@@ -97,8 +97,9 @@ def _cycle_look(line: str, marker: str, colour: str) -> drawing.Look:
 
 def _residual(value: float) -> str:
     """Return a residual for a title: rounding as a power of ten, a real one in per cent."""
-    text = f"{value:.1e}" if abs(value) < 1e-3 else f"{100.0 * value:.2g} %"
-    return text.replace("-", "\N{MINUS SIGN}")
+    if abs(value) < 1e-3:
+        return quantity("mechanical_residual").text(value)
+    return f"{100.0 * value:.2g} %".replace("-", "\N{MINUS SIGN}")
 
 
 class TimeAxis(DrawnAxis):

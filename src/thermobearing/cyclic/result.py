@@ -17,7 +17,14 @@ from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import COMPARISON, DATASET, HISTORY, RESOLVED
 from thermobearing.results.metrics import energy_balance, find_cycles, loop_energy, measure_cycle
 from thermobearing.results.selection import chosen_runs, selected
-from thermobearing.results.writing import DIGITS, from_attribute, without_formulas, write_dataset
+from thermobearing.results.sums import sum_of_products
+from thermobearing.results.writing import (
+    DIGITS,
+    from_attribute,
+    without_formulas,
+    without_rounding,
+    write_dataset,
+)
 
 CYCLES = "closed_cycle"  # dimension of the measures in a file, and the beginning of their names
 COMPONENT = "component"  # dimension of displacements and forces in a plane
@@ -273,7 +280,7 @@ class Result(DatasetResult):
             )
             elastic -= float(data["recoverable"].values[run, 0])  # of an earlier test
             warmer = data["final_temperature"].values[run] - data["initial_temperature"].values[run]
-            stored = float(capacity @ warmer)
+            stored = sum_of_products(capacity, warmer)
             if self.has_lead:
                 lead = data["lead_temperature"].values[run]
                 stored += lead_capacity * (float(lead[last]) - float(lead[0]))
@@ -293,9 +300,10 @@ class Result(DatasetResult):
         names = ("ambient", "steps", "softened_steps", "layer_force_mismatch_max")
         for ambient, steps, softened, most in zip(*(data[n].values for n in names), strict=True):
             if softened:
+                missing = quantity("layer_force_mismatch_max", form=".3g").text(most)
                 found.append(
                     f"{ambient:g} degC: softened layers in {softened} of {steps} steps, layer law "
-                    f"at most {most:.3g} kN from the force"
+                    f"at most {missing} kN from the force"
                 )
         for name, other in self.compared.items():
             outcomes = zip(other["ambient"].values, other["outcome"].values, strict=True)
@@ -315,7 +323,7 @@ class Result(DatasetResult):
             "outcome": self.outcome,
             "warnings": self.warnings,
             **self._limits_summary(),
-            "runs": [self._run_summary(run) for run in runs],
+            "runs": without_rounding([self._run_summary(run) for run in runs]),
         }
 
     def _run_summary(self, run: int) -> dict[str, Any]:

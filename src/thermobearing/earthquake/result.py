@@ -23,7 +23,7 @@ from thermobearing.results.metrics import LEAST_ENERGY
 from thermobearing.results.ranges import largest_tested, limits_passed, rate_note
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.selection import chosen_runs, gridded, selected
-from thermobearing.results.writing import write_csv, write_dataset
+from thermobearing.results.writing import without_rounding, write_csv, write_dataset
 from thermobearing.structure.model import GROUND
 
 # Of the input. In the default analysis, bearings of runs below it move 13 to 19 % farther without
@@ -505,7 +505,8 @@ class EarthquakeResult(DatasetResult):
         found = []
         if self.runs:
             worst = float(self.energy["structure_residual"].abs().max())
-            found.append(f"energy balance: largest residual {worst:.1e} of the input")
+            text = quantity("structure_residual").text(worst)
+            found.append(f"energy balance: largest residual {text} of the input")
         rate = rate_note(self.tested_range.to_dict("records"))
         return [*found, rate] if rate else found
 
@@ -581,7 +582,7 @@ class EarthquakeResult(DatasetResult):
             "damping_ratios": _numbers(attrs.get("damping_ratios", [])),
             "initial_periods_s": {n: _numbers(attrs[f"initial_periods_s:{n}"]) for n in names},
             "largest": tables.governing_runs(self).to_dict("records"),
-            "runs": runs,
+            "runs": without_rounding(runs),
             **compared,
         }
 

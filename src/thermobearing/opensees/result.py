@@ -29,7 +29,7 @@ from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import DATASET, RESOLVED, TABLE
 from thermobearing.results.metrics import energy_balance
 from thermobearing.results.ranges import compare_with_tests, outside_tests, reached_by
-from thermobearing.results.writing import as_attribute, write_csv, write_dataset
+from thermobearing.results.writing import as_attribute, without_rounding, write_csv, write_dataset
 
 BALANCE = (
     *("work_in", "heat_released", "recoverable", "heat_stored"),
@@ -177,7 +177,7 @@ class ServedResult(DatasetResult):
             "warnings": self.warnings,
             **self._limits_summary(),
             "elements": self.table.to_dict("records"),
-            "energy": self.energy.to_dict("records"),
+            "energy": without_rounding(self.energy.to_dict("records")),
         }
 
     def _write(self, folder: Path) -> None:

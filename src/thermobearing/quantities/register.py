@@ -48,6 +48,7 @@ class Quantity:
     meaning: str = ""  # long name in datasets, and label of an axis
     symbol: str = ""  # in equations, such as "K_eq"
     variable: str = ""  # name in datasets; `name` where the row does not give another one
+    rounding: float = 0.0  # a stored number of less magnitude is rounding: 0 in files
 
     @property
     def title(self) -> str:
@@ -61,23 +62,55 @@ class Quantity:
         return f"{words} [{self.unit}]" if self.unit else words
 
     @property
+    def definition(self) -> str:
+        """The meaning, and below what magnitude files have 0."""
+        limit = f"{self.rounding:.0e} {self.stored}".removesuffix(" 1")
+        return (
+            f"{self.meaning or self.head}; 0 where less than {limit}"
+            if self.rounding
+            else self.meaning
+        )
+
+    def without_rounding(self, value: Any) -> Any:
+        """Return a stored number, or an array of them, with 0 for what is rounding only.
+
+        The digits of such a number depend on the processor.
+
+        >>> quantity("thermal_residual").without_rounding(-2.3e-16)
+        0.0
+        """
+        if not self.rounding or value is None or isinstance(value, str):
+            return value
+        if isinstance(value, int | float | np.number):
+            return 0.0 if abs(value) < self.rounding else value
+        return np.where(np.abs(value) < self.rounding, 0.0, value)
+
+    @property
     def attributes(self) -> dict[str, str]:
         """Attributes of a variable of a dataset: `units` and `long_name`."""
         return {"units": self.stored or "1", "long_name": self.meaning or self.head}
 
     def shown(self, value: Any) -> Any:
         """Return a stored number in the unit that readers see; words and integers as they are."""
+        value = self.without_rounding(value)
         if self.factor == 1.0 or value is None or isinstance(value, str):
             return value
         return self.factor * value
 
     def text(self, value: Any) -> str:
-        """Return a cell with a value in `unit`; nothing for None and NaN."""
+        """Return a cell with a value in `unit`; nothing for None and NaN, a bound for rounding.
+
+        >>> quantity("thermal_residual").text(0.0)
+        '< 1e−12'
+        """
         if value is None or (isinstance(value, float | np.floating) and not np.isfinite(value)):
             return ""
         if isinstance(value, bool | np.bool_):
             return "yes" if value else "no"
         if isinstance(value, int | float | np.integer | np.floating):
+            limit = self.factor * self.rounding
+            if abs(value) < limit:
+                return f"< {format_number(limit, '.0e')}"
             return format_number(value, self.form)
         return str(value)
 

@@ -18,7 +18,7 @@ import pandas as pd
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import flat
 from thermobearing.quantities.governing import largest_by, least_by
-from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.report.pieces import (
     EXCEEDED,
@@ -190,6 +190,7 @@ def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table
     heads = ("Energy balance", "Largest", "Limit", "Source of the limit", "Verdict")
     forms = ("", ".1e", ".0e", "", "")
     columns = [Quantity(head, form=form) for head, form in zip(heads, forms, strict=True)]
+    columns[1] = replace(columns[1], rounding=quantity("structure_residual").rounding)
     return Table("Numerical quality", columns, cells), warnings
 
 

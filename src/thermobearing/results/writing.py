@@ -12,6 +12,7 @@ import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from thermobearing.quantities.register import registered_quantities
 from thermobearing.results.directory import SUMMARY
 
 if TYPE_CHECKING:
@@ -42,9 +43,32 @@ def without_nan(value: Any) -> Any:
     return value
 
 
+def without_rounding(value: Any) -> Any:
+    """Return content of a JSON file with 0 for numbers of residuals that are rounding only."""
+    if isinstance(value, dict):
+        return {key: _cleared(key, without_rounding(item)) for key, item in value.items()}
+    return [without_rounding(item) for item in value] if isinstance(value, list) else value
+
+
+def _cleared(name: Any, value: Any) -> Any:
+    """Return a number of a quantity, or an array, with 0 for what is rounding only."""
+    row = registered_quantities().get(str(name))
+    return row.without_rounding(value) if row and row.rounding else value
+
+
+def clear_rounding(table: "pd.DataFrame") -> "pd.DataFrame":
+    """Return a table with 0 for numbers of residuals that are rounding only."""
+    cleared = {
+        name: values
+        for name, column in table.items()
+        if column.dtype.kind == "f" and (values := _cleared(name, column)) is not column
+    }
+    return table.assign(**cleared) if cleared else table
+
+
 def json_line(value: Any) -> str:
     """Return a value as one line of JSON, for programs that read the last line of a command."""
-    return json.dumps(without_nan(value), allow_nan=False)
+    return json.dumps(without_nan(without_rounding(value)), allow_nan=False)
 
 
 def _command_line() -> str | None:
@@ -58,7 +82,8 @@ def write_summary(folder: Path, content: dict[str, Any]) -> None:
     """Write summary.json into a folder; with the command line where no case is written."""
     if content.get("command") in WITHOUT_CASE and (typed := _command_line()):
         content = content | {"command_line": typed}
-    text = json.dumps(without_nan(content), indent=2, allow_nan=False, ensure_ascii=False)
+    content = without_nan(without_rounding(content))
+    text = json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False)
     # A file name that is no text keeps its bytes as lone surrogates; JSON has an escape for them.
     (folder / SUMMARY).write_text(text + "\n", encoding="utf-8", errors="backslashreplace")
 
@@ -68,7 +93,7 @@ def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None
 
     Numbers are converted to text here: pandas checks each for missing values, which is slower.
     """
-    table = without_formulas(table)
+    table = without_formulas(clear_rounding(table))
     texts = {
         str(name): ["" if value != value else DIGITS % value for value in column.tolist()]
         for name, column in table.items()
@@ -109,12 +134,20 @@ def from_attribute(dataset: "xr.Dataset", name: str) -> Any:
 
 
 def write_dataset(dataset: "xr.Dataset", path: Path) -> None:
-    """Write netCDF, with numbers compressed without loss.
+    """Write netCDF, with numbers compressed without loss, and 0 for mere rounding.
 
     Attributes whose names hold the name of a thing, which netCDF may not take ("HDR 1/6"), are
     written as one; `read_dataset` takes them apart.
     """
     unfit = {name: value for name, value in dataset.attrs.items() if not NETCDF_NAME.match(name)}
+    residuals = {row.variable: row for row in registered_quantities().values() if row.rounding}
+    dataset = dataset.assign(
+        {
+            name: dataset[name].copy(data=row.without_rounding(dataset[name].values))
+            for name, row in residuals.items()
+            if name in dataset
+        }
+    )
     if unfit:
         fit = {name: value for name, value in dataset.attrs.items() if name not in unfit}
         dataset = dataset.copy(deep=False)

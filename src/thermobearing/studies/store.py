@@ -38,7 +38,7 @@ from thermobearing.earthquake.dataset import padded
 from thermobearing.earthquake.measures import HISTORIES
 from thermobearing.quantities.register import quantity
 from thermobearing.results.directory import write_directory
-from thermobearing.results.writing import without_formulas, write_dataset
+from thermobearing.results.writing import clear_rounding, without_formulas, write_dataset
 from thermobearing.studies.definition.designs import THINGS, in_lockstep, list_targets
 from thermobearing.studies.definition.motions import MADE, matched_motions_bytes
 from thermobearing.studies.definition.record import Study
@@ -139,7 +139,9 @@ MOST_ROWS = 1_048_575  # of a sheet of a workbook, without the head
 def write_table(table: pd.DataFrame, path: Path, *, overwrite: bool = False) -> None:
     """Write a table of runs as .csv or .xlsx."""
     if path.suffix == ".csv":
-        write_file(path, without_formulas(table).to_csv(index=False), overwrite=overwrite)
+        write_file(
+            path, without_formulas(clear_rounding(table)).to_csv(index=False), overwrite=overwrite
+        )
         return
     if path.suffix != ".xlsx":
         raise InputError(f'"{path}": must end in .csv or .xlsx')
