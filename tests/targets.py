@@ -96,7 +96,7 @@ def list_targets(*, numba: bool) -> list[Target]:
         if feature in features:
             variables = {"OPENBLAS_CORETYPE": name}
             found.append(Target(f"openblas-{name}", variables, frozenset(BLAS[name])))
-    simd = np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])  # type: ignore[call-overload]
+    simd = np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])
     if simd:
         variables = {"NPY_DISABLE_CPU_FEATURES": " ".join(simd)}
         found.append(Target("numpy-baseline", variables, plain_numpy=True))

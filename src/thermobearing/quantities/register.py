@@ -81,8 +81,8 @@ class Quantity:
         """
         if not self.rounding or value is None or isinstance(value, str):
             return value
-        if isinstance(value, int | float | np.number):
-            return 0.0 if abs(value) < self.rounding else value
+        if np.ndim(value) == 0:
+            return 0.0 if abs(float(value)) < self.rounding else value
         return np.where(np.abs(value) < self.rounding, 0.0, value)
 
     @property
@@ -109,7 +109,7 @@ class Quantity:
             return "yes" if value else "no"
         if isinstance(value, int | float | np.integer | np.floating):
             limit = self.factor * self.rounding
-            if abs(value) < limit:
+            if abs(float(value)) < limit:
                 return f"< {format_number(limit, '.0e')}"
             return format_number(value, self.form)
         return str(value)

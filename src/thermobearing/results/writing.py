@@ -59,7 +59,7 @@ def _cleared(name: Any, value: Any) -> Any:
 def clear_rounding(table: "pd.DataFrame") -> "pd.DataFrame":
     """Return a table with 0 for numbers of residuals that are rounding only."""
     cleared = {
-        name: values
+        str(name): values
         for name, column in table.items()
         if column.dtype.kind == "f" and (values := _cleared(name, column)) is not column
     }
