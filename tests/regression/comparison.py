@@ -107,7 +107,7 @@ def _numbers(values: np.ndarray) -> str:
         return "no numbers"
     digits = 6 if values.dtype == np.float32 else 12
     measures = (known[0], known[-1], known.min(), known.max(), known.mean(dtype=np.float64))
-    least = max(NO_DIGITS * float(np.abs(known).max()), NO_DIGITS)
+    least = max(NO_DIGITS * float(np.abs(known).max()), tol.GOLDEN_FLOOR)  # rounding, or ignored
     return " ".join("0" if abs(value) < least else f"{value:.{digits}g}" for value in measures)
 
 

@@ -48,7 +48,7 @@ class Quantity:
     meaning: str = ""  # long name in datasets, and label of an axis
     symbol: str = ""  # in equations, such as "K_eq"
     variable: str = ""  # name in datasets; `name` where the row does not give another one
-    rounding: float = 0.0  # a stored number of less magnitude is rounding: 0 in files
+    rounding: float = 0.0  # a stored number of less magnitude is rounding: 0 in JSON and CSV
 
     @property
     def title(self) -> str:
@@ -63,7 +63,7 @@ class Quantity:
 
     @property
     def definition(self) -> str:
-        """The meaning, and below what magnitude files have 0."""
+        """The meaning, and below what magnitude JSON and CSV files have 0."""
         limit = f"{self.rounding:.0e} {self.stored}".removesuffix(" 1")
         return (
             f"{self.meaning or self.head}; 0 where less than {limit}"

@@ -134,20 +134,12 @@ def from_attribute(dataset: "xr.Dataset", name: str) -> Any:
 
 
 def write_dataset(dataset: "xr.Dataset", path: Path) -> None:
-    """Write netCDF, with numbers compressed without loss, and 0 for mere rounding.
+    """Write netCDF, with numbers compressed without loss.
 
     Attributes whose names hold the name of a thing, which netCDF may not take ("HDR 1/6"), are
     written as one; `read_dataset` takes them apart.
     """
     unfit = {name: value for name, value in dataset.attrs.items() if not NETCDF_NAME.match(name)}
-    residuals = {row.variable: row for row in registered_quantities().values() if row.rounding}
-    dataset = dataset.assign(
-        {
-            name: dataset[name].copy(data=row.without_rounding(dataset[name].values))
-            for name, row in residuals.items()
-            if name in dataset
-        }
-    )
     if unfit:
         fit = {name: value for name, value in dataset.attrs.items() if name not in unfit}
         dataset = dataset.copy(deep=False)
