@@ -3,6 +3,7 @@
 import ast
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -12,6 +13,7 @@ from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import pytest
+from pathspec import GitIgnoreSpec  # of hatchling
 
 import thermobearing
 from thermobearing.border.threads import VARIABLES
@@ -176,6 +178,22 @@ def test_wheel_works_outside_the_repository(built: Path, tmp_path: Path) -> None
     assert done.stdout.split() == ["completed", "18", "pier-p1"]
 
 
+def listed_files() -> set[str]:
+    """The files under version control; without git, those that .gitignore does not exclude."""
+    if shutil.which("git"):
+        command = ["git", "ls-files"]
+        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+        return set(done.stdout.splitlines())
+    excluded = GitIgnoreSpec.from_lines([*(ROOT / ".gitignore").read_text().splitlines(), ".git"])
+    names: set[str] = set()
+    for place, folders, files in os.walk(ROOT):
+        above = Path(place).relative_to(ROOT)
+        folders[:] = [name for name in folders if not excluded.match_file(f"{above / name}/")]
+        paths = {(above / name).as_posix() for name in files}
+        names |= {path for path in paths if not excluded.match_file(path)}
+    return names
+
+
 def test_sdist_holds_what_is_needed(built: Path) -> None:
     (sdist,) = built.glob("*.tar.gz")
     with tarfile.open(sdist) as packed:
@@ -183,9 +201,7 @@ def test_sdist_holds_what_is_needed(built: Path) -> None:
     parts = [Path(name).parts for name in names]
     assert {part[1] for part in parts} >= NEEDED
     if (ROOT / ".git").exists():
-        command = ["git", "ls-files"]
-        listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-        assert set(listed.stdout.splitlines()) <= {"/".join(part[1:]) for part in parts}
+        assert listed_files() <= {"/".join(part[1:]) for part in parts}
     sources = [part for part in parts if part[1] == "src"]
     assert {Path(*part).suffix for part in sources} == {
         ".py",

@@ -22,6 +22,7 @@ from thermobearing.identify.records.cycles import compare_loops
 from thermobearing.motions import report as motions_report
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.run import examine_motion
+from thermobearing.report import pdf
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
 from thermobearing.report.template import _arranged
 from thermobearing.reporting import make_report
@@ -88,18 +89,34 @@ def test_certificate_of_a_fit(fitted: SavedResult, record: tb.TestRecord) -> Non
     assert " 1/s" not in made.answer[0].replace("rate 1/s", "")
 
 
-def test_certificate_is_one_page(fitted: SavedResult) -> None:
+@pytest.mark.parametrize("fonts", ["installed", "none"])
+def test_certificate_is_one_page(
+    fonts: str, fitted: SavedResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Codes and a warning replace letters that no font of the machine has."""
     pytest.importorskip("typst", reason="pip install 'thermobearing[report]'")
     pdfium = pytest.importorskip("pypdfium2", reason="pip install pypdfium2")
-    title = {"project": "Brücke 12, Niño", "client": "国土交通省", "number": "B-12"}
+    if fonts == "none":
+        for name in ("_undrawn", "_compiled"):
+            function = getattr(pdf, name)
+            monkeypatch.setattr(
+                pdf, name, lambda *given, call=function, **_: call(*given, system_fonts=False)
+            )
+    client = "国土交通省"
+    title = {"project": "Brücke 12, Niño", "client": client, "number": "B-12"}
     files = make_report(fitted.path, title=title, certificate=True)
     assert [file.name for file in files] == ["certificate.html", "certificate.pdf"]
     document = pdfium.PdfDocument(files[1])
     assert len(document) == 1
     page = document[0].get_textpage().get_text_bounded()
-    assert all(word in page for word in ("Brücke 12, Niño", "国土交通省", "Approved by", "K_r"))
+    assert all(word in page for word in ("Brücke 12, Niño", "Approved by", "K_r"))
+    codes = "".join(f"[U+{ord(letter):04X}]" for letter in client)
+    replaced = codes in "".join(page.split())
+    assert replaced == (client not in page) == ("fonts-noto-cjk" in page)
+    assert replaced or fonts == "installed"
     assert page.count("kN/mm") == 3  # in two heads and beside K_r, each on one line
     text = files[0].read_text(encoding="utf-8")
+    assert client in text
     assert text.count("Signature") == 3
 
 

@@ -3,6 +3,7 @@
 import _thread
 import math
 import re
+import signal
 import socket
 import threading
 import time
@@ -292,6 +293,15 @@ def test_a_limit_stops_the_test(
     )
 
 
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Handle SIGINT as in a terminal: jobs that a script starts in the background ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_stops_the_specimen() -> None:
     def _interrupt(server: Server, force: float) -> float:
         if len(server.commands) == AFTER:

@@ -30,6 +30,7 @@ KIND = b"tb-ops-1"
 HEAD = struct.Struct("=8s9q5d")  # `Head` in kernels/opensees.c
 ALIGNED = 64  # [bytes]
 STEP = "core.step.step"
+BUILD = "A material of OpenSees needs kernels compiled ahead of time: in a clone, run `make kernels`."
 
 
 class _Image:
@@ -75,7 +76,8 @@ def write_material(
 ) -> Path:
     """Write what `uniaxialMaterial ThermoBearing TAG FILE` reads in Tcl and xara.
 
-    The file belongs to this machine: it names the library with the kernels.
+    The file belongs to this machine: it names the library with the kernels, which a wheel has and
+    `make kernels` builds in a clone.
 
     Parameters
     ----------
@@ -100,7 +102,7 @@ def write_material(
     >>> import tempfile, thermobearing as tb
     >>> pier = tb.element("shen-hdr-bridge", ambient=-20)
     >>> folder = tempfile.mkdtemp()
-    >>> write_material(Path(folder, "pier"), pier, units="kN-m").name
+    >>> write_material(Path(folder, "pier"), pier, units="kN-m").name  # doctest: +SKIP
     'pier'
     """
     if element.constants.rubber.law != 0:
@@ -125,7 +127,7 @@ def _pack(
     scales = factors.length, count / factors.force
     library, reason = native.open_library()
     if library is None:
-        raise InputError(f"{reason} A material of OpenSees needs them.")
+        raise InputError(f"{reason} {BUILD}")
     image = _Image(library.description)
     kinds = dict(library.description["entries"][STEP]["arguments"])
     state = element.state
@@ -164,7 +166,7 @@ def _material_library() -> ctypes.PyDLL:
     try:
         code = ctypes.PyDLL(str(file))  # openseespy writes messages through Python
     except OSError as problem:
-        raise InputError(f"materials of OpenSees: {problem}; `make kernels` builds it") from None
+        raise InputError(f"{problem}. {BUILD}") from None
     code.thermobearing_problem.restype = ctypes.c_char_p
     code.thermobearing_image.restype = ctypes.c_void_p
     return code
