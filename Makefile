@@ -42,6 +42,7 @@ $(PROGRAM): pyproject.toml
 
 $(TESTS): $(PROGRAM)
 	$(BIN)/python -m pip install --quiet -e ".[test]"
+	command -v cc > /dev/null || $(BIN)/python -m pip install --quiet -e ".[kernels]"
 	touch $@
 
 $(LINKER): $(PROGRAM)

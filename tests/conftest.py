@@ -20,13 +20,14 @@ import pytest
 
 from tests.documented_numbers import disagreements, documented_rows
 from tests.shared_data import ABSENT
+from tests.skip_reasons import OTHER, counts
 
 EXPECTED = Path(__file__).with_name("expected_skips.txt")
 COARSE = 50  # points an inch of saved figures
 Value = str | float
 Recorder = Callable[[str, Value, str], None]
 KEY = "measured"  # of the properties of a test's report that hold its numbers
-SKIPPED: set[str] = set()  # tests, and files that skip as a whole
+SKIPPED: dict[str, str] = {}  # tests, and files that skip as a whole: why
 PROPERTIES: list[tuple[str, Any]] = []  # of all tests, in the order in which they ended
 
 
@@ -88,19 +89,18 @@ def measured(request: pytest.FixtureRequest) -> Recorder:
 
 def pytest_collectreport(report: pytest.CollectReport) -> None:
     """Note a file that skips as a whole."""
-    if report.skipped and not _without_records(report):
-        SKIPPED.add(report.nodeid)
+    _note_skip(report)
 
 
-def _without_records(report: pytest.CollectReport | pytest.TestReport) -> bool:
-    """Return whether a test skipped since the folder of real records is absent."""
-    return isinstance(report.longrepr, tuple) and ABSENT in report.longrepr[2]
+def _note_skip(report: pytest.CollectReport | pytest.TestReport) -> None:
+    if report.skipped and not hasattr(report, "wasxfail"):
+        reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else ""
+        SKIPPED[report.nodeid] = reason
 
 
 def pytest_runtest_logreport(report: pytest.TestReport) -> None:
     """Note what a test measured, and whether it skipped; in each process, and where all end."""
-    if report.skipped and not hasattr(report, "wasxfail") and not _without_records(report):
-        SKIPPED.add(report.nodeid)
+    _note_skip(report)
     if report.when == "teardown":  # the last report of a test has all its properties
         PROPERTIES.extend(report.user_properties)
 
@@ -108,18 +108,26 @@ def pytest_runtest_logreport(report: pytest.TestReport) -> None:
 @pytest.hookimpl(optionalhook=True)
 def pytest_testnodedown(node: Any, error: object) -> None:
     """Files that skipped in another process: pytest-xdist itself reports tests only."""
-    SKIPPED.update(getattr(node, "workeroutput", {}).get("skipped", ()))
+    SKIPPED.update(getattr(node, "workeroutput", {}).get("skipped", {}))
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_terminal_summary(terminalreporter: "pytest.TerminalReporter") -> None:
-    """In CI: skipped tests against the expected list, measured numbers against the docs."""
+    """Skipped tests by reason; in CI those that are not expected, and the numbers in the docs."""
+    if SKIPPED:
+        terminalreporter.section("skipped tests by reason")
+        for kind, count in counts(SKIPPED.values()).most_common():
+            terminalreporter.write_line(f"{count:4} {kind}")
+    if os.environ.get("THERMOBEARING_BARE") and OTHER in counts(SKIPPED.values()):
+        terminalreporter.write_line("a bare machine gives no reason for the last kind")
+        _fail(terminalreporter)
     if not os.environ.get("CI"):
         return
     terminalreporter.section("skipped tests")
-    for name in sorted(SKIPPED) or ["none"]:
+    skipped = {name for name, reason in SKIPPED.items() if ABSENT not in reason}
+    for name in sorted(skipped) or ["none"]:
         terminalreporter.write_line(name)
-    unexpected = SKIPPED ^ _expected()
+    unexpected = skipped ^ _expected()
     if unexpected:
         terminalreporter.write_line(f"not as in {EXPECTED.name}: {sorted(unexpected)}")
     terminalreporter.section("numbers in the docs")
@@ -128,7 +136,11 @@ def pytest_terminal_summary(terminalreporter: "pytest.TerminalReporter") -> None
     for line in stale or [f"{len(rows)} measured, as in the docs"]:
         terminalreporter.write_line(line)
     if unexpected or stale:
-        terminalreporter._session.exitstatus = pytest.ExitCode.TESTS_FAILED  # type: ignore[attr-defined]
+        _fail(terminalreporter)
+
+
+def _fail(terminalreporter: "pytest.TerminalReporter") -> None:
+    terminalreporter._session.exitstatus = pytest.ExitCode.TESTS_FAILED  # type: ignore[attr-defined]
 
 
 def _expected() -> set[str]:
@@ -140,7 +152,7 @@ def _expected() -> set[str]:
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """Write what the tests measured where THERMOBEARING_MEASURED says (used by `make docs`)."""
     if hasattr(session.config, "workerinput"):
-        session.config.workeroutput["skipped"] = sorted(SKIPPED)  # type: ignore[attr-defined]
+        session.config.workeroutput["skipped"] = SKIPPED  # type: ignore[attr-defined]
         return
     target = os.environ.get("THERMOBEARING_MEASURED")
     if target:

@@ -12,10 +12,7 @@ from typing import Any, NoReturn
 
 import pytest
 
-MISSING = (
-    "OpenSees cannot be imported: install openseespy, which there is for 64-bit Linux, Windows "
-    "and macOS, and on Debian or Ubuntu the packages libblas3 and liblapack3"
-)
+from tests.skip_reasons import NO_OPENSEES as MISSING
 
 
 class Absent:

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.skip_reasons import NO_RECORDS as ABSENT
+
 BESIDE = Path(__file__).parents[2] / "shared"
-ABSENT = "the folder of real records is absent"
 
 
 def shared_data(name: str) -> Path:

@@ -3,6 +3,7 @@
 import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import thermobearing as tb
-from kernels.build import build_material
+from tests.fixtures.kernels import c_compiler
 from tests.opensees import analyse, needs_opensees, ops
 from tests.verification.structures import follow
 from thermobearing.core.compiled import native
@@ -18,10 +19,7 @@ from thermobearing.opensees import material
 from thermobearing.opensees.element import SHORTEST
 from thermobearing.opensees.material import Material, add_material, write_material
 
-pytestmark = [
-    needs_opensees,
-    pytest.mark.skipif(native.open_library()[0] is None, reason=native.open_library()[1]),
-]
+pytestmark = needs_opensees
 MASS = 150e3  # [kg] on a bearing of a bridge
 DT = 0.02  # [s]
 NEWTON: dict[str, Any] = {"tolerance": 1e-12, "most": 30, "constraints": "Plain"}
@@ -30,10 +28,21 @@ BEARING = "shen-lhdr-bridge"
 
 
 @pytest.fixture(scope="module", autouse=True)
-def library() -> None:
-    """Build the library where an older `make kernels` has left none."""
-    if not (native.FOLDER / "ThermoBearing.so").exists():
-        build_material(native.FOLDER, ["cc"])
+def folder(request: pytest.FixtureRequest) -> Iterator[Path]:
+    """The folder of `make kernels`; in a clone, one with the step alone."""
+    if native.open_library()[0] is not None:
+        yield native.FOLDER
+        return
+    made = request.getfixturevalue("library_with_step")
+    library = native._load(made, native.library_name()), ""
+    built = SimpleNamespace(
+        FOLDER=made, open_library=lambda: library, library_name=native.library_name
+    )
+    material._material_library.cache_clear()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(material, "native", built)
+        yield made
+    material._material_library.cache_clear()
 
 
 @pytest.fixture
@@ -231,15 +240,15 @@ def test_what_cannot_be_added_is_an_error(
 
 
 @pytest.mark.parametrize("wrong", [False, True])
-def test_a_program_that_loads_materials_by_name(wrong: bool, tmp_path: Path) -> None:
+def test_a_program_that_loads_materials_by_name(wrong: bool, folder: Path, tmp_path: Path) -> None:
     """As xara does: other names of functions than in openseespy, arguments by its own functions."""
     file = write_material(tmp_path / "pier", tb.element(BEARING, ambient=-20), units="N-m")
     source = Path(__file__).parents[1] / "fixtures" / "opensees_host.c"
     flags = ("-Wall", "-Werror", "-rdynamic", "-o", "host")
-    subprocess.run(["cc", *flags, str(source), "-ldl"], cwd=tmp_path, check=True)
+    subprocess.run([*c_compiler(), *flags, str(source), "-ldl"], cwd=tmp_path, check=True)
     done = subprocess.run(
         [tmp_path / "host", file, *(["wrong"] if wrong else [])],
-        env={"LD_LIBRARY_PATH": str(native.FOLDER)},
+        env={"LD_LIBRARY_PATH": str(folder)},
         capture_output=True,
         text=True,
         check=False,

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import conftest
+from tests.skip_reasons import OTHER
 
 ROOT = Path(__file__).parents[2]
 SAMPLE = """
@@ -28,6 +30,21 @@ def test_skips():
 @pytest.mark.xfail(strict=True)
 def test_fails_as_expected():
     assert False
+"""
+SKIPS = """
+import pytest
+from tests import skip_reasons as reasons
+
+@pytest.mark.parametrize("reason", [reasons.NO_BROWSER, reasons.NO_BROWSER, reasons.NO_NODE])
+def test_without_browser(reason):
+    pytest.skip(reason)
+
+@pytest.mark.skipif(True, reason=reasons.NO_OPENSEES)
+def test_without_opensees():
+    pass
+
+def test_without_records():
+    pytest.skip(f"{reasons.NO_RECORDS}: /shared")
 """
 WHOLE_FILE = 'import pytest\npytest.importorskip("no_such_package")\n'
 ALONE = {"CI": "true", "THERMOBEARING_MEASURED": "measured.json"}
@@ -54,13 +71,15 @@ def suite(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def ended(folder: Path, workers: int, expected: list[str]) -> subprocess.CompletedProcess[str]:
+def ended(
+    folder: Path, workers: int, expected: list[str], **variables: str
+) -> subprocess.CompletedProcess[str]:
     (folder / "expected_skips.txt").write_text("\n".join(["# node ids", *expected]))
     own = {key: value for key, value in os.environ.items() if not key.startswith("PYTEST_")}
     return subprocess.run(
         [sys.executable, "-m", "pytest", "-p", "xdist", "-n", str(workers)],
         cwd=folder,
-        env=own | ALONE,
+        env=own | ALONE | variables,
         capture_output=True,
         text=True,
         check=False,
@@ -83,6 +102,23 @@ def test_unexpected_skips_fail(suite: Path, expected: list[str], amiss: str) -> 
     done = ended(suite, 0, expected)
     assert done.returncode == 1, done.stdout
     assert f"not as in expected_skips.txt: ['{amiss}']" in done.stdout
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_skips_are_counted_by_reason(tmp_path: Path, workers: int) -> None:
+    """On a bare machine, those for other reasons fail the run."""
+    (tmp_path / "conftest.py").write_text((ROOT / "tests" / "conftest.py").read_text())
+    (tmp_path / "test_skips.py").write_text(SKIPS)
+    (tmp_path / "pytest.ini").write_text("[pytest]\n")
+    bare = {"CI": "", "THERMOBEARING_BARE": "1"}
+    done = ended(tmp_path, workers, [], **bare)
+    assert done.returncode == 0, done.stdout
+    for count, kind in {(3, "browser or node"), (1, "OpenSees"), (1, "real records")}:
+        assert re.search(rf"^ +{count} .*{kind}", done.stdout, re.MULTILINE), done.stdout
+    (tmp_path / "test_whole.py").write_text(WHOLE_FILE)
+    done = ended(tmp_path, workers, [], **bare)
+    assert done.returncode == 1, done.stdout
+    assert re.search(rf"^ +1 {OTHER}", done.stdout, re.MULTILINE), done.stdout
 
 
 def test_what_is_compiled_beforehand_runs() -> None:

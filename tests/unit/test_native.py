@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from tests.fixtures.kernels import calls
+from tests.fixtures.kernels import c_compiler, calls
 from tests.verification.structures import real_bearing
 from thermobearing.core import march, step, types
 from thermobearing.core.compiled import native
@@ -77,7 +77,7 @@ def test_tables_follow_the_records(small_library: Path) -> None:
 
 def test_a_face_gives_the_bits_of_numba(small_library: Path) -> None:
     for name in ("core.march.copy_state", "core.march.hours_at_rest"):
-        ours, theirs = calls(march=False)[name], calls(march=False)[name]
+        ours, theirs = calls()[name], calls()[name]
         face(small_library, name)(*ours)
         KERNELS[name].dispatcher(*theirs)
         for mine, other in zip(arrays(ours), arrays(theirs), strict=True):
@@ -87,7 +87,7 @@ def test_a_face_gives_the_bits_of_numba(small_library: Path) -> None:
 @pytest.mark.thorough
 def test_a_march_gives_the_bits_of_numba(library_with_march: Path) -> None:
     name = "core.march.march"
-    ours, theirs = calls(march=True)[name], calls(march=True)[name]
+    ours, theirs = calls("march")[name], calls("march")[name]
     found = face(library_with_march, name)(*ours)
     assert found == KERNELS[name].dispatcher(*theirs)
     assert found[:3] == (300, 300, types.COMPLETED)
@@ -97,9 +97,7 @@ def test_a_march_gives_the_bits_of_numba(library_with_march: Path) -> None:
 
 def test_arguments_that_do_not_fit_are_left_to_numba(small_library: Path) -> None:
     """Kinds that a face was not built for; without numba they are an error."""
-    kept, early, late, air, places, now, after, found = (
-        *calls(march=False)["core.march.hours_at_rest"],
-    )
+    kept, early, late, air, places, now, after, found = (*calls()["core.march.hours_at_rest"],)
     run = face(small_library, "core.march.hours_at_rest")
     expected = np.zeros_like(found)
     run(kept, early, late, air, places, now.copy(), after, expected)
@@ -123,7 +121,7 @@ def test_arguments_that_do_not_fit_are_refused_without_numba(
 ) -> None:
     monkeypatch.setattr(native, "has_numba", lambda: False)
     name = "core.march.hours_at_rest"
-    given: list[Any] = [*calls(march=False)[name]]
+    given: list[Any] = [*calls()[name]]
     given[0] = {
         "type": given[0].astype(np.float32),
         "order": given[0].T,
@@ -141,7 +139,7 @@ def test_states_may_change_between_calls(small_library: Path) -> None:
     """Tables of states are kept; another state at the same place in memory has its own."""
     run = face(small_library, "core.march.copy_state")
     for number in range(200):
-        source, target = calls(march=False)["core.march.copy_state"]
+        source, target = calls()["core.march.copy_state"]
         assert isinstance(source, types.State)
         assert isinstance(target, types.State)
         source.temperature[:] = number
@@ -294,7 +292,7 @@ def test_c_runs_a_test_of_a_bearing(library_with_march: Path, tmp_path: Path) ->
     """The example in C gives the loops that Python gives for the same bearing."""
     (library,) = library_with_march.glob("*.so")
     example = ROOT / "kernels" / "example.c"
-    command = ["cc", "-O1", "-Wall", "-Werror", f"-I{library_with_march}", str(example)]
+    command = [*c_compiler(), "-O1", "-Wall", "-Werror", f"-I{library_with_march}", str(example)]
     command += [str(library), f"-Wl,-rpath,{library_with_march}", "-lm", "-o", "example"]
     subprocess.run(command, cwd=tmp_path, check=True)
     reported = subprocess.run(

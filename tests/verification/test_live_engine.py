@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
+from tests.skip_reasons import NO_NODE
 from thermobearing.bearing.library import load_bearing
 from thermobearing.core.compiled.sources import sources_digest
 from thermobearing.cyclic.protocol import CyclicTest
@@ -148,7 +149,7 @@ def run_in_python(one: dict[str, Any]) -> dict[str, Any]:
 def computed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     node = shutil.which("node")
     if node is None:
-        pytest.skip("needs node")
+        pytest.skip(NO_NODE)
     try:
         module = live.live_module()
     except tb.InputError as error:

@@ -18,6 +18,7 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.fixtures.images import Image, captured, write_image
+from tests.skip_reasons import NO_NODE
 from thermobearing.core.compiled import native
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
@@ -56,7 +57,7 @@ def program(name: str) -> str:
     driver = Path(str(playwright.origin)).parent / "driver" if playwright else Path("/none")
     found = shutil.which(name) or shutil.which(name, path=str(driver))
     if found is None:
-        pytest.skip(f"{name} is not installed")
+        pytest.skip(NO_NODE if name == "node" else f"{name} is not installed")
     return found
 
 
@@ -92,7 +93,7 @@ def check(image: Image, expected: dict[str, np.ndarray], file: Path) -> None:
 
 @pytest.mark.parametrize("kernel", EVERY)
 def test_webassembly_in_node(kernel: str, tmp_path: Path) -> None:
-    wasm, node = library("wasm32"), program("node")
+    node, wasm = program("node"), library("wasm32")
     image, expected = native_call(kernel)
     file = write_image(image, tmp_path)
     subprocess.run([node, FIXTURES / "run_image.cjs", wasm, file], check=True)

@@ -30,7 +30,9 @@ KIND = b"tb-ops-1"
 HEAD = struct.Struct("=8s9q5d")  # `Head` in kernels/opensees.c
 ALIGNED = 64  # [bytes]
 STEP = "core.step.step"
-BUILD = "A material of OpenSees needs kernels compiled ahead of time: in a clone, run `make kernels`."
+BUILD = (
+    "A material of OpenSees needs kernels compiled ahead of time: in a clone, run `make kernels`."
+)
 
 
 class _Image:
