@@ -298,6 +298,7 @@ LANE_FUNCTION = 6.0  # units in the last place, of exp, tan and their like; 5 me
 LANE_FORCE = 1e-12  # of the peak force: other roundings of exp and tanh; 8e-14 measured
 LANE_TEMPERATURE = 1e-11  # K; 1.3e-13 measured
 WITHOUT_FUSING = 1e-8  # of the largest value: no fused multiplication and addition; 2e-9 measured
+WINDOWS = 1e-14  # of the largest value: the C library of Windows; 5e-15 measured
 LANE_PEAK = 1e-10  # of a peak, of a bridge in an earthquake; 1e-12 measured
 
 # --- Weather ---------------------------------------------------------------------------------

@@ -1,12 +1,15 @@
-"""The kernels of `make kernels` for WebAssembly and AArch64, compared with those of this machine.
+"""The kernels of `make kernels` for other platforms, compared with those of this machine.
 
-A call is laid out as an image of memory, which node or an emulated program carries out.
+A call is laid out as an image of memory, which node (WebAssembly) or an emulated program (AArch64)
+carries out; wine runs the example in C for Windows.
 """
 
 import json
+import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from functools import cache
 from importlib.util import find_spec
@@ -18,10 +21,12 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.fixtures.images import Image, captured, write_image
+from tests.fixtures.kernels import c_compiler
 from tests.skip_reasons import NO_NODE
 from thermobearing.core.compiled import native
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
+EXAMPLE = Path(__file__).parents[2] / "kernels" / "example.c"
 SYSROOT = Path("/usr/aarch64-linux-gnu")  # of Debian's package libc6-arm64-cross
 SCRATCH = ("work.", ".unknowns")  # arrays
 ROUNDING = ("layer_force_mismatch",)  # fields that are nothing but rounding
@@ -122,3 +127,39 @@ def test_aarch64_emulated(kernel: str, emulated: list[str], tmp_path: Path) -> N
     words = [said["symbol"], str(said["base"]), str(said["table"])]
     subprocess.run([*emulated, str(library("linux-aarch64")), str(file), *words], check=True)
     check(image, expected, file)
+
+
+def printed_rows(compiler: list[str], library: Path, folder: Path, *runner: str) -> np.ndarray:
+    """Displacement, force and temperature that the example in C prints with a library."""
+    shutil.copy(library, folder)
+    example = folder / "example.exe"
+    names = [EXAMPLE, library.name, f"-Wl,-rpath,{folder}", "-lm", "-o", example]
+    flags = ["-O1", "-Wall", "-Werror", f"-I{native.FOLDER}"]
+    cache = str(Path(tempfile.gettempdir()) / "zig")  # as `make kernels` has it
+    environment = {
+        **os.environ,
+        "ZIG_GLOBAL_CACHE_DIR": cache,
+        "WINEPREFIX": str(folder / "wine"),
+        "WINEDEBUG": "-all",
+    }
+    for command in ([*compiler, *flags, *names], [*runner, example]):
+        done = subprocess.run(
+            command, cwd=folder, env=environment, stdout=subprocess.PIPE, check=True
+        )
+    return np.array([line.split() for line in done.stdout.decode().splitlines()], dtype=float)
+
+
+@pytest.mark.thorough
+def test_windows_under_wine(tmp_path: Path) -> None:
+    wine, dll = program("wine"), library("windows-x86_64")
+    pytest.importorskip("ziglang")
+    folders = [tmp_path / "windows", tmp_path / "here"]
+    for folder in folders:
+        folder.mkdir()
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu"]
+    rows = printed_rows(compiler, dll, folders[0], wine)
+    expected = printed_rows(c_compiler(), library(native.library_name()), folders[1])
+    assert rows.shape == expected.shape == (400, 3)
+    scale = np.abs(expected).max(axis=0)
+    assert scale[1] > 80.0
+    assert np.all(np.abs(rows - expected) <= tol.WINDOWS * scale)
