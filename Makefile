@@ -40,6 +40,7 @@ $(PROGRAM): pyproject.toml
 	$(BIN)/python -m pip install --quiet -e ".[jit]"
 	touch $@
 
+# Without a C compiler, that of the extra `kernels` links the libraries of the tests.
 $(TESTS): $(PROGRAM)
 	$(BIN)/python -m pip install --quiet -e ".[test]"
 	command -v cc > /dev/null || $(BIN)/python -m pip install --quiet -e ".[kernels]"
@@ -103,6 +104,7 @@ test-minimum: pyproject.toml
 	$(PYTHON) -m venv --clear $(LOWEST)
 	$(PYTHON) tests/minimum.py > $(LOWEST)/lowest.txt
 	$(LOWEST)/bin/python -m pip install --quiet $(addprefix -c ,$(CONSTRAINTS)) -e ".[test]"
+	command -v cc > /dev/null || $(LOWEST)/bin/python -m pip install --quiet $(addprefix -c ,$(CONSTRAINTS)) -e ".[kernels]"
 	$(LOWEST)/bin/python -m pytest --numprocesses $(WORKERS) tests/unit
 
 # Of 100 000 examples, or of a part: make fuzz FUZZ=motions COUNT=20000 FUZZ_SEED=1
@@ -145,4 +147,4 @@ site: $(SPHINX)
 
 clean:
 	rm -rf docs/api docs/gallery
-	rm -rf $(VENV) $(LOWEST) demo reproduced build dist
+	rm -rf $(VENV) $(LOWEST) .venv-newest demo reproduced build dist
