@@ -1,5 +1,6 @@
 """Served bearings without OpenSees: a client of our own in its place, and its faults."""
 
+import os
 import re
 import signal
 import socket
@@ -546,3 +547,44 @@ def test_a_server_that_is_stuck_is_ended() -> None:
     client.socket.close()
     assert "receives NaN" in stuck.communicate(timeout=LIMIT)[1]
     assert stuck.returncode == -signal.SIGKILL
+
+
+SILENT = """
+import time
+from thermobearing.opensees.keeper import Keeper
+keeper = Keeper.start(0.2)
+keeper.alive()
+keeper.pause()
+time.sleep(1.0)
+print("compiled", flush=True)
+keeper.alive()
+time.sleep(60.0)
+"""
+
+
+def test_a_server_that_compiles_is_not_ended() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", SILENT],
+        capture_output=True,
+        text=True,
+        timeout=3 * LIMIT,
+        check=False,
+    )
+    assert (done.stdout, done.returncode) == ("compiled\n", -signal.SIGKILL)
+
+
+def test_kernels_of_two_directions_are_there_before_an_element_connects(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    loaded: list[tuple[int, ...]] = []
+
+    def load(_: Any, directions: Any = (1,)) -> None:
+        loaded.append(tuple(directions))
+
+    monkeypatch.setattr(server_module, "load_kernels", load)
+    layout = Layout.of(1, (1, 2), None, "test")
+    served = server_module.serve_until(
+        case(), layout, LOOPBACK, 0, once=True, say=lambda _: os.kill(os.getpid(), signal.SIGTERM)
+    )
+    assert served.stopped
+    assert loaded == [(1, 2)]

@@ -8,7 +8,8 @@ alignment): the convergence test of OpenSees fails and `analyze` returns.
 
 A keeper is a small process with copies of the connections. It does nothing until the server has
 ended, for whatever reason (killed, out of memory), and then floods those that are open. A server
-that gives no sign of life for a minute is ended. Systems without `fork` have no keeper.
+that gives no sign of life for a minute is ended, unless it has announced that it compiles kernels.
+Systems without `fork` have no keeper.
 """
 
 import contextlib
@@ -21,7 +22,7 @@ from typing import Self
 
 NOTHING = b"\xff" * 65536  # NaN, many times
 PAUSE = 0.001  # of the keeper between two rounds [s]
-STAY, LEAVE, QUIET, ALIVE = b"s", b"l", b"q", b"a"
+STAY, LEAVE, QUIET, ALIVE, BUSY = b"s", b"l", b"q", b"a", b"b"
 PATIENCE = 60.0  # of the keeper without a sign of life [s]
 MESSAGE = (
     "thermobearing: the server of the bearings has ended during the analysis; OpenSees receives "
@@ -78,6 +79,11 @@ class Keeper:
         with contextlib.suppress(OSError):
             self._channel.send(ALIVE)
 
+    def pause(self) -> None:
+        """Expect no sign of life until the next one."""
+        with contextlib.suppress(OSError):
+            self._channel.send(BUSY)
+
     def release(self, *, stay: bool) -> None:
         """End the keeper, or let it flood the connections that are open."""
         with contextlib.suppress(OSError):
@@ -117,8 +123,8 @@ def _keep(channel: socket.socket, server: int, patience: float) -> None:
                     connections = [one for one in connections if flood(one)]
                     time.sleep(PAUSE)
                 return
-            if data == ALIVE:
-                limit = 1e3 * patience
+            if data in (ALIVE, BUSY):
+                limit = 1e3 * patience if data == ALIVE else None
             if data == QUIET:
                 os.dup2(nowhere, 2)  # as above, and the end was wanted
             for new in numbers:

@@ -23,7 +23,7 @@ from thermobearing.opensees.result import ServedResult
 from thermobearing.opensees.wire import Setup
 
 ANSWER = 60.0  # longest time for an answer of the server [s]
-READY = 300.0  # for its start, where kernels may be compiled [s]
+READY = 300.0  # for its start, and for an element: kernels may be compiled [s]
 Pair = tuple[int, int]
 
 
@@ -125,7 +125,7 @@ class Line:
         if len(layout.directions) > 1:
             self.case.new_bearing(2)  # raises for options that a plane does not have
         if not port:
-            port = self._ask("listen", layout, tag)
+            port = self._ask("listen", layout, tag, limit=READY)
             self._layouts[tag] = layout, port
         ends = [node for pair in pairs for node in pair]
         dofs = [word for _ in ends for word in ("-dof", *layout.dofs)]
@@ -242,12 +242,12 @@ class Line:
         """Take histories, problems and notes from the server."""
         self._last, self._said = self._ask("histories"), self._ask("problems")
 
-    def _ask(self, *command: Any) -> Any:
+    def _ask(self, *command: Any, limit: float = ANSWER) -> Any:
         if self._closed:
             raise ServingError("the server of the bearings has ended")
         with self._lock:
             self._send(command)
-            return self._take(ANSWER)
+            return self._take(limit)
 
     def _end(self) -> None:
         """End the server, if need be by force."""

@@ -15,7 +15,7 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from thermobearing.border.errors import InputError
@@ -125,6 +125,11 @@ class Server:
                 self._look_for_halves(now)
                 if done():
                     return
+
+    def expect_silence(self) -> None:
+        """Tell the keeper that no sign of life comes until `run` goes on: kernels are compiled."""
+        if self._keeper is not None:
+            self._keeper.pause()
 
     @property
     def clients(self) -> tuple[int, int]:
@@ -319,9 +324,9 @@ def _send(client: socket.socket, data: bytes) -> None:
             client.setblocking(False)
 
 
-def load_kernels(case: ServedCase) -> None:
+def load_kernels(case: ServedCase, directions: Sequence[int] = (1,)) -> None:
     """Load the kernels, or compile them, which may take a minute, before anybody waits."""
-    ServedElement(case, Layout(1, (1,), (1,), None), 0)
+    ServedElement(case, Layout.of(1, tuple(directions), None, "serve"), 0)
 
 
 def serve_until(
@@ -330,7 +335,7 @@ def serve_until(
     """Serve elements at a port until Ctrl-C, or `once`, until the last element has left."""
     server = Server(case, say, Keeper.start())
     port = server.listen(layout, None, address, port)
-    load_kernels(case)
+    load_kernels(case, layout.directions)
 
     def _stop(*_: Any) -> None:
         server.stopped = True
@@ -400,7 +405,7 @@ class _Child:
             return
         server, (name, *arguments) = self.server, command
         orders: dict[str, Callable[..., Any]] = {
-            "listen": lambda layout, tag: server.listen(layout, tag, LOOPBACK, 0),
+            "listen": self._wait_for_element,
             "problems": lambda: (list(server.problems), list(server.notes)),
             "histories": server.histories,
             "reset": server.reset,
@@ -410,6 +415,12 @@ class _Child:
         except Exception as error:
             answer = error
         self._reply(answer)
+
+    def _wait_for_element(self, layout: Layout, tag: int | None) -> int:
+        if len(layout.directions) > 1:
+            self.server.expect_silence()
+            load_kernels(self.case, layout.directions)
+        return self.server.listen(layout, tag, LOOPBACK, 0)
 
 
 def main() -> None:
