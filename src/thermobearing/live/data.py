@@ -66,7 +66,7 @@ from thermobearing.structure.run import (
 )
 
 MODULE = "wasm32.wasm"
-BUILD = "This installation has no kernels for web pages. In a checkout, run `make kernels`."
+BUILD = "This installation has no kernels for web pages. In a clone, run `make kernels`."
 MOTIONS = ("jra-ii-i-1",)
 STRUCTURE = "pier-p1"
 CALLED = re.compile(r'kernels\.call\("([\w.]+)"')  # a kernel that the engine calls

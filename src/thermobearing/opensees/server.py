@@ -127,7 +127,7 @@ class Server:
                     return
 
     def expect_silence(self) -> None:
-        """Tell the keeper that no sign of life comes until `run` goes on: kernels are compiled."""
+        """Let the keeper expect no sign of life until `run` goes on: kernels are compiled."""
         if self._keeper is not None:
             self._keeper.pause()
 
