@@ -53,6 +53,7 @@ unshare --mount --propagation private bash -euo pipefail -c '
   root=$1; count=$2; shift 2
   mount -t proc proc "$root/proc"
   mount --rbind /dev "$root/dev"
+  mount --rbind /sys "$root/sys"
   for folder in "${@:1:count}"; do
     mkdir -p "$root$folder"
     mount --rbind "$folder" "$root$folder"
