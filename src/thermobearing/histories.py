@@ -3,8 +3,7 @@
 from collections.abc import Hashable
 from typing import Any
 
-import pandas as pd
-
+from thermobearing.border.lazy import pd
 from thermobearing.cyclic.dataset import written_part
 from thermobearing.cyclic.result import Result, history_columns
 from thermobearing.earthquake.result import EarthquakeResult
@@ -41,7 +40,7 @@ def histories_by_run(result: AnyResult) -> dict[str, History]:
     }
 
 
-def _history(keys: dict[str, Any], table: pd.DataFrame) -> History:
+def _history(keys: dict[str, Any], table: "pd.DataFrame") -> History:
     columns = [Quantity(*words(str(name))) for name in table.columns]
     return History(keys, columns, table.to_numpy(dtype=float))
 

@@ -1,18 +1,15 @@
 """Hourly ambient temperature, and the hours at which an earthquake may occur."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import COLDEST, HOTTEST, Ambient
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
 from thermobearing.border.units import is_number, refuse_hidden
 from thermobearing.core.records import Floats, Ints
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Dates = NDArray[np.datetime64]
 
@@ -140,8 +137,6 @@ class Hourly:
 
     def to_frame(self) -> "pd.DataFrame":
         """Return hour, date if known, and temperature as columns."""
-        import pandas as pd
-
         frame = pd.DataFrame({"hour": np.arange(len(self)), "ambient_degC": self.temperature})
         if self.begins is not None:
             frame.insert(1, "date", self.dates.astype("datetime64[s]"))

@@ -10,9 +10,9 @@ from itertools import groupby
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.border.errors import InputError, is_file, is_folder, nearest
+from thermobearing.border.lazy import pd
 from thermobearing.climate.generator import CLIMATES, generate_weather
 from thermobearing.climate.hourly import DAY, Hourly
 from thermobearing.climate.readers import read_weather
@@ -52,8 +52,8 @@ class Site:
     winters: int  # complete years from summer to summer
     design_temperature: float  # [degC]
     return_period: int | None  # [year]; None for the lowest on record
-    stiffening: pd.DataFrame  # coldest daily mean of a winter by return period, 90 % interval
-    cold_days: pd.DataFrame  # number and longest run of days below temperatures
+    stiffening: "pd.DataFrame"  # coldest daily mean of a winter by return period, 90 % interval
+    cold_days: "pd.DataFrame"  # number and longest run of days below temperatures
 
 
 def find_cold(weather: str | Path | Hourly, return_period: int = RETURN_PERIOD) -> Site:
@@ -145,7 +145,7 @@ def _gumbel_minimum(lowest: Floats, period: float) -> Floats:
     return np.asarray(-(location - scale * np.log(-np.log1p(-1.0 / period))))
 
 
-def _cold_days(winters: list[Floats]) -> pd.DataFrame:
+def _cold_days(winters: list[Floats]) -> "pd.DataFrame":
     """Return number and longest run of days below each temperature that some day is below."""
     means = [winter.mean(axis=1) for winter in winters]
     highest = [winter.max(axis=1) for winter in winters]

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Protocol, runtime_checkable
+from typing import Annotated, Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 from pydantic import AfterValidator, Field
@@ -17,6 +17,7 @@ from thermobearing.bearing.library import BEARINGS, as_bearing, load_bearing
 from thermobearing.bearing.model import AxialForce, Bearing
 from thermobearing.border.cases import absolute, load_all, read_case
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import xr
 from thermobearing.border.library import Library, Sourced, sources_to_keep
 from thermobearing.border.schema import Name, Strict, in_unit, overridden, text_with_unit, updated
 from thermobearing.border.toml import split_sources, to_table, to_toml
@@ -37,9 +38,6 @@ from thermobearing.model.handover import (
 from thermobearing.model.options import ModelOptions, build_model, line_only_faults
 from thermobearing.report.title import case_table
 from thermobearing.results.ranges import Row, compared
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 TEXTS = ("name", "description", "citation")  # of a bearing: nothing that it does
 

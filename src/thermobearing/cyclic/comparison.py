@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.protocol import CORNERS, Cycles, CyclicTest, PlanePath, Recorded
@@ -83,7 +83,7 @@ def _line_rises(plane: Result, line: Result) -> list[dict[str, Any]]:
     return rows
 
 
-def comparison_table(results: Mapping[str, Result]) -> pd.DataFrame:
+def comparison_table(results: Mapping[str, Result]) -> "pd.DataFrame":
     """Return the errors of each model against the first, a row per ambient temperature and model.
 
     Over the loadings: root mean square and largest temperature error of the outer layer, the inner

@@ -16,7 +16,6 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 import thermobearing
@@ -24,6 +23,7 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import calibration_ranges
 from thermobearing.bearing.plausible import doubled_law
+from thermobearing.border.lazy import xr
 from thermobearing.core.records import Floats, Ints, labels
 from thermobearing.core.types import Books, RubberBooks
 from thermobearing.cyclic.case import Case, beyond, rig_demand
@@ -86,7 +86,7 @@ def labelled(
     segments: list[Segment],
     climates: list[Ambient],
     histories: list[History],
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Return the dataset of finished runs, with units, meanings and provenance."""
     bearing = case.bearing
     rows = _compared_rows(case, segments, climates, histories)
@@ -130,7 +130,7 @@ def _build_dataset(
     climates: list[Ambient],
     runs: list[History],
     attributes: dict[str, Any],
-) -> xr.Dataset:
+) -> "xr.Dataset":
     bearing, each, steps = case.bearing, ("ambient",), ("ambient", "time")
     clock = stacked([run.rows.books["clock"] for run in runs])
     same = all(np.array_equal(clock[0], other) for other in clock)

@@ -9,13 +9,12 @@ from itertools import groupby, zip_longest
 from typing import Any
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd, xr
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.comparison import compared_places
 from thermobearing.cyclic.result import Result, run_name
@@ -388,7 +387,7 @@ class Figures(drawing.Figures):
         drawing.legend_below(figure, handles)
         return figure
 
-    def _shown_cycles(self) -> list[tuple[str, pd.DataFrame, tuple[str, str]]]:
+    def _shown_cycles(self) -> "list[tuple[str, pd.DataFrame, tuple[str, str]]]":
         """Return name, rows of `Result.cycles` and look of each line of `measures`."""
         cycles = self._result.cycles
         if any(about["kind"] == "recorded" for about in self._result.segments):
@@ -633,7 +632,7 @@ def _at_cycles(result: Result, ambient: float, row: str) -> Floats:
     return np.asarray(mine[names.get(row, inner_layer(result))], dtype=float)
 
 
-def _layer_depths(data: xr.Dataset) -> Floats:
+def _layer_depths(data: "xr.Dataset") -> Floats:
     """Return the depth of the middle of each rubber layer; of a cut one, of its half [mm]."""
     thickness = data["cell_thickness"].values
     bottom = np.cumsum(thickness)

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
+from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
@@ -190,7 +190,7 @@ def _peaks(result: Result) -> list[tuple[float, float, float]]:
     return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
-def _governing(result: Result, rows: pd.DataFrame, largest: float) -> str:
+def _governing(result: Result, rows: "pd.DataFrame", largest: float) -> str:
     """Return stiffness and force in the last cycle of the largest amplitude."""
     last = rows.groupby("ambient_degC", sort=False).last().reset_index()
     each = [
@@ -205,7 +205,7 @@ def _governing(result: Result, rows: pd.DataFrame, largest: float) -> str:
     )
 
 
-def _changes(result: Result, rows: pd.DataFrame) -> str:
+def _changes(result: Result, rows: "pd.DataFrame") -> str:
     """Return what the cold changes at the largest amplitude, and what the test's own heat does."""
     groups = rows.groupby("ambient_degC")
     first, last, found = groups.first(), groups.last(), []

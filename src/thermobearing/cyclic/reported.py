@@ -6,11 +6,11 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.bearing.bilinear import BILINEAR, BilinearBearing
 from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import Bearing, Cells
+from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import flat, read_toml, to_table
 from thermobearing.laws import built_in_laws
@@ -180,7 +180,7 @@ def heat_flow(analysis: Inputs, bearings: Sequence[Inputs]) -> str:
 
 
 def residual_rows(
-    energy: pd.DataFrame, analysis: Inputs, *, measured: bool = False
+    energy: "pd.DataFrame", analysis: Inputs, *, measured: bool = False
 ) -> list[tuple[str, float, float, str]]:
     """Return name, largest value, limit and source of the limit of each residual of a balance.
 
@@ -215,7 +215,7 @@ def early_end(subject: str, where: str, result: Result) -> list[str]:
     ]
 
 
-def checks_table(rows: pd.DataFrame, caption: str = "Checks", note: str = "") -> Table:
+def checks_table(rows: "pd.DataFrame", caption: str = "Checks", note: str = "") -> Table:
     """Return rows of checks (model/checks.py) as a table; a star marks an unverified source."""
     signs = np.where(rows["least"], "\N{GREATER-THAN OR EQUAL TO}", "\N{LESS-THAN OR EQUAL TO}")
     pairs = zip(signs, rows["limit"], strict=True)
@@ -241,7 +241,7 @@ CHECKS_NOTE = (
 )
 
 
-def governing_checks(rows: pd.DataFrame, *, every_part: bool) -> pd.DataFrame:
+def governing_checks(rows: "pd.DataFrame", *, every_part: bool) -> "pd.DataFrame":
     """Return the checks that use most of their limits, or have the largest value without one.
 
     One of each code, bearing and check, and of each part if `every_part`; `part` has the bearing

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
+from thermobearing.border.lazy import pd, xr
 from thermobearing.core.records import Floats
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
@@ -76,11 +75,11 @@ class Result(DatasetResult):
     _figures = "Figures"
     compared: Mapping[str, "Result"] = {}
 
-    def __init__(self, dataset: xr.Dataset | Callable[[], xr.Dataset]) -> None:
+    def __init__(self, dataset: "xr.Dataset | Callable[[], xr.Dataset]") -> None:
         self._given = dataset
 
     @cached_property
-    def dataset(self) -> xr.Dataset:
+    def dataset(self) -> "xr.Dataset":
         """Histories and provenance."""
         found = self._given() if callable(self._given) else self._given
         self._given = found  # releases the runs that it was made of
@@ -127,7 +126,7 @@ class Result(DatasetResult):
             chosen = chosen.isel({CYCLES: np.flatnonzero(mine)})
         return Result(chosen)
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_dataset(self) -> "xr.Dataset":
         """Return the measures of `cycles` over ambient temperature, strain and cycle.
 
         Where a strain comes twice, and in recorded histories, the dimensions are ambient
@@ -208,7 +207,7 @@ class Result(DatasetResult):
                         yield number, k, slice(a - 1, b)
 
     @cached_property
-    def cycles(self) -> pd.DataFrame:
+    def cycles(self) -> "pd.DataFrame":
         """One row per closed cycle: amplitude, G_eq, K_eq, h_eq, energy, strength, temperatures.
 
         Temperatures are those at the end of the cycle; `rubber1_degC` is the outer layer. Of turns
@@ -260,7 +259,7 @@ class Result(DatasetResult):
         return pd.DataFrame(rows)
 
     @cached_property
-    def energy(self) -> pd.DataFrame:
+    def energy(self) -> "pd.DataFrame":
         """Energy balance at the end of each run [kN mm], one row per ambient temperature.
 
         `mechanical_residual` is (work in - heat released - recoverable) and

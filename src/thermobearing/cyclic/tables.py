@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
+from thermobearing.border.lazy import pd
 from thermobearing.cyclic.comparison import comparison_table
 from thermobearing.cyclic.reported import bearing_check_tables
 from thermobearing.cyclic.result import Result, run_name
@@ -58,7 +58,7 @@ def result_tables(result: Result) -> dict[str, Table]:
     return found
 
 
-def largest_cycles(cycles: pd.DataFrame) -> pd.DataFrame:
+def largest_cycles(cycles: "pd.DataFrame") -> "pd.DataFrame":
     """Return the cycles of the largest amplitude, which rounding may divide, of `Result.cycles`."""
     strain = cycles["amplitude_strain"]
     found: pd.DataFrame = cycles[strain >= SAME_AMPLITUDE * strain.max()]
@@ -108,7 +108,7 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
     )
 
 
-def _loadings(cycles: pd.DataFrame) -> "pd.Series[Any]":
+def _loadings(cycles: "pd.DataFrame") -> "pd.Series[Any]":
     """Return a number for each loading: cycles of one run that follow each other."""
     return ((cycles["cycle"].diff() != 1) | (cycles["ambient_degC"].diff() != 0)).cumsum()
 
@@ -145,7 +145,7 @@ def ratio_table(result: Result) -> Table | None:
     return make_table(ratios, [*LABELS, *columns], caption.replace("-", MINUS), keys=3)
 
 
-def warming(result: Result) -> pd.DataFrame:
+def warming(result: Result) -> "pd.DataFrame":
     """Return the highest temperature and the rise of rubber layers and lead in each run.
 
     Of more than three layers the first and the last; empty where they were not kept.
@@ -168,7 +168,7 @@ def warming(result: Result) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["ambient_degC", "part", "highest_degC", "rise_K"])
 
 
-def energy_table(energy: pd.DataFrame) -> Table:
+def energy_table(energy: "pd.DataFrame") -> Table:
     """Return the energy balance of bearings at the end of each run."""
     note = "Work in = heat released + recoverable; heat released = stored + lost. Residuals are "
     note += "relative to the largest of these energies."

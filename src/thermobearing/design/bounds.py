@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.errors import InputError, printable
+from thermobearing.border.lazy import pd
 from thermobearing.border.toml import to_table
 from thermobearing.cyclic.equivalent import DESIGN_STRAIN, backbone, bilinear_parameters
 from thermobearing.earthquake.case import make_earthquake_case
@@ -60,7 +59,7 @@ def bounds_study(
     *,
     strain: float = DESIGN_STRAIN,
     **options: Any,
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Compare a bounding analysis with the coupled model, for one bearing on the pier of a bridge.
 
     The bounds are bilinear models of the bearing soaked at the warmest and at the coldest
@@ -122,7 +121,7 @@ def bounds_study(
 
 
 def _compared(
-    bounded: pd.DataFrame, many: pd.DataFrame, ambient: Sequence[float], left: dict[Any, str]
+    bounded: "pd.DataFrame", many: "pd.DataFrame", ambient: Sequence[float], left: dict[Any, str]
 ) -> list[dict[str, Any]]:
     """Return a row for each motion, demand and part: the bounds and the coupled model."""
     whose = ["motion", "demand", "part"]
@@ -151,7 +150,7 @@ def _compared(
     return rows
 
 
-def _demanded(study: EarthquakeResult) -> pd.DataFrame:
+def _demanded(study: EarthquakeResult) -> "pd.DataFrame":
     """Return demands of every run, of each line and pier where there are several: a row each."""
     keys, found = ["bearing", "motion", "ambient_degC"], []
     for motion in dict.fromkeys(study.table["motion"]):
@@ -166,7 +165,7 @@ def _demanded(study: EarthquakeResult) -> pd.DataFrame:
     return rows
 
 
-def least_safe(table: pd.DataFrame) -> pd.DataFrame:
+def least_safe(table: "pd.DataFrame") -> "pd.DataFrame":
     """Return of several lines or piers the one whose envelope is lowest over the coupled model."""
     order = order_from_least(table["envelope_over_coupled"])
     lowest = table.iloc[order].drop_duplicates(["motion", "demand"])
@@ -190,8 +189,8 @@ BOUNDS_NOTE = (
 
 
 def bound_models(
-    table: pd.DataFrame, strain: float, total_rubber_thickness: float, kind: str = "LRB"
-) -> pd.DataFrame:
+    table: "pd.DataFrame", strain: float, total_rubber_thickness: float, kind: str = "LRB"
+) -> "pd.DataFrame":
     """Return the softest and the stiffest cycle of a table of factors as bilinear models.
 
     By K_eq over all temperatures, first and heated cycles; of one bearing [kN], [kN/mm].
@@ -223,7 +222,7 @@ def bound_models(
     return pd.DataFrame(found)
 
 
-def opensees_text(models: pd.DataFrame, name: str, language: str) -> str:
+def opensees_text(models: "pd.DataFrame", name: str, language: str) -> str:
     """Return materials for a zeroLength element of OpenSees, in Tcl or Python."""
     shown = " ".join(printable(name).split("\n"))  # a second line would be carried out
     lines = [

@@ -3,9 +3,9 @@
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import pandas as pd
 from pydantic import Field
 
+from thermobearing.border.lazy import pd
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats
@@ -68,7 +68,7 @@ def tables_for(kind: str) -> list[PublishedTable]:
 
 
 def strength_share(
-    table: pd.DataFrame, strain: float, reference: float, displacement: float
+    table: "pd.DataFrame", strain: float, reference: float, displacement: float
 ) -> float:
     """Return the share of Q_d in the peak force Q_d + K_d D of the first cycle."""
     same = (table["strain"] == strain) & (table["ambient_degC"] == reference)
@@ -102,7 +102,7 @@ def code_factors(
 
 
 def compare_with_codes(
-    table: pd.DataFrame, strain: float, kind: str, reference: float, share: float
+    table: "pd.DataFrame", strain: float, kind: str, reference: float, share: float
 ) -> list[dict[str, Any]]:
     """Compare the factors of a bearing with those of codes: a row for each quantity.
 

@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import resized
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.lazy import pd
 from thermobearing.border.units import is_number, one_or_several
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result, run_name
@@ -63,7 +63,7 @@ def temperature_factors(
     period: float = PERIOD,
     cycles: str | Sequence[int] = "1-3",
     **options: Any,
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Return K_eq, Q_d, K_d, h_eq and energy relative to those at a reference temperature.
 
     The coupled model runs sine cycles from a soaked state at each temperature. Basis "first" is the
@@ -135,7 +135,7 @@ def temperature_factors(
 
 def factors_at_speed(
     bearings: Sequence[Bearing], *, speed: float, strains: Sequence[float], **options: Any
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Return `temperature_factors` with the period 4 a/v of each strain from a speed v [mm/s]."""
     if not speed > 0.0:
         raise InputError(f"speed = {speed:g}: must be greater than 0")
@@ -190,7 +190,7 @@ def _measured(
     period: float,
     numbers: tuple[int, ...],
     options: dict[str, Any],
-) -> tuple[pd.DataFrame, list[Row]]:
+) -> "tuple[pd.DataFrame, list[Row]]":
     """Return values at one strain, by basis, temperature and quantity, and its tested range."""
     step = {"step": "cycles", "strain": float(strain), "wave": "sine", "period": float(period)}
     test = CyclicTest(dt=min(0.01, period / 200.0), steps=[step | {"count": max(numbers)}])
@@ -234,7 +234,7 @@ def _place(strain: float, temperature: float) -> str:
     return f"{strain:.0%} at {temperature:g} degC"
 
 
-def _with_tested(table: pd.DataFrame, tested: list[Row]) -> pd.DataFrame:
+def _with_tested(table: "pd.DataFrame", tested: list[Row]) -> "pd.DataFrame":
     """Return a table with what its first bearing was not tested at; those rows in `attrs`."""
     pairs = zip(table["strain"], table["ambient_degC"], strict=True)
     runs = [_place(float(strain), float(ambient)) for strain, ambient in pairs]
@@ -276,7 +276,7 @@ def scale_study(
     factors: Sequence[float] = (SPECIMEN, 1.0),
     ambient: float = -20.0,
     **options: Any,
-) -> tuple[pd.DataFrame, dict[float, Result]]:
+) -> "tuple[pd.DataFrame, dict[float, Result]]":
     """Return rises [K] and results of five 2 s cycles of 175 % and an hour of rest, by size."""
     bearing = as_bearing(bearing)
     cycles = {"step": "cycles", "strain": STRAIN, "wave": "sine", "period": PERIOD, "count": COUNT}

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -16,6 +15,7 @@ from matplotlib.patches import Patch
 
 from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.result import Result
 from thermobearing.design.bounds import DEMANDS, least_safe
@@ -175,7 +175,7 @@ class FactorFigures(drawing.Figures):
         return {"factors": self.factors} | scale
 
 
-def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
+def draw_bounds(table: "pd.DataFrame", title: str) -> Figure:
     """Draw bars between the bounds, dots of the coupled model: a dot above its bar is unsafe."""
     table = least_safe(table)
     ends = (re.fullmatch(r"coupled_(.*\d)_degC", str(name)) for name in table.columns)
@@ -209,7 +209,7 @@ def draw_bounds(table: pd.DataFrame, title: str) -> Figure:
 
 
 def _draw_demand(
-    ax: Axes, rows: pd.DataFrame, temperatures: list[float], colours: list[str]
+    ax: Axes, rows: "pd.DataFrame", temperatures: list[float], colours: list[str]
 ) -> None:
     """Draw one demand: a bar with its two bounds for each motion, dots side by side on it."""
     at = np.arange(len(rows))
@@ -257,7 +257,7 @@ def _wrapped(label: str) -> str:
     return textwrap.fill(label, LEGEND_WIDTH)
 
 
-def _draw_factors(ax: Axes, rows: pd.DataFrame) -> None:
+def _draw_factors(ax: Axes, rows: "pd.DataFrame") -> None:
     """Draw factors of one quantity over temperature, a line and a band for each basis."""
     for basis, (colour, _) in LOOKS.items():
         one = rows[rows["basis"] == basis].sort_values("ambient_degC", kind="stable")

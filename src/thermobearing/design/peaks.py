@@ -5,10 +5,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 from pydantic import Field
 
+from thermobearing.border.lazy import pd, xr
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats
@@ -92,7 +91,11 @@ def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
 
 
 def counted(
-    data: xr.Dataset, name: str, motions: Sequence[Motion], rule: PeakRule, runs: Any = slice(None)
+    data: "xr.Dataset",
+    name: str,
+    motions: Sequence[Motion],
+    rule: PeakRule,
+    runs: Any = slice(None),
 ) -> Floats:
     """Return the peak of each bearing line or pier by a rule."""
     own = PARTS.get(name, name)
@@ -106,7 +109,7 @@ def collect_peaks(
     rule: PeakRule,
     limits: Sequence[Check],
     groups: Sequence["LineGroup"] = (),
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Return peaks of every bearing at every temperature, and which limits they pass."""
     most = {check.what: check.limit for check in limits}
     kept = {"strain": most.get("shear strain"), "ductility": most.get("pier ductility")}
@@ -142,12 +145,12 @@ def of_group(name: str, group: str = "") -> str:
     return f"{name} ({group})" if group else name
 
 
-def _whose(table: pd.DataFrame) -> list[str]:
+def _whose(table: "pd.DataFrame") -> list[str]:
     """Return the key columns of `collect_peaks` except the temperature."""
     return [name for name in ("bearing", "group") if name in table]
 
 
-def envelope(table: pd.DataFrame) -> pd.DataFrame:
+def envelope(table: "pd.DataFrame") -> "pd.DataFrame":
     """Return the largest of every peak over the temperatures, and where it occurs."""
     rows = []
     for key, mine in table.groupby(_whose(table), sort=False) if len(table) else ():
@@ -161,7 +164,7 @@ def envelope(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def coldest_sentences(table: pd.DataFrame) -> list[str]:
+def coldest_sentences(table: "pd.DataFrame") -> list[str]:
     """Return the verdict of the coldest day, and the envelope, in words."""
     said = []
     for key, mine in table.groupby(_whose(table), sort=False) if len(table) else ():

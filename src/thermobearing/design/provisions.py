@@ -7,11 +7,11 @@ from functools import partial
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-import xarray as xr
 from pydantic import Field
 
 from thermobearing.bearing.model import Bearing, CircularPlan, Plan
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.lazy import xr
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.units import NEWTON_PER_KILONEWTON, is_number, one_or_several
@@ -201,7 +201,7 @@ def _checks(code: _Code, demand: _Demand, part: str, zone: int) -> list[Check]:
 
 
 def _displacements(
-    data: xr.Dataset, motions: Sequence[Motion], rule: PeakRule, runs: Any
+    data: "xr.Dataset", motions: Sequence[Motion], rule: PeakRule, runs: Any
 ) -> dict[int | None, Any]:
     """Return the displacements of lines by level of the motions [mm]; NaN without motions."""
     name = "bearing_displacement_max"

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
+from thermobearing.border.lazy import pd
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic import reported
 from thermobearing.design import tables

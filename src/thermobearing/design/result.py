@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-import pandas as pd
 
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing, calibration_ranges
+from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path
 from thermobearing.border.text_file import file_names
 from thermobearing.border.toml import read_toml, to_table, to_toml
@@ -90,7 +90,7 @@ class Design(Result):
     study: EarthquakeResult
     equal: list[EqualBearing] = field(default_factory=list)
     chosen: int = 0
-    temperatures: pd.DataFrame = field(default_factory=pd.DataFrame)
+    temperatures: "pd.DataFrame" = field(default_factory=lambda: pd.DataFrame())  # noqa: PLW0108
 
     @property
     def taken(self) -> list[Round]:
@@ -115,12 +115,12 @@ class Design(Result):
         return next((r.number for r in self.rounds if r.number not in beyond), None)
 
     @property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """One row per round and group."""
         return pd.DataFrame([turn.row() for turn in self.rounds])
 
     @property
-    def tested_range(self) -> pd.DataFrame:
+    def tested_range(self) -> "pd.DataFrame":
         """What the last round asks of the curves, and equal bearings of their tests.
 
         Those stand for the design displacement, and for every run at every temperature.
@@ -261,14 +261,14 @@ class BoundsReport(Result):
     title: ClassVar[str] = "Bounds analysis"
     _figures: ClassVar[str] = "BoundsFigures"
 
-    studies: dict[str, pd.DataFrame]
+    studies: "dict[str, pd.DataFrame]"
 
     def _attrs(self, name: str) -> list[Any]:
         """Return what the tables of all bearings hold in a list of that name."""
         return [item for t in self.studies.values() for item in t.attrs.get(name, [])]
 
     @property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """All tables below each other."""
         own = self.studies.items()
         return pd.concat([t.assign(bearing=name, structure=self.structure) for name, t in own])
@@ -284,7 +284,7 @@ class BoundsReport(Result):
         return next(iter(self._attrs("sentences")), "")
 
     @property
-    def tested_range(self) -> pd.DataFrame:
+    def tested_range(self) -> "pd.DataFrame":
         """What the coupled model asks of the range that each bearing was tested in."""
         return pd.DataFrame(self._attrs("tested_range"))
 
@@ -344,11 +344,11 @@ class FactorReport(Result):
     _figures: ClassVar[str] = "FactorFigures"
 
     bearings: list[Bearing]  # the first gives the values, all of them the bands
-    table: pd.DataFrame  # from `temperature_factors`
+    table: "pd.DataFrame"  # from `temperature_factors`
     reference: float  # temperature [degC]
     motion: str  # of the tests, in words
     cycles: str
-    sizes: tuple[pd.DataFrame, dict[float, CyclicResult]] | None = None  # from `scale_study`
+    sizes: "tuple[pd.DataFrame, dict[float, CyclicResult]] | None" = None  # from `scale_study`
     site: Site | None = None  # with its cold
 
     @property
@@ -368,7 +368,7 @@ class FactorReport(Result):
         return codes.strength_share(self.table, self.strain, self.reference, displacement)
 
     @property
-    def tested_range(self) -> pd.DataFrame:
+    def tested_range(self) -> "pd.DataFrame":
         """What the runs of the first bearing ask of the range that it was tested in."""
         return pd.DataFrame(self.table.attrs.get("tested_range", []))
 
@@ -380,7 +380,7 @@ class FactorReport(Result):
         return outside_tests(self.name, rows, ranges, skip=("strain_rate",))
 
     @cached_property
-    def _bounds(self) -> pd.DataFrame:
+    def _bounds(self) -> "pd.DataFrame":
         """Lower and upper bilinear model."""
         first = self.bearings[0]
         return bound_models(self.table, self.strain, first.total_rubber_thickness, first.kind)

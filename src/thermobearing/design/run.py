@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, Validity
 from thermobearing.border.cases import made_case
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
 from thermobearing.border.units import one_or_several
 from thermobearing.climate.hourly import Hourly
 from thermobearing.climate.site import RETURN_PERIOD, find_cold
@@ -192,7 +192,7 @@ def _at_every_air(
     rounds: Sequence[sizing.Round],
     equal: Sequence[Sequence[sizing.EqualBearing]],
     checks: Sequence[Check],
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Return the peaks of layered bearings on the bridge at every temperature."""
     if not equal or not case.ambient:
         return pd.DataFrame()

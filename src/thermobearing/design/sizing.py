@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
+import scipy
 from pydantic import Field
-from scipy.optimize import brentq
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
@@ -287,7 +287,7 @@ def equal_bearing(
         raise InputError(
             f"{template.name}: no plan of {low:.0f} to {high:.0f} mm gives {stiffness:g} kN/mm"
         )
-    exact = brentq(lambda side: _sheared(side) - stiffness, low, high, xtol=0.05)
+    exact = scipy.optimize.brentq(lambda side: _sheared(side) - stiffness, low, high, xtol=0.05)
     side = ROUNDING * round(exact / ROUNDING)
     bearing = _with_side(template, side, layers)
     measured = isothermal_cycle(bearing, strain)

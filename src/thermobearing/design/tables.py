@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
+from thermobearing.border.lazy import pd
 from thermobearing.cyclic.reported import checks_table
 from thermobearing.design.bounds import BOUNDS_NOTE
 from thermobearing.design.codes import FOOTNOTE

@@ -5,14 +5,12 @@ from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar, Unpack, get_args
 
-import pandas as pd
-import xarray as xr
-
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.border.keywords import checked_keywords
+from thermobearing.border.lazy import pd, xr
 from thermobearing.cyclic.case import Earlier, InitialState, Keep, Rig
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.run import run
@@ -234,7 +232,7 @@ def sweep(
     motion: Any = None,
     ambient: float | Sequence[float] = 23.0,
     **options: Any,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Return one labelled dataset of all combinations of bearings, motions and temperatures.
 
     With a motion the dataset is that of `bridge(...).to_dataset()`: every peak and history with

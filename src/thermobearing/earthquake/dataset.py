@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.bearing.plausible import implausible
+from thermobearing.border.lazy import xr
 from thermobearing.border.toml import to_table
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import beyond, rig_demand

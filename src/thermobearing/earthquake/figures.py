@@ -9,12 +9,12 @@ from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
 from thermobearing.earthquake.panels import (
     DISPLACEMENT,
     FORCE,
@@ -504,7 +504,7 @@ class EarthquakeFigures(Panels):
         drawing.legend_below(figure, handles)
         return figure
 
-    def _dots(self, ax: Axes, place: int, rows: pd.DataFrame) -> None:
+    def _dots(self, ax: Axes, place: int, rows: "pd.DataFrame") -> None:
         """Draw marks of one temperature side by side by motion, and their mean for each mode."""
         offsets = np.linspace(-0.5, 0.5, len(self._motions) + 2)[1:-1] * SPREAD
         colour = self._colours[self._ambients[place]]

@@ -6,10 +6,10 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any
 
-import pandas as pd
 from pydantic import Field
 
 from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.lazy import pd
 from thermobearing.border.schema import Name, OneLine, Strict, in_unit, validated
 from thermobearing.border.units import parse_quantity, with_unit
 from thermobearing.motions.library import list_motions, load_motion
@@ -311,11 +311,11 @@ def rotation_groups(motions: Sequence[Mapping[str, Any]]) -> dict[str, dict[str,
 
 
 def rotation_frame(
-    runs: pd.DataFrame,
+    runs: "pd.DataFrame",
     motions: Sequence[Mapping[str, Any]],
     labels: Sequence[str],
     names: Sequence[str],
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Return RotD50 and RotD100 of the columns `names` of runs, NaN where a run failed.
 
     `labels` are the columns that distinguish runs of one motion at one angle.

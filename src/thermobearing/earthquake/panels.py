@@ -4,12 +4,12 @@ from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.lazy import xr
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.measures import DIRECTION, GOVERNING
 from thermobearing.earthquake.result import EarthquakeResult
@@ -38,7 +38,7 @@ LOOP_LOOKS = {REFERENCE: BLACK, SINGLE: {"color": "#EE7733", "linewidth": 0.9}}
 Cell = tuple[Axes, Any, Any]  # a panel, what its row and what its column stand for
 
 
-def part_names(dataset: xr.Dataset) -> str:
+def part_names(dataset: "xr.Dataset") -> str:
     """Return which line and pier tables and histories show; empty where there is one of each."""
     if "line" not in dataset.coords:
         return ""
@@ -49,7 +49,7 @@ def part_names(dataset: xr.Dataset) -> str:
     return ", ".join(labels)
 
 
-def select_part(dataset: xr.Dataset, part: str, name: str | None) -> xr.Dataset:
+def select_part(dataset: "xr.Dataset", part: str, name: str | None) -> "xr.Dataset":
     """Return the dataset with peaks and histories of one part, by default the reported one."""
     several = "line" in dataset.coords
     name = dataset.attrs.get(part) if name is None else name

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import pandas as pd
 
+from thermobearing.border.lazy import pd
 from thermobearing.cyclic import reported
 from thermobearing.cyclic.report import rig_table
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
@@ -348,7 +348,7 @@ def _cold(result: EarthquakeResult) -> str:
     return f"{temperatures} changes{mean}: {'; '.join(changes)}{only}."
 
 
-def _cold_ratio(name: str, group: pd.DataFrame) -> str:
+def _cold_ratio(name: str, group: "pd.DataFrame") -> str:
     parts = []
     for column, what in (
         ("bearing_force_max_kN", "force"),

@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
+from thermobearing.border.lazy import pd, xr
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.protocol import LARGEST_STRAIN
 from thermobearing.earthquake import measures, tables
@@ -87,7 +86,7 @@ class EarthquakeResult(DatasetResult):
     _figures = "EarthquakeFigures"
 
     def __init__(
-        self, dataset: xr.Dataset, compared: "dict[str, EarthquakeResult] | None" = None
+        self, dataset: "xr.Dataset", compared: "dict[str, EarthquakeResult] | None" = None
     ) -> None:
         self.dataset = dataset
         self.compared = compared or {}
@@ -153,7 +152,7 @@ class EarthquakeResult(DatasetResult):
         runs = chosen_runs(labels, chosen) if chosen else range(self.runs)
         return EarthquakeResult(selected(data, "run", list(runs), self.run_names))
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_dataset(self) -> "xr.Dataset":
         """Return the dataset with bearing, motion and ambient temperature as dimensions.
 
         With both modes of a laboratory also mode. A combination without a run is NaN.
@@ -183,7 +182,7 @@ class EarthquakeResult(DatasetResult):
         return [str(mode) for mode in self.dataset["mode"].values]
 
     @property
-    def components(self) -> pd.DataFrame:
+    def components(self) -> "pd.DataFrame":
         """Peaks with two components of the ground motion over those with one at a time, if known.
 
         One row per run, quantity and combination of the unidirectional peaks: x, y, the larger
@@ -240,7 +239,7 @@ class EarthquakeResult(DatasetResult):
         return [run_name(b, m, ambient, *more) for b, m, ambient, *more in labels]
 
     @property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """One row per run: bearing, motion, ambient temperature, mode, outcome, peaks.
 
         Peaks of bearings and piers are the largest of all lines and piers; where there are
@@ -281,7 +280,7 @@ class EarthquakeResult(DatasetResult):
         return frame
 
     @property
-    def largest_loops(self) -> pd.DataFrame:
+    def largest_loops(self) -> "pd.DataFrame":
         """The largest loop of one bearing in each run; NaN where none is closed.
 
         The loop holds the largest displacement, to either side, and begins and ends at zero
@@ -298,12 +297,12 @@ class EarthquakeResult(DatasetResult):
         return frame
 
     @property
-    def modes_table(self) -> pd.DataFrame:
+    def modes_table(self) -> "pd.DataFrame":
         """Real-time tests compared with pseudo-dynamic ones; empty unless both were run."""
         return tables.modes_frame(self)
 
     @property
-    def lines(self) -> pd.DataFrame:
+    def lines(self) -> "pd.DataFrame":
         """One row per run and bearing line: bearing, count, ambient temperature, peaks.
 
         `force_max_kN` and `energy_kN_mm` are of one modelled bearing, `total_force_max_kN` of all
@@ -312,11 +311,11 @@ class EarthquakeResult(DatasetResult):
         return self._parts("line", measures.LINES)
 
     @property
-    def piers(self) -> pd.DataFrame:
+    def piers(self) -> "pd.DataFrame":
         """One row per run and pier: displacement, ductility of its hinge, moment; likewise."""
         return self._parts("pier_part", measures.PIERS) if self.has_pier else pd.DataFrame()
 
-    def by_direction(self, name: str = "table") -> pd.DataFrame:
+    def by_direction(self, name: str = "table") -> "pd.DataFrame":
         """Return a table with a row for each direction and the resultant of a run, line or pier.
 
         Parameters
@@ -339,7 +338,7 @@ class EarthquakeResult(DatasetResult):
                 parts.append(frame)
         return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
 
-    def _parts(self, dimension: str, columns: dict[str, str]) -> pd.DataFrame:
+    def _parts(self, dimension: str, columns: dict[str, str]) -> "pd.DataFrame":
         if not self.has_parts:
             return pd.DataFrame()
         data = self.resultant.dataset
@@ -381,7 +380,7 @@ class EarthquakeResult(DatasetResult):
         return min((largest_tested(rows, names[run], limit) for run in runs), default=np.inf)
 
     @property
-    def energy(self) -> pd.DataFrame:
+    def energy(self) -> "pd.DataFrame":
         """Energy balances of the structure and of one bearing at the end of each run [kN mm].
 
         `structure_residual`: (input - kinetic - damping - springs - hinges - bearings - actuator) /
@@ -400,7 +399,7 @@ class EarthquakeResult(DatasetResult):
             frame[f"bearing_{name}_kN_mm"] = data[f"heat_{name}"].values
         return frame.assign(**residuals)
 
-    def history(self, run: int) -> pd.DataFrame:
+    def history(self, run: int) -> "pd.DataFrame":
         """Return the main histories of one run, one row a kept step.
 
         The displacement of the deck is relative to the ground; accelerations are absolute unless
@@ -438,7 +437,7 @@ class EarthquakeResult(DatasetResult):
             frame[f"rubber{k + 1}_degC"] = data["rubber_temperature"].values[:count, k]
         return frame
 
-    def _plan_history(self, run: int) -> pd.DataFrame:
+    def _plan_history(self, run: int) -> "pd.DataFrame":
         """Return the history of a run with a column for each component of a vector."""
         each = {name: self.sel(direction=name).history(run) for name in self.directions}
         first = next(iter(each.values()))
@@ -486,7 +485,7 @@ class EarthquakeResult(DatasetResult):
         known = {name: values[np.isfinite(values)] for name, values in own.items()}
         return {name: float(v.max()) if len(v) else np.nan for name, v in known.items()}
 
-    def largest_rises(self) -> pd.DataFrame:
+    def largest_rises(self) -> "pd.DataFrame":
         """Return the largest rise of rubber and lead in any line of each run [K]; NaN without."""
         names = {name: f"{name}_rise_K" for name in ("rubber", "lead")}
         if self.has_parts:

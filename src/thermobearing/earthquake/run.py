@@ -22,13 +22,13 @@ from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import exposed_bilinear
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
 from thermobearing.border.schema import check_workers
 from thermobearing.climate.hourly import DAY, HOUR, Hourly
 from thermobearing.climate.readers import read_air
@@ -492,7 +492,7 @@ def _uniform(constants: Constants, ambient: float) -> Floats:
 
 def bearing_weather(
     bearing: str | pathlib.Path | Bearing | BilinearBearing, weather: Hourly, **options: Any
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Return the temperatures of a bearing at rest in hourly weather: one row an hour.
 
     Parameters

@@ -9,8 +9,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import pandas as pd
 
+from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.reported import bearing_check_tables
 from thermobearing.earthquake import measures
@@ -94,7 +94,7 @@ def _largest(values: "pd.Series[float]") -> float:
     return float(measures.farthest(values))
 
 
-def _keys(frame: pd.DataFrame) -> list[str]:
+def _keys(frame: "pd.DataFrame") -> list[str]:
     return [name for name in measures.KEYS if name in frame]
 
 
@@ -206,7 +206,7 @@ def _directions_table(result: "EarthquakeResult") -> Table:
     return make_table(frame, [*keys, *BY_DIRECTION], caption, keys=len(keys), note=note)
 
 
-def rotation_measures_frame(result: "EarthquakeResult") -> pd.DataFrame:
+def rotation_measures_frame(result: "EarthquakeResult") -> "pd.DataFrame":
     """Return RotD50 and RotD100 of the peaks of motions at several angles; see `rotation_frame`."""
     motions = tomllib.loads(str(result.dataset.attrs["case"]))["motions"]
     runs = result.by_direction()
@@ -231,7 +231,7 @@ def _combined(x: Floats, y: Floats) -> dict[str, Floats]:
     return {"x": x, "y": y, "larger": larger, "rule": rule, "srss": np.hypot(x, y)}
 
 
-def components_frame(result: "EarthquakeResult", one: "EarthquakeResult") -> pd.DataFrame:
+def components_frame(result: "EarthquakeResult", one: "EarthquakeResult") -> "pd.DataFrame":
     """Return two components of the ground motion compared with one at a time, a row for each peak.
 
     Of hinges and temperatures only the larger one is compared with that of two components. Runs
@@ -264,7 +264,7 @@ def components_frame(result: "EarthquakeResult", one: "EarthquakeResult") -> pd.
     return table[table["two_over_one"].notna()].reset_index(drop=True)
 
 
-def _peaks_by_run(result: "EarthquakeResult", keys: list[str]) -> pd.DataFrame:
+def _peaks_by_run(result: "EarthquakeResult", keys: list[str]) -> "pd.DataFrame":
     table = pd.concat([result.table, result.largest_rises()], axis=1).set_index(keys)
     peaks = list(COMPARED_PEAKS)
     table[peaks] = table[peaks].astype(float)
@@ -272,7 +272,7 @@ def _peaks_by_run(result: "EarthquakeResult", keys: list[str]) -> pd.DataFrame:
     return table
 
 
-def components_summary(frame: pd.DataFrame) -> pd.DataFrame:
+def components_summary(frame: "pd.DataFrame") -> "pd.DataFrame":
     """Return mean, lowest and highest ratio over the motions of `components_frame`."""
     keys = ["bearing", "ambient_degC", "quantity", "combination"]
     found = frame.groupby(keys, sort=False)["two_over_one"].agg(["mean", "min", "max"])
@@ -305,7 +305,7 @@ def _plurals(result: "EarthquakeResult") -> list[str]:
     return [f"{kind}s" for kind in result.part_kinds]
 
 
-def governing_runs(result: "EarthquakeResult") -> pd.DataFrame:
+def governing_runs(result: "EarthquakeResult") -> "pd.DataFrame":
     """Return the largest of every peak over all runs, lines and piers of each bearing."""
     rows = []
     runs = result.table
@@ -338,7 +338,7 @@ def _governing_table(result: "EarthquakeResult") -> Table:
     return make_table(frame, names, caption, keys=2, heads={"part": head})
 
 
-def cold_ratios(result: "EarthquakeResult") -> pd.DataFrame:
+def cold_ratios(result: "EarthquakeResult") -> "pd.DataFrame":
     """Return peaks of each run over those at the warmest temperature of the same run otherwise."""
     table = result.table
     table = table[table["outcome"] == "completed"]
@@ -402,7 +402,7 @@ def _parts_table(result: "EarthquakeResult", part: str, most: int | None = None)
     return table.merged(part)
 
 
-def modes_frame(result: "EarthquakeResult") -> pd.DataFrame:
+def modes_frame(result: "EarthquakeResult") -> "pd.DataFrame":
     """Return real-time tests over pseudo-dynamic ones: a row per bearing, motion, temperature.
 
     Ratios of peaks, energy and rises of temperature; empty unless both modes were run.
@@ -486,7 +486,7 @@ def balance_table(result: "EarthquakeResult", *, bearing: bool = False) -> Table
     return make_table(frame, [*keys, *names], caption, keys=len(keys), heads=heads, note=note)
 
 
-def errors_table(rows: pd.DataFrame) -> Table:
+def errors_table(rows: "pd.DataFrame") -> Table:
     """Return the error of largest size of each earlier model over the runs of each bearing."""
     shown = [name for name in ERRORS if name in rows]
     worst = rows.groupby(["bearing", "model"], sort=False)[shown].agg(_largest).reset_index()
@@ -509,7 +509,7 @@ COMPARED = {  # compared with each other [%]: column of the table of a study
 UNDERESTIMATES = "underestimates inner layer"
 
 
-def comparison_table(results: "dict[str, EarthquakeResult]") -> pd.DataFrame:
+def comparison_table(results: "dict[str, EarthquakeResult]") -> "pd.DataFrame":
     """Return the errors of each earlier model, one row per run and model.
 
     Errors of temperatures [K], of the force [% of the peak], and of peaks and the largest loop
@@ -527,7 +527,7 @@ def comparison_table(results: "dict[str, EarthquakeResult]") -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _labels(table: pd.DataFrame) -> list[tuple[Hashable, ...]]:
+def _labels(table: "pd.DataFrame") -> list[tuple[Hashable, ...]]:
     return [tuple(row) for row in table[_keys(table)].itertuples(index=False)]
 
 
@@ -572,7 +572,7 @@ def _rise(values: Floats) -> float:
     return float((values - values[0]).max())
 
 
-def verdict(table: pd.DataFrame) -> str:
+def verdict(table: "pd.DataFrame") -> str:
     """Return whether a single temperature underestimates the inner layer, in a sentence."""
     mine = table[table["model"] == SINGLE]
     missed = mine[~mine[UNDERESTIMATES].to_numpy(dtype=bool)]

@@ -5,9 +5,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.border.errors import printable
+from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import Prediction
 from thermobearing.identify.records.cycles import Loop, compare_loops
@@ -145,7 +145,7 @@ def _worst(errors: list[float]) -> float:
     return largest_by(errors, abs) if errors else NAN
 
 
-def cycles_frame(comparisons: list[Comparison]) -> pd.DataFrame:
+def cycles_frame(comparisons: list[Comparison]) -> "pd.DataFrame":
     """Return the rows of cycles.csv: test, model and ratios of each cycle."""
     rows = [
         item.names | loop.row(largest=loop is item.largest)

@@ -9,9 +9,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
@@ -187,7 +187,7 @@ def agreement_table(records: Sequence[Row]) -> Table:
 CLOSING = "Small cycles that end a block of a test are counted but not listed."
 
 
-def cycles_table(cycles: pd.DataFrame) -> Table:
+def cycles_table(cycles: "pd.DataFrame") -> Table:
     """Return the measures of each cycle in the test and in the model, of cycles.csv."""
     frame = cycles.head(MOST_ROWS).copy()
     roles = frame["bearing"].astype(str).str.partition(", ")[2]  # of a fit that is judged
@@ -318,7 +318,7 @@ def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
     return content.with_plot(found, "loops", plot, figure_captions("identify"))
 
 
-def loop_trace(name: str, rows: pd.DataFrame, column: str, colour: str) -> Trace:
+def loop_trace(name: str, rows: "pd.DataFrame", column: str, colour: str) -> Trace:
     """Return the loops of a column of fit.csv as a line of a plot."""
     x, force = (rows[one].to_numpy(dtype=float) for one in ("displacement_mm", column))
     return Trace(name, x, force, colour)
@@ -500,7 +500,7 @@ def _certified_tests(records: Sequence[Row]) -> Table:
     return make_table(pd.DataFrame(rows), ABOUT, "Tests", heads=heads, keep_keys=True)
 
 
-def _certified_cycles(cycles: pd.DataFrame, room: int) -> Table:
+def _certified_cycles(cycles: "pd.DataFrame", room: int) -> Table:
     """Return K_eq, Q_d and h_eq of cycles in test and model, in as many rows as there is room."""
     groups = [rows for _, rows in cycles.groupby("test", sort=False)]
     most = max(1, room // len(groups))

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 import tomli_w
 
 import thermobearing
@@ -14,6 +13,7 @@ from thermobearing.bearing.library import bearing_from_table
 from thermobearing.bearing.model import Bearing, TemperatureLaw
 from thermobearing.bearing.plausible import implausible
 from thermobearing.bearing.scaling import extract_compound
+from thermobearing.border.lazy import pd
 from thermobearing.border.toml import sourced_toml, to_table, with_sources
 from thermobearing.core.records import Floats
 from thermobearing.identify.comparison import Comparison, cycles_frame, unused_columns
@@ -146,7 +146,7 @@ class Identification(Result):
         return f"Calibration of {self.bearing.name}: {free}; R2 {fits}; {self.outcome}"
 
     @property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """One row per free parameter: value, standard error, 95 % interval."""
         rows = [
             {"parameter": item.parameter.kind.symbol, "unit": item.parameter.kind.unit}
@@ -171,7 +171,7 @@ class Identification(Result):
         ]
 
     @cached_property
-    def cycles(self) -> pd.DataFrame:
+    def cycles(self) -> "pd.DataFrame":
         """One row for each cycle of each test: test, model and ratios, as of a validation."""
         return cycles_frame(self.fits)
 
@@ -392,7 +392,7 @@ def _sources(found: "Identification", tests: str) -> dict[str, str]:
     return sources
 
 
-def _fit_table(found: "Identification") -> pd.DataFrame:
+def _fit_table(found: "Identification") -> "pd.DataFrame":
     """Return tests and model sample by sample: number of the record, s, mm, kN, degC."""
     frames = (pd.DataFrame({"record": k, **fit.samples}) for k, fit in enumerate(found.fits))
     return pd.concat(frames)

@@ -9,13 +9,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pandas as pd
 import tomli_w
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, OutputError, printable
 from thermobearing.border.keywords import checked_keywords
+from thermobearing.border.lazy import pd
 from thermobearing.border.text_file import file_names, write_file
 from thermobearing.core.records import Floats
 from thermobearing.identify.records.checks import CheckReport, check_test
@@ -188,7 +188,7 @@ class Intakes(Result):
         return RecordFigures(dict(zip(self._names, draw, strict=True)))
 
     @property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """The recognised quantity of each column of each file."""
         pairs = [(item.file.name, column) for item in self.files for column in item.columns]
         return pd.DataFrame([{"file": name, **vars(column)} for name, column in pairs])

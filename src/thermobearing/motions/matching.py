@@ -9,10 +9,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.fft import next_fast_len
-from scipy.linalg import solve_triangular
-from scipy.sparse import csr_array
 from threadpoolctl import threadpool_limits
 
 from thermobearing.core.types import Floats, Ints
@@ -103,7 +101,7 @@ class _Amplitudes:
         self.effort = effort or Effort()
         self.fineness, bands = fineness, fineness.bands
         self.dt, self.length = dt, len(acceleration)
-        size = next_fast_len(self.length, real=True)
+        size = scipy.fft.next_fast_len(self.length, real=True)
         self.size = size
         self.frequency = np.asarray(np.fft.rfftfreq(size, dt), dtype=np.float64)
         gain = high_pass_gain(self.frequency, HIGH_PASS)
@@ -115,7 +113,7 @@ class _Amplitudes:
         places = np.arange(bands, dtype=np.float64)
         place = np.interp(np.log(self.frequency + WIDENING), nodes, places)
         triangles = np.maximum(0.0, 1.0 - np.abs(place[:, np.newaxis] - np.arange(bands)))
-        self.bands = csr_array(triangles)  # two of them at most at one frequency
+        self.bands = scipy.sparse.csr_array(triangles)  # two of them at most at one frequency
         self.nodes = 1.0 / (np.exp(nodes) - WIDENING)  # as periods
         self.logarithm = np.zeros(bands)
         edge = max(2, round(TAPER / dt))
@@ -311,4 +309,4 @@ def _newton(fineness: _Fineness, linear: _Linear, at: _Round, damping: float) ->
     # The damping keeps the system of full rank, so that singular values, ten times as slow, are
     # not needed.
     columns, triangle = np.linalg.qr(system)
-    return np.asarray(solve_triangular(triangle, columns.T @ right))
+    return np.asarray(scipy.linalg.solve_triangular(triangle, columns.T @ right))

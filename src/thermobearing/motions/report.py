@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
+from thermobearing.border.lazy import pd
 from thermobearing.motions.matching import LARGEST_MISFIT
 from thermobearing.motions.run import (
     PAIR_SPECTRA,

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 import thermobearing
+from thermobearing.border.lazy import pd
 from thermobearing.core.types import Floats
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import LARGEST_MISFIT, Progress, misfit
@@ -121,11 +121,11 @@ class MotionResult(Result):
         return response_spectrum(self.motion, np.geomspace(FIRST, LAST, COUNT), self.damping)
 
     @property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """The spectrum as in spectrum.csv."""
         return self._spectrum_frame(self.spectrum)
 
-    def _spectrum_frame(self, found: ResponseSpectrum) -> pd.DataFrame:
+    def _spectrum_frame(self, found: ResponseSpectrum) -> "pd.DataFrame":
         """Return the spectrum, that of the second record, RotD50 and RotD100 at its periods."""
         columns = {
             "period_s": found.periods,
@@ -236,7 +236,7 @@ def measures_table(summary: Mapping[str, Any]) -> Table:
     return Table("Measures of the motion", columns, rows)
 
 
-def spectrum_table(frame: pd.DataFrame, damping: float) -> Table:
+def spectrum_table(frame: "pd.DataFrame", damping: float) -> Table:
     """Return a response spectrum as a table."""
     names = PAIR_SPECTRA if "rotd50_gal" in frame else SPECTRA
     return make_table(frame, names, f"Response spectrum, damping {100.0 * damping:g} %")

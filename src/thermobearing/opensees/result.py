@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
 import thermobearing
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import calibration_ranges
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd, xr
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.dataset import depth_attributes, stack_labels, stacked
 from thermobearing.cyclic.tables import energy_table
@@ -58,7 +57,7 @@ class ServedResult(DatasetResult):
     title: ClassVar[str] = "Bearings served to OpenSees"
     _figures = "ServedFigures"
 
-    def __init__(self, dataset: xr.Dataset) -> None:
+    def __init__(self, dataset: "xr.Dataset") -> None:
         self.dataset = dataset
 
     @classmethod
@@ -105,7 +104,7 @@ class ServedResult(DatasetResult):
         clock: Floats = self.dataset["clock"].values[run]
         return clock[np.isfinite(clock)]
 
-    def history(self, run: int) -> pd.DataFrame:
+    def history(self, run: int) -> "pd.DataFrame":
         """Return times [s], displacement [mm], force [kN] and temperatures [degC] of a bearing."""
         data, rows = self.dataset.isel(element=run), len(self.time(run))
         names = {"time_s": "clock", "model_time_s": "model_time"}
@@ -123,7 +122,7 @@ class ServedResult(DatasetResult):
         return bool(self.dataset.attrs["has_lead"])
 
     @cached_property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """One row per history: extremes, energy, temperatures at the end and at most."""
         data, rows = self.dataset, []
         rubber = float(data.attrs["total_rubber_thickness_mm"])
@@ -151,7 +150,7 @@ class ServedResult(DatasetResult):
         return pd.DataFrame(rows)
 
     @cached_property
-    def energy(self) -> pd.DataFrame:
+    def energy(self) -> "pd.DataFrame":
         """Energy balance at the end of each history [kN mm], as of a cyclic test."""
         data, rows = self.dataset, []
         capacity = float(data.attrs["heat_capacity_kN_mm_per_K"])
@@ -199,7 +198,7 @@ def _labels(histories: Sequence[Served]) -> list[str]:
     ]
 
 
-def _dataset(case: ServedCase, histories: Sequence[Served], said: Sequence[str]) -> xr.Dataset:
+def _dataset(case: ServedCase, histories: Sequence[Served], said: Sequence[str]) -> "xr.Dataset":
     """Return the labelled dataset of histories."""
     model = build_model(case.bearing, case.analysis)
     stack = stack_labels(model)

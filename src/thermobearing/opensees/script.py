@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import nnls
+import scipy
 
 from thermobearing.bearing.bilinear import BilinearBearing, load_device
 from thermobearing.bearing.model import Bearing
@@ -246,7 +246,7 @@ def _damping(prepared: Prepared) -> tuple[float, list[float], float]:
     source = prepared.structure.damping.kind == "source"
     own = [prepared.matrices.mass * source, *_own_stiffness(prepared.structure)]
     *parts, damping = ((shapes.T @ one @ shapes).ravel() for one in (*own, prepared.damping))
-    (a, *b), _ = nnls(np.column_stack(parts), damping)
+    (a, *b), _ = scipy.optimize.nnls(np.column_stack(parts), damping)
     lost = np.abs(np.column_stack(parts) @ [a, *b] - damping).max()
     return float(a), [float(one) for one in b], float(lost / max(np.abs(damping).max(), TINY))
 

@@ -6,14 +6,12 @@ the report engine writes it into HTML, PDF and workbooks. CSV files hold the Dat
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from thermobearing.border.lazy import pd
 from thermobearing.quantities.register import Quantity, quantity, registered_quantities
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 @dataclass(frozen=True)

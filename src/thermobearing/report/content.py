@@ -13,8 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
+from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import flat
 from thermobearing.quantities.governing import largest_by, least_by
@@ -374,7 +373,7 @@ def words(name: str) -> tuple[str, str]:
     return re.sub(r"[_\s]+", " ", name), ""
 
 
-def make_table(name: str, table: pd.DataFrame) -> Table:
+def make_table(name: str, table: "pd.DataFrame") -> Table:
     """Return a table of a result directory as its file has it; of a long one its first rows."""
     shown = table.head(MOST_ROWS).dropna(axis="columns", how="all")
     rows = [tuple(row) for row in shown.itertuples(index=False, name=None)]

@@ -8,10 +8,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, ClassVar
 
-import pandas as pd
-import xarray as xr
-
 from thermobearing.border.keywords import checked_keywords
+from thermobearing.border.lazy import pd, xr
 from thermobearing.quantities.tables import Table
 from thermobearing.results.directory import CHECKS, FIGURES, RIG, TESTED_RANGE, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style
@@ -51,21 +49,21 @@ class Result:
         return table_html(self.headline, self.table, self.warnings)
 
     @property
-    def rig(self) -> pd.DataFrame:
+    def rig(self) -> "pd.DataFrame":
         """Use of each limit of the rig by each run; empty without a rig."""
         return self._rows("rig")
 
     @property
-    def tested_range(self) -> pd.DataFrame:
+    def tested_range(self) -> "pd.DataFrame":
         """Use of the calibration range of its bearing by each run; empty if unknown."""
         return self._rows("tested_range")
 
     @property
-    def bearing_checks(self) -> pd.DataFrame:
+    def bearing_checks(self) -> "pd.DataFrame":
         """Stress and critical load of the bearings in each run; empty without an axial force."""
         return self._rows("bearing_checks")
 
-    def _rows(self, name: str) -> pd.DataFrame:
+    def _rows(self, name: str) -> "pd.DataFrame":
         """Return the rows of limits of the rig, of the tested range or of checks."""
         return pd.DataFrame()
 
@@ -171,7 +169,7 @@ class DatasetResult(Result):
 
     dataset: Any
 
-    def __getitem__(self, name: str) -> xr.DataArray:
+    def __getitem__(self, name: str) -> "xr.DataArray":
         found: xr.DataArray = self.dataset[name]
         return found
 
@@ -202,6 +200,6 @@ class DatasetResult(Result):
         found = {name: from_attribute(self.dataset, name)} if name in self.dataset.attrs else {}
         return super()._limits_summary() | found
 
-    def _rows(self, name: str) -> pd.DataFrame:
+    def _rows(self, name: str) -> "pd.DataFrame":
         rows = from_attribute(self.dataset, name) if name in self.dataset.attrs else []
         return pd.DataFrame(rows)

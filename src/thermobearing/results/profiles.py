@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import xr
 from thermobearing.core.records import Floats
 from thermobearing.results import drawing
 
@@ -29,7 +29,7 @@ class ProfilePanel:
 
     title: str
     ambient: float  # [degC]
-    stack: xr.Dataset  # depth, cell_thickness, part of the cells; attribute half_stack
+    stack: "xr.Dataset"  # depth, cell_thickness, part of the cells; attribute half_stack
     lines: list[tuple[int, Floats, float | None]]  # name of the figure, cells, lead or None [degC]
 
 
@@ -112,14 +112,14 @@ def _same_kelvin(pairs: list[tuple[Axes, ProfilePanel]]) -> None:
         ax.set_xlim(low - 0.06 * span, low + 1.06 * span)
 
 
-def _draw_core(ax: Axes, stack: xr.Dataset, temperature: float, colour: str) -> None:
+def _draw_core(ax: Axes, stack: "xr.Dataset", temperature: float, colour: str) -> None:
     bottom = np.cumsum(stack["cell_thickness"].values)
     inside = np.flatnonzero(~np.isin(stack["part"].values, ("end_plate", "mass")))
     ends = [bottom[inside[0] - 1] if inside[0] else 0.0, bottom[inside[-1]]]
     ax.plot([temperature] * 2, ends, color=colour, linestyle=CORE, linewidth=1.6)
 
 
-def draw_stack(ax: Axes, data: xr.Dataset, *, names: bool, faces: bool = True) -> None:
+def draw_stack(ax: Axes, data: "xr.Dataset", *, names: bool, faces: bool = True) -> None:
     """Draw bands of steel and rubber behind profiles, the faces, and the names of parts."""
     part = [str(name) for name in data["part"].values]
     bottom = np.cumsum(data["cell_thickness"].values)

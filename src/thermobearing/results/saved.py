@@ -6,10 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-import xarray as xr
-
 from thermobearing.border.errors import LONGEST_NAME, InputError, is_file, shortened
+from thermobearing.border.lazy import pd, xr
 from thermobearing.results.directory import DATASET, FIGURES, IDENTIFIED, SUMMARY, check_seal
 from thermobearing.results.screen import table_html
 from thermobearing.results.writing import NETCDF, OTHERS
@@ -23,11 +21,11 @@ class SavedResult:
 
     path: Path
     summary: dict[str, Any]  # content of summary.json
-    tables: dict[str, pd.DataFrame]  # CSV files, by name without ".csv"
+    tables: "dict[str, pd.DataFrame]"  # CSV files, by name without ".csv"
     figures: list[Path]
     bearings: dict[str, Any] = field(default_factory=dict)  # identified or designed, by name
 
-    def __getitem__(self, name: str) -> pd.DataFrame:
+    def __getitem__(self, name: str) -> "pd.DataFrame":
         """Return a table by name."""
         if name not in self.tables:
             raise InputError(f'no table "{name}"; there are {sorted(self.tables)}', str(self.path))
@@ -82,7 +80,7 @@ def read_saved(path: str | Path) -> SavedResult:
     return SavedResult(folder, summary, tables, sorted((folder / FIGURES).glob("*.png")))
 
 
-def read_dataset(path: str | Path, attributes: Iterable[str]) -> xr.Dataset:
+def read_dataset(path: str | Path, attributes: Iterable[str]) -> "xr.Dataset":
     """Return the dataset of a result directory, or of the result.nc in it.
 
     Refuse a damaged file, and one without some of the `attributes`.

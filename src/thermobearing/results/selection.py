@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.lazy import xr
 from thermobearing.core.records import Floats
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.results.writing import as_attribute, from_attribute
@@ -47,7 +47,9 @@ def _same(labels: Any, value: Any) -> Any:
         return np.zeros(len(there), dtype=bool)
 
 
-def selected(data: xr.Dataset, dimension: str, runs: list[int], names: Sequence[str]) -> xr.Dataset:
+def selected(
+    data: "xr.Dataset", dimension: str, runs: list[int], names: Sequence[str]
+) -> "xr.Dataset":
     """Return some runs of a dataset along a dimension, with their rows of the attributes."""
     mine = {names[run] for run in runs}
     attributes = {
@@ -58,7 +60,7 @@ def selected(data: xr.Dataset, dimension: str, runs: list[int], names: Sequence[
     return data.isel({dimension: runs}).assign_attrs(attributes)
 
 
-def gridded(data: xr.Dataset, names: list[str]) -> xr.Dataset:
+def gridded(data: "xr.Dataset", names: list[str]) -> "xr.Dataset":
     """Return a dataset with labels as dimensions instead of `run`; NaN where there is no run."""
     orders = {name: list(dict.fromkeys(data[name].values.tolist())) for name in names}
     others = [str(n) for n, c in data.coords.items() if c.dims == ("run",) and n not in names]

@@ -10,14 +10,11 @@ import shutil
 import sys
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from thermobearing.border.lazy import pd, xr
 from thermobearing.quantities.register import registered_quantities
 from thermobearing.results.directory import SUMMARY
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray as xr
 
 # Commands whose inputs are files and options instead of a case.
 WITHOUT_CASE = {"identify", "validate", "lambda", "bounds"}

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 import thermobearing
+from thermobearing.border.lazy import pd
 from thermobearing.cyclic import reported
 from thermobearing.cyclic.dataset import written_part
 from thermobearing.cyclic.report import rig_table, words_of_test
@@ -117,7 +117,7 @@ def _answer(result: SequenceResult) -> list[str]:
     return [*early, governing, _memory(table, force)]
 
 
-def _memory(table: pd.DataFrame, force: "pd.Series[Any]") -> str:
+def _memory(table: "pd.DataFrame", force: "pd.Series[Any]") -> str:
     """Return the effect of earlier parts: first and last hybrid test, and warming."""
     words = []
     hybrid = table[table["kind"] == "hybrid"]
@@ -145,7 +145,7 @@ def _memory(table: pd.DataFrame, force: "pd.Series[Any]") -> str:
     return tidy(f"{text[:1].upper()}{text[1:]}")
 
 
-def _energies(result: SequenceResult) -> pd.DataFrame:
+def _energies(result: SequenceResult) -> "pd.DataFrame":
     """Return the energy balance of the specimen in each part [kN mm]."""
     names = [*(f"{name}_kN_mm" for name in BEARING), "mechanical_residual", "thermal_residual"]
     rows = [
@@ -158,7 +158,7 @@ def _energies(result: SequenceResult) -> pd.DataFrame:
 
 
 def _checks(result: SequenceResult, case: Case) -> list[Check]:
-    def _rows(table: pd.DataFrame) -> list[dict[Any, Any]]:
+    def _rows(table: "pd.DataFrame") -> list[dict[Any, Any]]:
         return [row | {"run": row["part"]} for row in table.to_dict("records")]
 
     rig = str(case.get("rig", {}).get("name", "rig"))

@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 import thermobearing
 from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.lazy import pd
 from thermobearing.cyclic.result import Result as CyclicResult
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
@@ -84,7 +84,7 @@ class SequenceResult(Result):
         parts = enumerate(self.parts)
         return one_per_cause((self.case.label(k), w) for k, part in parts for w in part.warnings)
 
-    def history(self, number: int) -> pd.DataFrame:
+    def history(self, number: int) -> "pd.DataFrame":
         """Return the time [s], displacement [mm], force [kN] and temperatures [degC] of a part.
 
         The time of a hybrid part is that of the earthquake, not of the actuator.
@@ -109,7 +109,7 @@ class SequenceResult(Result):
         return pd.DataFrame(frame)
 
     @cached_property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """One row per part: temperatures at start and end, largest responses, outcome."""
         rows = []
         for number, part in enumerate(self.parts):
@@ -138,16 +138,16 @@ class SequenceResult(Result):
         return pd.DataFrame(rows)
 
     @property
-    def rig(self) -> pd.DataFrame:
+    def rig(self) -> "pd.DataFrame":
         """Use of each limit of the rig by each part; empty without a rig."""
         return self._below("rig")
 
     @property
-    def tested_range(self) -> pd.DataFrame:
+    def tested_range(self) -> "pd.DataFrame":
         """Use of the calibration range of the bearing by each part; empty if not given."""
         return self._below("tested_range")
 
-    def _below(self, name: str) -> pd.DataFrame:
+    def _below(self, name: str) -> "pd.DataFrame":
         """Return a table of every part below each other, with the part of each row."""
         tables = {self.case.label(k): getattr(part, name) for k, part in enumerate(self.parts)}
         found: dict[str, pd.DataFrame] = {key: one for key, one in tables.items() if len(one)}
@@ -186,7 +186,7 @@ class SequenceResult(Result):
             super()._draw(folder)
 
 
-def _passed(table: pd.DataFrame) -> str:
+def _passed(table: "pd.DataFrame") -> str:
     """Return the names of the limits that a part exceeds."""
     return " ".join(table["limit"][table["passed"]]) if len(table) else ""
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from thermobearing.border.cases import made_case
 from thermobearing.border.errors import InputError
@@ -108,7 +108,7 @@ def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> Specimen
     beyond = _other_side(start)
     if beyond == start:
         return state.model_copy(update={"zero": start})
-    end = brentq(_force, start, beyond, xtol=1e-9)
+    end = scipy.optimize.brentq(_force, start, beyond, xtol=1e-9)
     dt = max(abs(end - start) / UNLOADING / PIECES, 1e-3)
     for piece in range(1, PIECES):
         element.set_trial(start + (end - start) * piece / PIECES, dt, ambient)
@@ -117,7 +117,7 @@ def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> Specimen
     beyond = start + 2.0 * (end - start)
     if _force(at) * _force(beyond) > 0.0:  # a faster motion: the force is zero elsewhere
         beyond = _other_side(at)
-    end = brentq(_force, at, beyond, xtol=1e-12)
+    end = scipy.optimize.brentq(_force, at, beyond, xtol=1e-12)
     element.set_trial(end, dt, ambient)
     element.commit()
     left, lead = element.state, state.lead_temperature is not None

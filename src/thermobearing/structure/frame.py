@@ -21,11 +21,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
-from scipy.linalg import eigh, null_space
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from thermobearing.border.errors import InputError, nearest, printable, shortened
+from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.quantities.governing import largest_by, order_from_largest, place_of_largest
 from thermobearing.quantities.tables import Table
@@ -188,10 +187,10 @@ class Frame:
             bound += [*self.motions(name)[list(own)]]
         bound += [(self.motions(a) - self.motions(b))[k] for a, b, k in self.ties]
         loose = ~(np.any(bound, axis=0) | stiffness.any(axis=0))
-        allowed = null_space(np.array([*bound, *np.eye(count)[loose]]))
+        allowed = scipy.linalg.null_space(np.array([*bound, *np.eye(count)[loose]]))
         allowed /= np.sqrt(np.diag(allowed.T @ stiffness @ allowed).clip(TINY))
         reduced = allowed.T @ stiffness @ allowed
-        values, shapes = eigh(reduced) if len(reduced) else ([1.0], reduced)
+        values, shapes = scipy.linalg.eigh(reduced) if len(reduced) else ([1.0], reduced)
         if values[0] <= NO_STIFFNESS:
             node, way = divmod(place_of_largest(np.abs(allowed @ shapes[:, 0])), len(WAYS))
             raise InputError(
@@ -209,7 +208,7 @@ class Frame:
     def modes(self) -> Modes:
         """Return the natural modes with unit modal mass."""
         reduced, allowed = self._stiffness
-        squares, shapes = eigh(allowed.T @ (self.mass[:, None] * allowed), reduced)
+        squares, shapes = scipy.linalg.eigh(allowed.T @ (self.mass[:, None] * allowed), reduced)
         kept = np.flatnonzero(squares > NO_MASS * squares.max(initial=0.0))[::-1]
         roots = np.sqrt(squares[kept])
         return Modes(1.0 / roots, allowed @ shapes[:, kept] / roots)
@@ -221,7 +220,13 @@ def _label(frame: Frame, members: Iterable[Element]) -> dict[str, int]:
     graph = np.zeros((len(numbers), len(numbers)))
     for one in members:
         graph[numbers[one.ends[0]], numbers[one.ends[1]]] = 1.0
-    return dict(zip(numbers, connected_components(graph, directed=False)[1].tolist(), strict=True))
+    return dict(
+        zip(
+            numbers,
+            scipy.sparse.csgraph.connected_components(graph, directed=False)[1].tolist(),
+            strict=True,
+        )
+    )
 
 
 def _find_parts(frame: Frame) -> dict[str, list[str]]:
@@ -442,7 +447,7 @@ class ImportedFrame(StructureResult):
         self.frame = frame
         self.periods = self._compare()
 
-    def _compare(self) -> pd.DataFrame:
+    def _compare(self) -> "pd.DataFrame":
         """Return the modes of the structure and the frame, paired by their shapes."""
         frame, modes, motions = self.frame, self.frame.modes(), []
         for name, node in frame.nodes.items():

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh
+import scipy
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
@@ -307,7 +307,7 @@ def find_modes(
 ) -> Modes:
     """Return all natural modes, longest period first; InputError for a mechanism."""
     scale = np.sqrt(np.diag(mass))
-    values, shapes = eigh(mass / np.outer(scale, scale))
+    values, shapes = scipy.linalg.eigh(mass / np.outer(scale, scale))
     if values[0] <= NO_MASS:
         motion = _motion(names, np.square(shapes[:, values <= NO_MASS]).max(axis=1))
         remedy = "rotary_inertia, or masses at two heights"
@@ -318,7 +318,7 @@ def find_modes(
             "more than 1e12)",
             where,
         )
-    values, shapes = eigh(stiffness, mass)
+    values, shapes = scipy.linalg.eigh(stiffness, mass)
     free = values <= NO_STIFFNESS * values[-1]
     if free.any():
         share = np.diag(mass) * np.square(shapes[:, free]).max(axis=1)
@@ -365,7 +365,7 @@ def _weighed_ratios(parts: list[Part], modes: Modes) -> Floats:
 def _bare_modes(structure: Structure, matrices: Matrices) -> Modes:
     """Return the modes without the bearings that have stiffness, longest period first."""
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
-    values, shapes = eigh(stiffness, matrices.mass)
+    values, shapes = scipy.linalg.eigh(stiffness, matrices.mass)
     held = (values > 0.0) & (values > NO_STIFFNESS * values[-1])
     return Modes(np.sqrt(values[held]), shapes[:, held])
 
@@ -470,7 +470,7 @@ def build_damping(structure: Structure, matrices: Matrices, modes: Modes) -> Flo
 
 def _check_sign(matrix: Floats, mass: Floats, damping: Damping, where: str) -> None:
     """Refuse damping that feeds energy in: a line through two ratios may be negative elsewhere."""
-    values = eigh(matrix, mass, eigvals_only=True)
+    values = scipy.linalg.eigh(matrix, mass, eigvals_only=True)
     if values[0] < NEGATIVE * abs(values[-1]):
         raise InputError(
             f'damping.kind = "{damping.kind}" adds energy to some motions: with these ratios '

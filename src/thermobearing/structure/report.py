@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-import pandas as pd
-
+from thermobearing.border.lazy import pd
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.quantities.register import Quantity, quantity
@@ -83,7 +82,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
 
 
 def build_tables(
-    structure: Structure, parts: pd.DataFrame, modes: pd.DataFrame
+    structure: Structure, parts: "pd.DataFrame", modes: "pd.DataFrame"
 ) -> dict[str, Table]:
     """Return the tables of the parts and the modes of a structure."""
     at = [Quantity(key[0], "mm", "g", key) for key in ("x_mm", "y_mm")]
@@ -97,7 +96,7 @@ def build_tables(
     return {"parts": make_table(parts, columns, keys=4), "periods": make_table(modes, names)}
 
 
-def frame_table(periods: pd.DataFrame) -> Table:
+def frame_table(periods: "pd.DataFrame") -> Table:
     """Return the periods of an imported structure and of its frame."""
     names: list[str | Quantity] = ["mode", quantity("period_s", form=".4f"), "frame_period_s"]
     names += ["period_difference", "effective_mass", "frame_effective_mass"]

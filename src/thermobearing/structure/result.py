@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
-import pandas as pd
 
 import thermobearing
 from thermobearing.bearing.plausible import sentence, usual_values
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
 from thermobearing.border.toml import sourced_toml
 from thermobearing.border.units import parse_quantity
 from thermobearing.core.records import Floats
@@ -100,7 +100,7 @@ class StructureResult(Result):
         self.mass = sum(item.mass for item in self.structure.masses)  # [kN s2/mm]
 
     @property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """One row per mode: period [s], damping ratio, effective mass, shape (largest 1)."""
         modes = self.prepared.modes
         farthest = places_of_largest(np.abs(modes.shapes.T))
@@ -131,7 +131,7 @@ class StructureResult(Result):
         return dict(zip(EFFECTIVE_MASSES, shares, strict=True))
 
     @property
-    def parts(self) -> pd.DataFrame:
+    def parts(self) -> "pd.DataFrame":
         """One row per mass, spring, hinge and bearing line: what it is, where, how large."""
         structure = self.structure
         rows = []

@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
+from thermobearing.border.lazy import pd
 from thermobearing.quantities.governing import order_from_least
 from thermobearing.report.content import words
 from thermobearing.results import drawing
@@ -64,7 +64,7 @@ def _legend(figure: Figure, ax: Axes) -> None:
     drawing.legend_below(figure, ax.get_legend_handles_labels()[0])
 
 
-def _draw_demand(found: pd.DataFrame, result: StudyResult, across: str, note: str) -> Figure:
+def _draw_demand(found: "pd.DataFrame", result: StudyResult, across: str, note: str) -> Figure:
     demand, by, capacity = result.demand_name, result.things, result.question.capacity or np.nan
     groups = found.groupby(list(by), sort=False, observed=True) if by else [((), found)]
     cells = [(label, rows) for label, rows in groups]
@@ -297,7 +297,7 @@ KINDS = {
 }
 
 
-def _draw_variance(found: pd.DataFrame, demand: str) -> Figure:
+def _draw_variance(found: "pd.DataFrame", demand: str) -> Figure:
     kinds = [kind for kind in KINDS if kind in found]
     by = "total" if "total" in found else "share"
     rest = found["factor"] == REST

@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.border.errors import OutputError
+from thermobearing.border.lazy import pd
 from thermobearing.border.text_file import file_names, write_file
 from thermobearing.border.toml import to_table
 from thermobearing.cyclic.reported import heat_flow
@@ -195,7 +195,7 @@ def result_tables(result: StudyResult) -> dict[str, Table]:
     return found
 
 
-def worst_table(result: StudyResult, worst: pd.DataFrame) -> Table:
+def worst_table(result: StudyResult, worst: "pd.DataFrame") -> Table:
     """Return `StudyResult.worst` as a table for readers."""
     caption = "The worst runs, and the first of each failure mode"
     return _table(worst.drop(columns="id"), caption, units=_units(result))
@@ -253,7 +253,7 @@ def _head(words: str) -> str:
 
 
 def _table(
-    frame: pd.DataFrame,
+    frame: "pd.DataFrame",
     caption: str,
     *,
     units: Mapping[str, str] | None = None,
@@ -302,7 +302,7 @@ MEASURES = {  # intensity: its name in damage models
 }
 
 
-def _demand_table(result: StudyResult) -> pd.DataFrame:
+def _demand_table(result: StudyResult) -> "pd.DataFrame":
     """Return the completed runs as a demand sample of pelicun, the row of units first."""
     period = result.study.factors.scale.period or 0.0
     done = result.table[result.table[OUTCOME] == COMPLETED]

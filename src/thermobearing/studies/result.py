@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Annotated, Any, Unpack
 
 import numpy as np
-import pandas as pd
 import tomli_w
 from pydantic import Field, PrivateAttr
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.lazy import pd
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.text_file import write_file
 from thermobearing.border.toml import read_toml, to_table
@@ -211,7 +211,7 @@ class StudyResult(Result):
 
     def __init__(
         self,
-        table: pd.DataFrame,
+        table: "pd.DataFrame",
         study: Study,
         manifest: Mapping[str, Any],
         directory: str | Path = "DIR",
@@ -303,7 +303,7 @@ class StudyResult(Result):
         *,
         by: Sequence[str] | None = None,
         failed: Failed = "left-out",
-    ) -> pd.DataFrame:
+    ) -> "pd.DataFrame":
         """Return mean, fractiles and band of the median of a demand at each temperature.
 
         Parameters
@@ -536,7 +536,7 @@ class StudyResult(Result):
 
     def rates_table(
         self, curves: Mapping[Any, Fragility], rates: Mapping[Any, Rate], to: Any = None
-    ) -> pd.DataFrame:
+    ) -> "pd.DataFrame":
         """Return rates with bands and return periods, and their ratios to one of them.
 
         Parameters
@@ -569,7 +569,7 @@ class StudyResult(Result):
             )
         return pd.DataFrame(rows).assign(reference=str(to))
 
-    def variance(self, demand: str | None = None) -> pd.DataFrame:
+    def variance(self, demand: str | None = None) -> "pd.DataFrame":
         """Return the share of each factor in the variance of a demand.
 
         The shares are Sobol' indices if the design has Saltelli's arrangement and one combination
@@ -598,7 +598,7 @@ class StudyResult(Result):
         drawn |= {AMBIENT} if HOUR in drawn else set()
         return [name for name in self.factors if name in drawn and name != HOUR]
 
-    def worst(self, count: int = WORST, by: str | None = None) -> pd.DataFrame:
+    def worst(self, count: int = WORST, by: str | None = None) -> "pd.DataFrame":
         """Return the worst runs and the first of each failure mode, with commands that repeat them.
 
         Parameters

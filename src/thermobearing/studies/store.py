@@ -26,11 +26,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
-import xarray as xr
 
 import thermobearing
 from thermobearing.border.errors import InputError, OutputError, read_bytes, shortened
+from thermobearing.border.lazy import pd, xr
 from thermobearing.border.text_file import replacing, write_file, write_whole
 from thermobearing.border.toml import flat
 from thermobearing.core.compiled.sources import kernels_digest
@@ -62,7 +61,7 @@ def _load_pyarrow() -> Any:
     return pyarrow, pyarrow.parquet
 
 
-def _parquet_bytes(table: pd.DataFrame, labels: Labels, notes: Mapping[str, Any]) -> bytes:
+def _parquet_bytes(table: "pd.DataFrame", labels: Labels, notes: Mapping[str, Any]) -> bytes:
     """Return a table as bytes of a file; equal tables have equal bytes, and NaN is null."""
     arrow, parquet = _load_pyarrow()
     fields, arrays = [], []
@@ -94,7 +93,7 @@ def _digest(before: bytes, after: bytes) -> bytes:
     return hashlib.sha256(before + EMPTY + after).hexdigest().encode()
 
 
-def _read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
+def _read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -> "pd.DataFrame":
     """Return the concatenated tables of files; InputError for an unreadable one."""
     arrow, parquet = _load_pyarrow()
     names = None if columns is None else list(columns)
@@ -136,7 +135,7 @@ def _read_notes(path: Path, *, sealed: bool = True) -> tuple[dict[str, Any], int
 MOST_ROWS = 1_048_575  # of a sheet of a workbook, without the head
 
 
-def write_table(table: pd.DataFrame, path: Path, *, overwrite: bool = False) -> None:
+def write_table(table: "pd.DataFrame", path: Path, *, overwrite: bool = False) -> None:
     """Write a table of runs as .csv or .xlsx."""
     if path.suffix == ".csv":
         write_file(
@@ -269,7 +268,7 @@ class Store:
 
     def table(
         self, columns: Sequence[str] | None = None, done: Sequence[int] | None = None
-    ) -> pd.DataFrame:
+    ) -> "pd.DataFrame":
         """Return all completed runs (or those of some shards), in the order of the plan."""
         files = [self._file(shard) for shard in (self.done() if done is None else done)]
         if not files:
@@ -307,7 +306,7 @@ class Store:
         }
 
 
-def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | None) -> Store:
+def open_or_make(directory: Path, study: Study, runs: "pd.DataFrame", size: int | None) -> Store:
     """Return the directory of a study, created (with shards of `size` runs) or resumed."""
     _load_pyarrow()
     digest = _input_digest(study, runs)
@@ -349,7 +348,7 @@ def open_or_make(directory: Path, study: Study, runs: pd.DataFrame, size: int | 
     return store
 
 
-def _input_digest(study: Study, runs: pd.DataFrame) -> str:
+def _input_digest(study: Study, runs: "pd.DataFrame") -> str:
     found = hashlib.sha256("\n".join(runs["id"]).encode())
     for name in THINGS:
         found.update("\n".join(map(str, runs[name].unique())).encode())

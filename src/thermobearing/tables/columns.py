@@ -17,6 +17,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from thermobearing.border.errors import InputError, nearest, shortened
+from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml
 from thermobearing.border.units import HUGEST, conversion
@@ -516,8 +517,6 @@ def _seconds_and_start(stamps: list[str]) -> tuple[Floats, np.datetime64 | None]
 
 def _clock(cells: list[str]) -> Floats:
     """Return seconds of times of day since the first."""
-    import pandas as pd
-
     padded = [cell if cell.count(":") > 1 else f"{cell}:00" for cell in cells]
     if all(cell.count(":") == 1 and "." in cell for cell in cells):
         padded = [f"00:{cell}" for cell in cells]  # minutes and seconds with decimals
@@ -534,8 +533,6 @@ def _clock(cells: list[str]) -> Floats:
 
 def _parsed(cells: list[str], day_first: bool) -> tuple[Floats, np.datetime64] | None:
     """Seconds since the first, and its date; None if they are not all dates of this order."""
-    import pandas as pd
-
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # pandas warns about its guess, which is checked here
         for form in ("ISO8601", None, "mixed"):

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 import thermobearing
+from thermobearing.border.lazy import pd
 from thermobearing.identify.comparison import NAN, Comparison, cycles_frame, unused_columns
 from thermobearing.identify.records.record import TestRecord, record_conditions
 from thermobearing.identify.result import Identification
@@ -134,12 +134,12 @@ class Validation(Result):
         return "" if self.outcome == COMPLETED else " ".join([PARTLY, *why])
 
     @property
-    def tested_range(self) -> pd.DataFrame:
+    def tested_range(self) -> "pd.DataFrame":
         """Use of the calibration range of each bearing by each test, where it is given."""
         return pd.DataFrame([row for item in self.comparisons for row in item.compared])
 
     @cached_property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """One row for each test, bearing and model: R2, largest errors, verdicts, largest loop."""
         rows = []
         for item in self.comparisons:
@@ -153,12 +153,12 @@ class Validation(Result):
         return pd.DataFrame(rows)
 
     @cached_property
-    def cycles(self) -> pd.DataFrame:
+    def cycles(self) -> "pd.DataFrame":
         """One row for each cycle of each test, bearing and model: test, model and ratios."""
         return cycles_frame(self.comparisons)
 
     @cached_property
-    def thermocouples(self) -> pd.DataFrame:
+    def thermocouples(self) -> "pd.DataFrame":
         """One row for each thermocouple of each test, bearing and model: test, model, errors."""
         rows = [item.names | row for item in self.comparisons for row in item.thermocouples]
         return pd.DataFrame(rows)
@@ -276,7 +276,7 @@ class CrossValidation(Result):
         return next(found, 0)
 
     @cached_property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """One row for each test in each role: R2, largest errors and verdicts, largest loop."""
         parts = []
         for role, found in ((FITTED, self.fitted), (HELD_OUT, self.held_out)):
@@ -289,7 +289,7 @@ class CrossValidation(Result):
         return pd.concat(parts, ignore_index=True)
 
     @cached_property
-    def parameters(self) -> pd.DataFrame:
+    def parameters(self) -> "pd.DataFrame":
         """One row for the final fit (fold 0) and one for each fold: free parameters."""
         fits = [self.final, *self.folds]
         keys = list(dict.fromkeys(key for fit in fits for key in fit.uncertainty.estimates))

@@ -6,11 +6,11 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, printable
+from thermobearing.border.lazy import pd
 from thermobearing.identify.records.checks import check_plausibility
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import PAUSE, TestRecord, build_record
@@ -40,7 +40,7 @@ class MeasuredCycles:
     total_rubber_thickness: float  # [mm]
 
     @property
-    def table(self) -> pd.DataFrame:
+    def table(self) -> "pd.DataFrame":
         """A row per full cycle: number, strain, measures with units, and the type of its end."""
         rows = [
             {"cycle": number, "strain": cycle.amplitude_mm / self.total_rubber_thickness}

@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.bearing.ambient import COLDEST, HOTTEST
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.lazy import pd
 from thermobearing.border.schema import Strict, find_unit, validated
 from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.motions import Motion
@@ -500,7 +500,7 @@ class Draws:
     matrix: list[str] | None = None  # [rows] "A", "B" or "AB <factor>"; none in a plain arrangement
 
 
-def plan(study: Study) -> pd.DataFrame:
+def plan(study: Study) -> "pd.DataFrame":
     """Return all runs of a study, one row each; equal studies have equal bits.
 
     The columns are `run` (from 0), `id` (16 hexadecimal digits: a digest of the input of the run,
@@ -625,8 +625,8 @@ def _settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, 
 
 
 def _with_ids(
-    study: Study, columns: Sequence[Column], picked: dict[str, Any], frame: pd.DataFrame
-) -> pd.DataFrame:
+    study: Study, columns: Sequence[Column], picked: dict[str, Any], frame: "pd.DataFrame"
+) -> "pd.DataFrame":
     """Return the plan with ids and seeds of runs, and its columns."""
     levels, scale = Levels(study), study.factors.scale
     found = _settled(study, levels, picked)

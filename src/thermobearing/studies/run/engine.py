@@ -22,9 +22,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.border.errors import InputError, OutputError
+from thermobearing.border.lazy import pd
 from thermobearing.earthquake.dataset import label_analysis
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_task
@@ -82,7 +82,7 @@ class Status:
     done: int  # completed or failed runs
     shards: int
     shards_done: int
-    failures: pd.DataFrame
+    failures: "pd.DataFrame"
     interrupted: bool = False  # by Ctrl-C
     effort: "Effort | None" = None  # of this start; None where nothing was computed
 
@@ -166,7 +166,7 @@ def _peak_memory() -> float | None:
     return 1e-6 * unit * max(resource.getrusage(who).ru_maxrss for who in everyone)
 
 
-def count_failures(table: pd.DataFrame) -> pd.DataFrame:
+def count_failures(table: "pd.DataFrame") -> "pd.DataFrame":
     """Return number, share, first run and sentence of each failure mode, by frequency."""
     failed = table[table["outcome"] != COMPLETED]
     groups = failed.groupby("outcome", sort=True, observed=True)
@@ -175,7 +175,7 @@ def count_failures(table: pd.DataFrame) -> pd.DataFrame:
     return found.sort_values("runs", ascending=False, kind="stable").reset_index()
 
 
-def failures_table(failures: pd.DataFrame) -> Table:
+def failures_table(failures: "pd.DataFrame") -> Table:
     """Return `count_failures` as a table for readers."""
     columns = [
         Quantity("Outcome", form=".3g", name="outcome"),
@@ -373,7 +373,7 @@ def check_start(
 
 def _opened(
     study: Study, directory: Path, size: int | None, jobs: int | None
-) -> tuple[Study, pd.DataFrame, Store]:
+) -> "tuple[Study, pd.DataFrame, Store]":
     begun = (directory / MANIFEST).exists()
     made = with_matched(study, directory, jobs)
     runs = plan(made)
@@ -389,7 +389,7 @@ def _opened(
 def _do_missing(
     store: Store,
     study: Study,
-    runs: pd.DataFrame,
+    runs: "pd.DataFrame",
     part: tuple[int, int] | None,
     how: tuple[str, int | None, Any],
     progress: Progress | None,
@@ -424,7 +424,9 @@ def _do_missing(
     return pace
 
 
-def _works(study: Study, runs: pd.DataFrame, shards: Sequence[tuple[int, slice]]) -> Iterator[Work]:
+def _works(
+    study: Study, runs: "pd.DataFrame", shards: Sequence[tuple[int, slice]]
+) -> Iterator[Work]:
     """Yield shards with the temperatures of their bearings, which are computed once."""
     if not shards:
         return
@@ -435,7 +437,7 @@ def _works(study: Study, runs: pd.DataFrame, shards: Sequence[tuple[int, slice]]
         yield Work(number, rows, preparer.foreseen_temperatures(rows))
 
 
-def _keep_worst(store: Store, study: Study, runs: pd.DataFrame) -> None:
+def _keep_worst(store: Store, study: Study, runs: "pd.DataFrame") -> None:
     """Repeat the worst runs, once all are complete, and write their histories."""
     kept = store.directory / HISTORIES_FOLDER / WORST
     if not study.keep.worst or kept.exists() or len(done := store.done()) < store.shards:

@@ -13,10 +13,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
 from thermobearing.climate.hourly import Hourly
 from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.case import EarthquakeCase
@@ -244,7 +244,7 @@ class Preparer:
         lead = None if each[0][1] is None else np.array([one for _, one in each])
         return Soaked(np.array([cells for cells, _ in each]), lead)
 
-    def foresee(self, rows: pd.DataFrame) -> None:
+    def foresee(self, rows: "pd.DataFrame") -> None:
         """Compute the temperatures of the bearings of all rows."""
         if HOUR in rows:
             found = {
@@ -253,7 +253,7 @@ class Preparer:
             }
             self._known = Warm(found, self._weather if self._own_heat else None)
 
-    def foreseen_temperatures(self, rows: pd.DataFrame) -> Warm | None:
+    def foreseen_temperatures(self, rows: "pd.DataFrame") -> Warm | None:
         """Return the temperatures of some rows, for another process; None without weather."""
         if HOUR not in rows:
             return None
@@ -270,7 +270,7 @@ class Preparer:
         if warm is not None:
             self._known = warm
 
-    def _warmed(self, rows: pd.DataFrame) -> dict[Key, tuple[Device, Ints]]:
+    def _warmed(self, rows: "pd.DataFrame") -> dict[Key, tuple[Device, Ints]]:
         """Return layered bearings and the hours of their rows; none if all thermal keys differ."""
         if self._own_heat:
             return {}

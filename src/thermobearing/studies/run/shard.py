@@ -19,9 +19,9 @@ from itertools import islice
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.border.errors import InputError, OutputError
+from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.protocol import lengths
 from thermobearing.earthquake import measures
@@ -268,7 +268,7 @@ class Kept(NamedTuple):
 class Done(NamedTuple):
     """The table of the runs of a shard, and their histories."""
 
-    table: pd.DataFrame
+    table: "pd.DataFrame"
     histories: tuple[Kept, ...] = ()
 
 
@@ -276,7 +276,7 @@ class Work(NamedTuple):
     """Number and rows of a shard, and the temperatures of its bearings in weather."""
 
     number: int
-    rows: pd.DataFrame
+    rows: "pd.DataFrame"
     warm: Warm | None = None
 
 
@@ -284,7 +284,7 @@ class BrokenError(Exception):
     """All runs of a shard raised an error: a fault of the program or its environment."""
 
 
-def run_shard(study: Study, plan_rows: pd.DataFrame) -> pd.DataFrame:
+def run_shard(study: Study, plan_rows: "pd.DataFrame") -> "pd.DataFrame":
     """Return the columns of the plan of some runs, and `RESULT_COLUMNS`."""
     preparer = Preparer(study)
     preparer.foresee(plan_rows)
@@ -294,7 +294,7 @@ def run_shard(study: Study, plan_rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def compute_shard(
-    preparer: Preparer, plan_rows: pd.DataFrame, *, histories: bool = False
+    preparer: Preparer, plan_rows: "pd.DataFrame", *, histories: bool = False
 ) -> Done | None:
     """Return the results of a shard; None if this process was stopped."""
     rows: list[dict[Any, Any]] = plan_rows.to_dict("records")

@@ -16,11 +16,11 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
-import pandas as pd
+import scipy
 from numpy.typing import NDArray
-from scipy.special import ndtr, stdtrit
 
 from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats, Ints
 from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
 from thermobearing.quantities.governing import order_from_largest
@@ -103,8 +103,8 @@ def widened(level: float, groups: int) -> float:
     """
     if groups < 2:
         return level
-    at = stdtrit(groups - 1.0, 0.5 * (1.0 + level)) * np.sqrt(groups / (groups - 1.0))
-    return float(2.0 * ndtr(at) - 1.0)
+    at = scipy.special.stdtrit(groups - 1.0, 0.5 * (1.0 + level)) * np.sqrt(groups / (groups - 1.0))
+    return float(2.0 * scipy.special.ndtr(at) - 1.0)
 
 
 def quantile(values: Floats, share: float) -> float:
@@ -140,7 +140,7 @@ NEVER_RUN = (BAD_INPUT, BROKEN)  # they do not describe the structure
 class Counted:
     """The runs that an estimate is made of."""
 
-    table: pd.DataFrame  # their rows
+    table: "pd.DataFrame"  # their rows
     demand: Floats  # of each of them; infinite for a run that counts as collapse
     left_out: int  # number of failed runs that are left out, or count as collapse
     collapsed: int
@@ -163,7 +163,7 @@ def describe_failures(runs: int, left_out: int, collapsed: int) -> str:
     return "; ".join(done) or f"{runs} runs, none failed"
 
 
-def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Counted:
+def counted(table: "pd.DataFrame", demand: str, failed: Failed = "left-out") -> Counted:
     """Return the rows that count, with their demand.
 
     Without a column `outcome` all runs completed. Runs with bad input or a program error are
@@ -196,14 +196,14 @@ def counted(table: pd.DataFrame, demand: str, failed: Failed = "left-out") -> Co
     return Counted(table[kept], demands, int((~kept).sum()), collapsed, kept, completed)
 
 
-def column(table: pd.DataFrame, name: str) -> list[Any]:
+def column(table: "pd.DataFrame", name: str) -> list[Any]:
     """Return the values of a column; InputError with the nearest name if there is none."""
     if name not in table:
         raise InputError(f'no column "{name}"{nearest(name, [str(k) for k in table.columns])}')
     return table[name].tolist()
 
 
-def _numbers(table: pd.DataFrame, name: str) -> Floats:
+def _numbers(table: "pd.DataFrame", name: str) -> Floats:
     """Return a column of numbers; InputError if it does not exist or has other values."""
     values = column(table, name)
     try:
@@ -212,7 +212,7 @@ def _numbers(table: pd.DataFrame, name: str) -> Floats:
         raise InputError(f'column "{name}" does not contain numbers') from None
 
 
-def positive(table: pd.DataFrame, name: str) -> Floats:
+def positive(table: "pd.DataFrame", name: str) -> Floats:
     """Return a column whose logarithm is used; InputError for a number that is not positive."""
     values = _numbers(table, name)
     wrong = values[~(np.isfinite(values) & (values > 0.0))]
@@ -233,7 +233,7 @@ def equal_classes(values: Floats, count: int) -> Ints:
     return np.asarray(rank * count // len(values))
 
 
-def in_classes(table: pd.DataFrame, by: str) -> tuple[pd.DataFrame, str]:
+def in_classes(table: "pd.DataFrame", by: str) -> "tuple[pd.DataFrame, str]":
     """Return the table and the column of its curves: temperatures, or classes of more than 8."""
     if by != AMBIENT or table[AMBIENT].nunique() <= MOST_TEMPERATURES:
         return table, by
@@ -246,13 +246,13 @@ def in_classes(table: pd.DataFrame, by: str) -> tuple[pd.DataFrame, str]:
 
 
 def demand_against(
-    table: pd.DataFrame,
+    table: "pd.DataFrame",
     demand: str,
     across: str = AMBIENT,
     *,
     by: Sequence[str] = (),
     failed: Failed = "left-out",
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Return mean, `FRACTILES` and band of the median of a demand at each temperature.
 
     More than 20 different values of `across` are put into 12 classes of equal size, at their
@@ -306,7 +306,7 @@ RANKED = ("pier_ductility", "pier_displacement_max_mm", "bearing_displacement_ma
 WORST = 10
 
 
-def ranked_by(table: pd.DataFrame) -> str:
+def ranked_by(table: "pd.DataFrame") -> str:
     """Return the column that ranks runs: the first of `RANKED` that has numbers."""
     for name in RANKED:
         if name in table and table[name].notna().any():
@@ -314,7 +314,7 @@ def ranked_by(table: pd.DataFrame) -> str:
     raise InputError(f"runs cannot be ranked: none of {', '.join(RANKED)} has numbers")
 
 
-def worst_runs(table: pd.DataFrame, count: int = WORST, by: str | None = None) -> list[int]:
+def worst_runs(table: "pd.DataFrame", count: int = WORST, by: str | None = None) -> list[int]:
     """Return the numbers of the completed runs with the largest demand, in decreasing order."""
     completed = table[table[OUTCOME] == COMPLETED]
     if len(completed) == 0:

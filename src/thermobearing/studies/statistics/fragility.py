@@ -29,10 +29,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, get_args
 
 import numpy as np
-import pandas as pd
-from scipy.optimize import brentq
+import scipy
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.results.base import COMPLETED
 from thermobearing.studies.statistics.demand import (
@@ -107,7 +107,7 @@ class Ida(NamedTuple):
 
     def fractiles(
         self, intensity: Floats | None = None, shares: Sequence[float] = FRACTILES
-    ) -> pd.DataFrame:
+    ) -> "pd.DataFrame":
         """Return fractiles of the demand over `curves` curves, at all intensities of runs."""
         if intensity is None:
             intensity = np.unique(np.concatenate([curve.intensity[1:] for curve in self.curves]))
@@ -119,7 +119,7 @@ class Ida(NamedTuple):
             rows.append({self.intensity: float(at), "curves": len(known), **found})
         return pd.DataFrame(rows)
 
-    def crossings(self, capacity: float) -> pd.DataFrame:
+    def crossings(self, capacity: float) -> "pd.DataFrame":
         """Return where each curve first reaches a capacity (or inf), and its largest intensity."""
         rows = []
         for curve in self.curves:
@@ -130,7 +130,7 @@ class Ida(NamedTuple):
 
 
 def ida_curves(
-    table: pd.DataFrame,
+    table: "pd.DataFrame",
     demand: str,
     intensity: str,
     by: Sequence[str] = (MOTION,),
@@ -180,7 +180,7 @@ class Fragility:
     parts: Sequence[tuple[float, Estimate]]
     level: float  # confidence of the bands, a share in (0, 1)
     runs: int
-    counts: pd.DataFrame  # for each intensity `runs` and `beyond`; many intensities in classes
+    counts: "pd.DataFrame"  # for each intensity `runs` and `beyond`; many intensities in classes
     left_out: int  # number of failed runs that are left out, or count as collapse
     collapsed: int
 
@@ -208,7 +208,7 @@ class Fragility:
         low, high = min(medians), max(medians)
         if low == high:
             return low
-        return float(brentq(lambda at: self.probability(at)[0] - 0.5, low, high))
+        return float(scipy.optimize.brentq(lambda at: self.probability(at)[0] - 0.5, low, high))
 
     @property
     def dispersion(self) -> float:
@@ -310,7 +310,7 @@ DEFAULTS |= {"curves": (MOTION,), "level": LEVEL, "samples": SAMPLES, "seed": 0}
 
 
 def fragility_curve(
-    table: pd.DataFrame,
+    table: "pd.DataFrame",
     demand: str,
     capacity: float,
     intensity: str,
@@ -324,7 +324,7 @@ def fragility_curve(
 
 
 def fragility_curves(
-    table: pd.DataFrame,
+    table: "pd.DataFrame",
     demand: str,
     capacity: float,
     intensity: str,
@@ -349,7 +349,7 @@ def fragility_curves(
     return found
 
 
-def _resample(table: pd.DataFrame, given: Options) -> tuple[Draw, dict[str, Any]]:
+def _resample(table: "pd.DataFrame", given: Options) -> tuple[Draw, dict[str, Any]]:
     """Return the bootstrap of options, and the other options."""
     options = {**DEFAULTS, **given}
     groups = options.pop("groups")
@@ -359,7 +359,7 @@ def _resample(table: pd.DataFrame, given: Options) -> tuple[Draw, dict[str, Any]
 
 
 def _fragility(
-    table: pd.DataFrame,
+    table: "pd.DataFrame",
     draw: Draw,
     what: tuple[str, str, float, str],
     *,

@@ -27,11 +27,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import pandas as pd
+import scipy
 from numpy.typing import NDArray
-from scipy.special import expit, log_expit, log_ndtr, ndtr, ndtri
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats, Ints
 from thermobearing.results.base import COMPLETED
 from thermobearing.studies.statistics.demand import Draw, equal_classes, widened
@@ -76,15 +76,17 @@ class Curves:
         jump = np.isinf(self.slope)[:, None]
         steep = np.where(jump, 1.0, self.slope[:, None])
         score = np.where(jump & (away != 0.0), np.copysign(np.inf, away), steep * away)
-        return np.asarray(ndtr(score) if self.link == "probit" else expit(score))
+        return np.asarray(
+            scipy.special.ndtr(score) if self.link == "probit" else scipy.special.expit(score)
+        )
 
 
 def _terms(score: Floats, link: Link) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
     """Return ln P and ln(1 - P), their first and negative second derivatives by the score."""
     if link == "logit":
-        yes, p = log_expit(score), expit(score)
-        return yes, log_expit(-score), 1.0 - p, -p, p * (1.0 - p), p * (1.0 - p)
-    yes, no = log_ndtr(score), log_ndtr(-score)
+        yes, p = scipy.special.log_expit(score), scipy.special.expit(score)
+        return yes, scipy.special.log_expit(-score), 1.0 - p, -p, p * (1.0 - p), p * (1.0 - p)
+    yes, no = scipy.special.log_ndtr(score), scipy.special.log_ndtr(-score)
     density = -0.5 * score**2 - ROOT_TWO_PI
     up, down = np.exp(density - yes), np.exp(density - no)
     return yes, no, up, -down, up * (up + score), down * (down - score)
@@ -118,7 +120,9 @@ def _fit_curves(im: Floats, yes: Floats, no: Floats, link: Link = "probit") -> C
 
 def _score_of_share(yes: Floats, no: Floats, link: Link) -> Floats:
     above, below = yes.sum(-1), no.sum(-1)
-    return np.asarray(ndtri(above / (above + below)) if link == "probit" else np.log(above / below))
+    return np.asarray(
+        scipy.special.ndtri(above / (above + below)) if link == "probit" else np.log(above / below)
+    )
 
 
 def _limits(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Floats, Bools]:
@@ -173,7 +177,7 @@ def _newton(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Flo
         rise = slope.sum(-1), (slope * x).sum(-1)
         return *rise, weight.sum(-1), (weight * x).sum(-1), (weight * x**2).sum(-1)
 
-    return _climb(_value, _derivatives, np.asarray(ndtri(share)), np.zeros(len(yes)))
+    return _climb(_value, _derivatives, np.asarray(scipy.special.ndtri(share)), np.zeros(len(yes)))
 
 
 def _climb(
@@ -217,6 +221,7 @@ def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
     if not (np.isfinite(best.place[0]) and 2.0 * FLAT < best.slope[0] < np.inf):
         return others
     wider = np.sqrt(groups / max(groups - 1.0, 1.0))
+    ndtri = scipy.special.ndtri
     spread = ndtri(0.5 + 0.5 * widened(level, groups)) / ndtri(0.5 + 0.5 * level)
     usual = np.isfinite(others.place) & (others.slope > 2.0 * FLAT)
     place, slope = others.place.copy(), others.slope.copy()
@@ -235,7 +240,7 @@ def unreached(largest: Floats, shares: Floats) -> Curves:
     """
     x = np.log(largest)
     place = np.linspace(x.min() - 8.0 * UNREACHED, x.max() + 8.0 * UNREACHED, 2000)
-    none = log_ndtr((place - x[:, None]) / UNREACHED).sum(axis=0)
+    none = scipy.special.log_ndtr((place - x[:, None]) / UNREACHED).sum(axis=0)
     return Curves(np.interp(np.log(shares), none, place), np.full(len(shares), 1.0 / UNREACHED))
 
 
@@ -271,14 +276,14 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
     b = 1.0 / np.sqrt(np.maximum(around, 1e-6))
 
     def _value(a: Floats, b: Floats) -> Floats:
-        tail = (v * log_ndtr(-(a[:, None] + b[:, None] * c))).sum(-1)
+        tail = (v * scipy.special.log_ndtr(-(a[:, None] + b[:, None] * c))).sum(-1)
         return np.asarray(
             n * np.log(b) - 0.5 * (n * a**2 + 2.0 * a * b * first + b**2 * second) + tail
         )
 
     def _derivatives(a: Floats, b: Floats) -> tuple[Floats, ...]:
         score = a[:, None] + b[:, None] * c
-        rate = np.exp(-0.5 * score**2 - ROOT_TWO_PI - log_ndtr(-score))
+        rate = np.exp(-0.5 * score**2 - ROOT_TWO_PI - scipy.special.log_ndtr(-score))
         bend = v * rate * (rate - score)
         g0 = -(n * a + b * first) - (v * rate).sum(-1)
         g1 = n / b - (a * first + b * second) - (v * rate * c).sum(-1)
@@ -336,7 +341,7 @@ def _classes(at: Floats) -> tuple[Floats, Ints]:
     return np.exp(means), place
 
 
-def counts(at: Floats, beyond: Bools, name: str) -> pd.DataFrame:
+def counts(at: Floats, beyond: Bools, name: str) -> "pd.DataFrame":
     """Return the numbers of runs and of exceedances at each intensity or class."""
     levels, place = _classes(at)
     runs = np.bincount(place, minlength=len(levels))
@@ -393,7 +398,7 @@ def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str
     return COMPLETED, ""
 
 
-def incremental(table: pd.DataFrame, groups: Ints, draw: Draw) -> Estimate:
+def incremental(table: "pd.DataFrame", groups: Ints, draw: Draw) -> Estimate:
     """Return the lognormal curve of the intensities (`Ida.crossings`) that reach a capacity."""
     reached = np.isfinite(table["capacity"].to_numpy(dtype=float))
     y = table.loc[reached, "capacity"].to_numpy(dtype=float)

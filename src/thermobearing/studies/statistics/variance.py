@@ -16,9 +16,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats, Ints
 from thermobearing.studies.statistics.demand import (
     LEVEL,
@@ -58,12 +58,12 @@ def _sobol_indices(
 
 
 def sobol_table(
-    table: pd.DataFrame,
+    table: "pd.DataFrame",
     demand: str,
     *,
     samples: int = SAMPLES,
     seed: int = 0,
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Return Sobol' indices of every drawn factor of a study in Saltelli's arrangement.
 
     The table has the columns `matrix` ("A", "B", "AB <factor>") and `sample`, for one combination
@@ -103,14 +103,14 @@ def sobol_table(
 
 
 def variance_shares(
-    table: pd.DataFrame,
+    table: "pd.DataFrame",
     demand: str,
     factors: Sequence[str],
     *,
     together: Sequence[str] = (),
     samples: int = SAMPLES,
     seed: int = 0,
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Return the share of the variance that each factor explains alone (correlation ratio).
 
     The factors `together` have the same draws and therefore one share. The last row is the
