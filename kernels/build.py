@@ -106,7 +106,9 @@ def emit_all(faces: Sequence[Compiled], sources: str, targets: Sequence[Target])
     work.sort(key=lambda item: -len(item[1]))  # the longest first, so that all cores end together
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
         objects = pool.map(_emit, *zip(*work, strict=True))
-        return [Emitted(target, content) for (target, _), content in zip(work, objects, strict=True)]
+        return [
+            Emitted(target, content) for (target, _), content in zip(work, objects, strict=True)
+        ]
 
 
 def _emit(target: Target, text: str) -> bytes:

@@ -18,7 +18,7 @@ step: force and tangent of the step are what they are for constant stiffness.
 
 import math
 
-from thermobearing.core.compiled.kernel import compiled, compiled_apart
+from thermobearing.core.compiled.kernel import compiled_apart
 from thermobearing.core.lanes.choose import any_lane, select
 from thermobearing.core.records import Rows
 from thermobearing.core.types import Layer, LayerWork, Rubber

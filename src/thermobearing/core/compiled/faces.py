@@ -263,16 +263,18 @@ def _exported(module: Any, function: str, symbol: str) -> str:
     inner = f"{symbol}_with_status"
     module.get_function(function).name = inner
     defined = [function for function in module.functions if not function.is_declaration]
-    for number, function in enumerate(defined):
-        function.linkage = "internal"
-        if function.name != inner:
-            function.name = f"{symbol}_{number}"
+    for number, part in enumerate(defined):
+        part.linkage = "internal"
+        if part.name != inner:
+            part.name = f"{symbol}_{number}"
     for number, variable in enumerate(module.global_variables):
         if not variable.is_declaration:
             variable.name = f"{symbol}_variable_{number}"
     text = re.sub(r" = common (local_unnamed_addr )?global", " = internal global", str(module))
     lines = [line for line in text.splitlines() if not line.startswith(("target ", "source_file"))]
-    return "\n".join(lines) + f"""
+    return (
+        "\n".join(lines)
+        + f"""
 define void @{symbol}(ptr %table) {{
   %result = alloca ptr
   %problem = alloca ptr
@@ -280,19 +282,22 @@ define void @{symbol}(ptr %table) {{
   ret void
 }}
 """
+    )
 
 
 def _named_rows() -> dict[str, str]:
     """Return the class of each kind of row, by its fields."""
     modules = (core_types, structure_types)
-    classes = [one for module in modules for one in vars(module).values() if isinstance(one, type)]
-    records = [
-        one
-        for one in classes
-        if not issubclass(one, tuple) and one.__module__.startswith("thermobearing.")
+    values = [value for module in modules for value in vars(module).values()]
+    records: list[Any] = [
+        value
+        for value in values
+        if isinstance(value, type)
+        and not issubclass(value, tuple)
+        and value.__module__.startswith("thermobearing.")
     ]
-    names = {str(numba.from_dtype(row_type(one, 2))): f"{one.__name__}Plane" for one in records}
-    return names | {str(numba.from_dtype(row_type(one))): one.__name__ for one in records}
+    names = {str(numba.from_dtype(row_type(row, 2))): f"{row.__name__}Plane" for row in records}
+    return names | {str(numba.from_dtype(row_type(row))): row.__name__ for row in records}
 
 
 class Description:

@@ -92,13 +92,14 @@ class _NoEnvironment:
         """Do nothing: an environment is for code that calls the interpreter."""
 
 
-class Part(codegen.JITCodeLibrary):  # type: ignore[misc]
+class Part(codegen.JITCodeLibrary):
     """A function as numba has written it, which is not optimised and has no machine code."""
 
     def __init__(self, *settings: Any) -> None:
         super().__init__(*settings)
         self.texts: list[str] = []
         self.is_rare = False  # whether it stays a function of its own
+        self._shared_module: Any = None
 
     @property
     def codegen(self) -> Any:
@@ -170,7 +171,7 @@ def _called(library: Any) -> Iterator[Any]:
                 waiting += [(called, False) for called in reversed(library._linking_libraries)]
 
 
-class _PartDispatcher(CPUDispatcher):  # type: ignore[misc]
+class _PartDispatcher(CPUDispatcher):
     """A kernel as a part of the functions that call it."""
 
     is_rare = False

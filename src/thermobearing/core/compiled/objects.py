@@ -63,8 +63,7 @@ def emit(text: str, processor: Processor, addresses: dict[str, Any]) -> bytes:
         cpu=processor.name, features=processor.features, opt=LEVEL, **addresses
     )
     module = llvm.parse_assembly(
-        f'target datalayout = "{machine.target_data}"\n'
-        f'target triple = "{processor.triple}"\n{text}'
+        f'target datalayout = "{machine.target_data}"\ntarget triple = "{processor.triple}"\n{text}'
     )
     options = llvm.create_pipeline_tuning_options(speed_level=LEVEL)
     options.loop_vectorization = True
