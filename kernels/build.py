@@ -178,5 +178,5 @@ def build_material(folder: Path, compiler: Sequence[str] = MATERIAL) -> None:
     """Write the material of OpenSees, which loads the library of a level itself."""
     source = Path(__file__).with_name("opensees.c")
     flags = ("-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC")
-    names = (f"-I{folder}", str(source), "-ldl", "-Wl,-soname,ThermoBearing.so")
+    names = (f"-I{folder}", str(source), "-ldl", "-lm", "-Wl,-soname,ThermoBearing.so")
     subprocess.run([*compiler, *flags, *names, "-o", folder / "ThermoBearing.so"], check=True)

@@ -23,6 +23,7 @@ from tests.verification.structures import real_bearing
 from thermobearing.core import march, step, types
 from thermobearing.core.compiled import native
 from thermobearing.core.compiled.kernel import Kernel, MissingKernelsError, prepare
+from thermobearing.core.compiled.objects import find_faces
 from thermobearing.core.records import row_type
 from thermobearing.structure import forces
 from thermobearing.structure import types as structure_types
@@ -42,7 +43,8 @@ def described(folder: Path) -> dict[str, Any]:
 
 def face(folder: Path, name: str) -> Callable[..., Any]:
     library = native._load(folder, native.library_name())
-    return native.Face(library, library.description["entries"][name], KERNELS[name]).call
+    function = getattr(library.code, library.description["entries"][name]["symbol"])
+    return native.Face(function, library.description, KERNELS[name]).call
 
 
 def arrays(given: Any) -> list[Any]:
@@ -75,11 +77,20 @@ def test_tables_follow_the_records(small_library: Path) -> None:
     assert check_layout(described(small_library)) >= 4
 
 
+def test_numba_alone_gives_the_numbers_of_a_face() -> None:
+    """Arguments that no table holds, such as an array with strides, are left to numba alone."""
+    ours, theirs = calls()["core.march.hours_at_rest"], calls()["core.march.hours_at_rest"]
+    find_faces(march.hours_at_rest).call(*ours)  # type: ignore[arg-type]
+    KERNELS["core.march.hours_at_rest"].dispatcher(*theirs)
+    for mine, other in zip(arrays(ours), arrays(theirs), strict=True):
+        np.testing.assert_allclose(mine, other, rtol=1e-14)
+
+
 def test_a_face_gives_the_bits_of_numba(small_library: Path) -> None:
     for name in ("core.march.copy_state", "core.march.hours_at_rest"):
         ours, theirs = calls()[name], calls()[name]
         face(small_library, name)(*ours)
-        KERNELS[name].dispatcher(*theirs)
+        find_faces(KERNELS[name]).call(*theirs)
         for mine, other in zip(arrays(ours), arrays(theirs), strict=True):
             assert_array_equal(mine, other)
 
@@ -89,7 +100,7 @@ def test_a_march_gives_the_bits_of_numba(library_with_march: Path) -> None:
     name = "core.march.march"
     ours, theirs = calls("march")[name], calls("march")[name]
     found = face(library_with_march, name)(*ours)
-    assert found == KERNELS[name].dispatcher(*theirs)
+    assert found == find_faces(KERNELS[name]).call(*theirs)
     assert found[:3] == (300, 300, types.COMPLETED)
     for mine, other in zip(arrays(ours), arrays(theirs), strict=True):
         assert_array_equal(mine, other)
@@ -184,13 +195,14 @@ def test_a_library_that_differs_is_refused(
     native.open_library.cache_clear()
     kernel: Any = Kernel(march.copy_state.py_func)  # type: ignore[attr-defined]
     try:
+        arguments = calls()["core.march.copy_state"]
         with pytest.warns(UserWarning, match="numba") as said:
-            chosen = [kernel._choose(), kernel._choose()]
+            chosen = [kernel._choose(arguments), kernel._choose(arguments)]
         assert len(said) == 1
-        assert chosen == [kernel.dispatcher] * 2
+        assert chosen == [find_faces(kernel).faces[0].call] * 2
         monkeypatch.setattr("thermobearing.core.compiled.kernel.has_numba", lambda: False)
         with pytest.raises(MissingKernelsError, match="thermobearing\\[jit\\]"):
-            kernel._choose()
+            kernel._choose(arguments)
     finally:
         native.open_library.cache_clear()
 
