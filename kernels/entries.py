@@ -26,6 +26,7 @@ from thermobearing.motions import spectrum
 from thermobearing.motions.record import motion_from_arrays
 from thermobearing.results import loop
 from thermobearing.structure import forces, newmark, predictor
+from thermobearing.structure import types as structure_types
 from thermobearing.structure.lanes import Run, run_lanes, run_peaks
 from thermobearing.structure.model import load_structure
 from thermobearing.structure.run import Line, prepare_structure, run_structure
@@ -132,7 +133,7 @@ def record() -> dict[str, tuple[Any, ...]]:
 def compile_all(*, for_pages_only: bool = False) -> tuple[list[Compiled], dict[str, Any]]:
     """Return all faces and their description, or those that pages need."""
     kernels = {kernel.name: kernel for kernel in all_kernels()}
-    description, faces = Description(), []
+    description, faces = Description(structure_types), []
     for name, kinds in record().items():
         if for_pages_only and not is_for_pages(kernels[name]):
             continue

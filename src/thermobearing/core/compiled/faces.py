@@ -10,6 +10,7 @@ import operator
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import ModuleType
 from typing import Any, NamedTuple
 
 import numba
@@ -26,7 +27,6 @@ from thermobearing.core.compiled.kernel import Kernel
 from thermobearing.core.compiled.native import PREFIX, UnsuitableError
 from thermobearing.core.lanes import views
 from thermobearing.core.records import row_type
-from thermobearing.structure import types as structure_types
 
 TABLE = types.CPointer(types.int64)
 _NUMBERS = (types.Float, types.Integer, types.Boolean)
@@ -285,9 +285,8 @@ define void @{symbol}(ptr %table) {{
     )
 
 
-def _named_rows() -> dict[str, str]:
+def _named_rows(modules: tuple[ModuleType, ...]) -> dict[str, str]:
     """Return the class of each kind of row, by its fields."""
-    modules = (core_types, structure_types)
     values = [value for module in modules for value in vars(module).values()]
     records: list[Any] = [
         value
@@ -301,13 +300,16 @@ def _named_rows() -> dict[str, str]:
 
 
 class Description:
-    """What `native.py` and other languages read: records, rows, entries."""
+    """What `native.py` and other languages read: records, rows, entries.
 
-    def __init__(self) -> None:
+    `modules` declare rows besides those of `core/types.py`; others are named "Row".
+    """
+
+    def __init__(self, *modules: ModuleType) -> None:
         self.records: dict[str, list[Any]] = {}
         self.rows: dict[str, Any] = {}
         self.entries: dict[str, Any] = {}
-        self._names = _named_rows()
+        self._names = _named_rows((core_types, *modules))
 
     def add(self, kernel: Kernel, given: tuple[Any, ...], face: Compiled) -> None:
         """Describe a face. What it takes in lockstep has a name of its own."""
