@@ -97,7 +97,7 @@ def face_type(kind: Any) -> Any:
     if isinstance(kind, types.BaseNamedTuple):
         inner = [face_type(one) for one in kind.types]
         return types.BaseTuple.from_types(inner, kind.instance_class)
-    if isinstance(kind, types.UniTuple):
+    if isinstance(kind, types.UniTuple) and not isinstance(kind.dtype, _NUMBERS):
         return Listed(face_type(kind.dtype))
     if isinstance(kind, types.Array) and kind.layout == "C":
         return kind.copy(readonly=False)

@@ -76,6 +76,8 @@ class Kernel:
         if face is not None:
             return face
         if has_numba():
+            if "<locals>" in self.py_func.__qualname__:  # its name does not say what it does
+                return cast("Callable[..., Any]", self.dispatcher)
             from thermobearing.core.compiled.objects import find_faces
 
             return find_faces(self).runner(given)
