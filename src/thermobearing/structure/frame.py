@@ -471,7 +471,7 @@ class ImportedFrame(StructureResult):
         others = others[others.index.isin(found.values()) | (shares > LOST)]
         table = self.table[["mode", "period_s", "effective_mass"]]
         table = table.set_index(pd.Index([found.get(k, -1 - k) for k in range(len(table))]))
-        periods = table.join(others, how="outer")
+        periods = table.join(others, how="outer").sort_values("mode", kind="stable")
         periods["period_difference"] = periods["period_s"] / periods["frame_period_s"] - 1.0
         order = order_from_largest(periods["period_s"].fillna(periods["frame_period_s"]))
         return periods.iloc[order].reset_index(drop=True)
