@@ -48,6 +48,7 @@ STEPS = (0.05, 0.2, 0.5, 1.0, 2.0, 3.0)  # relative changes that are tried first
 HALVINGS = 4  # 0.15 between two of them becomes one per cent
 SYMBOL, MORE = "K_r", 0.05  # a verdict that more stiffness leaves has to say why
 KEPT = 24  # changes whose simulations are kept: claims of one chapter ask for the same ones
+DIGITS_END = 1e-12  # digits of smaller numbers depend on the processor
 MOST = 12  # numbers that are listed one by one
 Words = Annotated[str, Field(min_length=1, max_length=600)]
 Number = Annotated[float, Field(ge=-1e12, le=1e12)]
@@ -450,13 +451,15 @@ def _as_printed(claim: Claim, judged: Judged, runs: Runs) -> Verdict | None:
 
 
 def _number_words(value: float) -> str:
-    """Four digits at most, a true minus sign.
+    """Four digits at most, a true minus sign; what is rounding only has no digits.
 
     Examples
     --------
-    >>> _number_words(1703.4), _number_words(0.12341)
-    ('1703', '0.1234')
+    >>> _number_words(1703.4), _number_words(0.12341), _number_words(3e-15)
+    ('1703', '0.1234', '< 1e−12')
     """
+    if 0.0 < abs(value) < DIGITS_END:
+        return f"< {DIGITS_END:.0e}".replace("-", "\N{MINUS SIGN}")
     text = f"{value:.0f}" if 1000.0 <= abs(value) < 1e6 else f"{value:.4g}"
     return text.replace("-", "\N{MINUS SIGN}")
 
