@@ -17,7 +17,7 @@ LOWEST := .venv-minimum
 
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
-	@echo "make kernels   compile the kernels ahead of time, for all platforms (minutes)"
+	@echo "make kernels   compile the kernels ahead of time, for this machine and web pages"
 	@echo "make dist   build the wheel with these kernels and the source distribution into ./dist"
 	@echo "make dist-check   test both in empty environments (PYTHONS='python3.11 python3.13')"
 	@echo "make release VERSION=0.4.0   write the version to all files, commit and tag"
@@ -54,7 +54,8 @@ $(LINKER): $(PROGRAM)
 kernels: $(LINKER)
 	$(BIN)/python -m kernels $(KERNELS)
 
-dist: kernels
+dist: $(LINKER)
+	$(BIN)/python -m kernels all
 	rm -rf dist
 	$(BIN)/python -m hatchling build -d dist
 
