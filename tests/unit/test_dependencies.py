@@ -101,7 +101,7 @@ with contextlib.suppress(SystemExit):
 TESTS = "import conftest\nimport numpy, scipy.linalg\n"
 ASK = """
 import os
-assert "numpy" in sys.modules and "scipy.linalg" in sys.modules
+import numpy, scipy.linalg  # if the command has not imported them
 tasks = "/proc/self/task"  # only Linux tells how many threads there are
 threads = os.listdir(tasks) if os.path.exists(tasks) else ["self"]
 names = [open(f"{tasks}/{task}/comm").read() for task in threads if task != "self"] or ["python"]
