@@ -45,8 +45,8 @@ STATUSES = {
     "files_left_out": BAD_INPUT,
 }
 COMPILING = "compiling the kernels: once after installation, ten seconds to a minute"
-STEPPING = "march.march"  # the kernel that every analysis but those of structures begins with
-STRUCTURES = "newmark.newmark_march"
+STEPPING = "core.march.march"  # the kernel that every analysis but those of structures begins with
+STRUCTURES = "structure.newmark.newmark_march"
 # Panels of --help: of the list of commands, and of the options of one.
 ANALYSES, LABORATORY, OFFICE, FILES = (
     "Tests and earthquakes",

@@ -163,7 +163,7 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
             ),
             "runs",
             end.quiet,
-            "predictor.predictor_march" if predicted else STRUCTURES,
+            "structure.predictor.predictor_march" if predicted else STRUCTURES,
         )
         if compare and result.outcome == "completed":
             result.compared = analysis.compare_models(loaded)
