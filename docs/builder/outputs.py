@@ -37,7 +37,11 @@ def blocks(path: Path) -> list[re.Match[str]]:
 
 
 def run(
-    path: Path, names: dict[str, Any], command: Command, draw: bool = False
+    path: Path,
+    names: dict[str, Any],
+    command: Command,
+    draw: bool = False,
+    prepare: Callable[[re.Match[str]], None] | None = None,
 ) -> Iterator[tuple[re.Match[str], str]]:
     """Run the blocks of a page in the working directory; give each text block and what it shows.
 
@@ -47,9 +51,12 @@ def run(
     names : of the Python blocks, which share them.
     command : runs the words of a command line and returns its exit code, output and errors.
     draw : commands draw their figures too.
+    prepare : called with each block before it runs.
     """
     printed = ""
     for block in blocks(path):
+        if prepare:
+            prepare(block)
         text, language = block["text"], block["language"]
         if file := FILE.match(text):
             Path(file[1]).write_text(text, encoding="utf-8")
