@@ -75,11 +75,15 @@ def ended(
     folder: Path, workers: int, expected: list[str], **variables: str
 ) -> subprocess.CompletedProcess[str]:
     (folder / "expected_skips.txt").write_text("\n".join(["# node ids", *expected]))
-    own = {key: value for key, value in os.environ.items() if not key.startswith("PYTEST_")}
+    inherited = {
+        key: value
+        for key, value in os.environ.items()
+        if not key.startswith("PYTEST_") and key != "THERMOBEARING_BARE"
+    }
     return subprocess.run(
         [sys.executable, "-m", "pytest", "-p", "xdist", "-n", str(workers)],
         cwd=folder,
-        env=own | ALONE | variables,
+        env=inherited | ALONE | variables,
         capture_output=True,
         text=True,
         check=False,
