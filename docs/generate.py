@@ -2,7 +2,8 @@
 
 Runs the tests (which record what they measure) and the benches, draws the loops, and writes
 the tables between the `generated` marks. `--texts-only` rewrites the texts from the
-numbers that are there, which the tests use to see that nobody typed a number by hand.
+numbers that are there, and the descriptions of options that help reads, which the tests use to see
+that nobody typed a number by hand.
 """
 
 import ast
@@ -19,6 +20,9 @@ from typing import Any
 import numpy as np
 
 from docs.builder import keys, sketch
+from thermobearing import cli  # noqa: F401 (it has all commands)
+from thermobearing.commands.descriptions import descriptions_text
+from thermobearing.commands.options import DESCRIPTIONS, MADE
 from thermobearing.design.factors import scale_study
 
 DOCS = Path(__file__).parent
@@ -526,6 +530,7 @@ def generated_texts() -> dict[Path, str]:
     }
     pages_of_files = sorted((DOCS / "files").glob("*.md"))
     found |= {path: keys.fill(path.read_text(encoding="utf-8")) for path in pages_of_files}
+    found[DESCRIPTIONS] = descriptions_text(MADE)
     bearing = DOCS / "files" / "bearing.md"
     return found | {bearing: between(found[bearing], "laws", laws_table())}
 

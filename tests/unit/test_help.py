@@ -20,7 +20,10 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import command, cyclic
 from thermobearing.cli import app
-from thermobearing.commands.common import COMPILING, Rate, _progress_bar
+from thermobearing.commands.common import COMPILING
+from thermobearing.commands.descriptions import describe, descriptions_text
+from thermobearing.commands.options import DESCRIPTIONS, MADE
+from thermobearing.commands.progress import Rate, progress_bar
 from thermobearing.cyclic.protocol import Cycles
 from thermobearing.motions.readers import read_motion
 from thermobearing.quantities.register import Quantity
@@ -61,6 +64,30 @@ def test_every_option_is_described() -> None:
             text = getattr(one, "help", None)
             name = (one.name or "").replace("_", " ")
             assert text is None or text.split(";")[0].rstrip(".").lower() != name, (words, text)
+
+
+def test_stored_descriptions_are_those_of_the_records() -> None:
+    """Help reads the file in place of the records; an option that is not in it has the same."""
+    text = DESCRIPTIONS.read_text(encoding="utf-8")
+    assert text == descriptions_text(MADE), "python -m docs.generate --texts-only"
+    assert describe("cyclic.protocol:CyclicTest", "dt") == {
+        "kind": "float",
+        "text": "Largest time step while the bearing moves [s], in [1e-6, 10]; 0.005 by default.",
+    }
+
+
+def test_help_imports_no_analysis() -> None:
+    code = (
+        "import contextlib, sys, thermobearing.cli\n"
+        "with contextlib.suppress(SystemExit): thermobearing.cli.main()\n"
+        "print(*sys.modules)"
+    )
+    words = [sys.executable, "-c", code, "bridge", "--help"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    modules = set(done.stdout.splitlines()[-1].split())
+    assert "thermobearing.commands.earthquake" in modules
+    heavy = {"numpy", "scipy", "pandas", "xarray", "matplotlib", "rich.progress"}
+    assert not modules & (heavy | {"thermobearing.border.schema", "thermobearing.earthquake.case"})
 
 
 def test_units_are_among_them() -> None:
@@ -262,7 +289,7 @@ def test_python_names_its_keywords(tmp_path: Path) -> None:
 )
 def test_rate(seconds: float, reported: str) -> None:
     """Of those that were done since the first call, which may bring many from an earlier start."""
-    bar = _progress_bar(Console(file=io.StringIO()))
+    bar = progress_bar(Console(file=io.StringIO()))
     now = [0.0]
     bar.get_time = lambda: now[0]
     task = bar.add_task("runs", total=None)
@@ -275,7 +302,7 @@ def test_rate(seconds: float, reported: str) -> None:
 
 def test_bar_is_whole() -> None:
     console = Console(file=io.StringIO(), width=100)
-    bar = _progress_bar(console)
+    bar = progress_bar(console)
     bar.add_task("runs", total=10, completed=3)
     console.print(bar.get_renderable())
     shown = console.file.getvalue()

@@ -18,17 +18,6 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 import typer
 import typer.core
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TextColumn,
-    TimeRemainingColumn,
-)
-from rich.text import Text
 
 from thermobearing.border.errors import InputError, OutputError, printable, shortened
 
@@ -337,41 +326,15 @@ def with_progress(
     announce_compiling(quiet, kernel)
     if quiet or not sys.stderr.isatty():
         return call(None)
-    with _progress_bar(Console(stderr=True)) as bar:
+    from rich.console import Console
+
+    from thermobearing.commands.progress import progress_bar
+
+    with progress_bar(Console(stderr=True)) as bar:
         task = bar.add_task(what, total=None)
         return call(
             lambda done, total: bar.update(task, description=what, completed=done, total=total)
         )
-
-
-LOOKS_BACK = 600.0  # window of the rate that is shown [s]
-
-
-class Rate(ProgressColumn):
-    """The rate per second, or per minute where that is less than one."""
-
-    def render(self, task: Task) -> Text:
-        """Return the rate; empty until two tasks are completed."""
-        speed = task.speed
-        if not speed:
-            return Text("")
-        message = f"{speed:.3g} per second" if speed >= 1.0 else f"{60.0 * speed:.3g} per minute"
-        return Text(message, style="progress.data.speed")
-
-
-def _progress_bar(console: Console) -> Progress:
-    """Return a progress bar that disappears at the end."""
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        Rate(),
-        TimeRemainingColumn(),
-        TextColumn("left"),
-        console=console,
-        transient=True,
-        speed_estimate_period=LOOKS_BACK,
-    )
 
 
 WIDTH, MOST = 100, 200  # letters of a line where COLUMNS does not say, and at most

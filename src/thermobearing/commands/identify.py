@@ -21,7 +21,6 @@ from thermobearing.commands.common import (
     with_progress,
 )
 from thermobearing.commands.options import command, fields, option
-from thermobearing.results.directory import QUOFEM
 
 if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
@@ -160,6 +159,7 @@ def _identify(
     answer = end.save(found, target)
     if quofem:
         from thermobearing.identify.quofem import write_quofem
+        from thermobearing.results.directory import QUOFEM
 
         folder = write_quofem(_final(found), target / QUOFEM)
         if not end.quiet:

@@ -1,19 +1,18 @@
 """Commands made of functions: options from the fields of records and the arguments of functions.
 
 A name, a type, a unit and a sentence are written once, where the record or the function is defined;
-`fields` names them, and help shows them. Records are imported when a command is used, not before,
-so that `thermobearing --help` is quick.
+`fields` names them, and help shows them. So that help is quick, it reads them from `options.json`,
+which `descriptions.py` generates and a test compares.
 """
 
 import functools
 import inspect
-import re
+import json
 import types
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property
-from importlib import import_module
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, get_args
 
 import typer
 
@@ -163,6 +162,9 @@ class Fields(NamedTuple):
     flags: dict[str, str]
 
 
+MADE: list[Fields] = []  # of all commands, for the descriptions
+
+
 def fields(place: str, names: str, panel: str | None = None, **flags: str) -> Fields:
     """Return options of a record or a function, such as "cyclic.case:Case", "ambient rig".
 
@@ -189,6 +191,7 @@ def command(
     The others are options written by hand. `laws` adds the option --law. What the function returns
     is printed with --json; its "exit_status" is that of the command.
     """
+    MADE.extend(made)
 
     def _decorate(function: Callable[..., Answer]) -> Callable[..., Answer]:
         def _light() -> None:
@@ -298,89 +301,43 @@ def _two(kind: Any) -> bool:
 
 def _options_from(each: Fields) -> Iterator[tuple[str, Any]]:
     """Yield the options of a record or a function as annotations for typer."""
-    module, _, name = each.place.partition(":")
-    item = getattr(import_module(f"thermobearing.{module}"), name)
-    hints = get_type_hints(item, include_extras=True)
     for key in each.names.split():
-        kind, several, choices, named = _read_type(hints[key])
+        described = _described(each.place, key)
+        kind = KINDS[described["kind"]]
         flag = "--" + key.replace("_", "-")
         words, text, shown, *_ = (*each.flags.get(key, "").split("|"), "", "")
         flags = words.split() or [flag]
-        default = _default(item, key)
-        value: Any = kind if default is inspect.Parameter.empty else kind | None
-        if kind is bool and default is True:
+        value: Any = kind if described.get("required") else kind | None
+        if described.get("switched_on"):
             flags = [f"{flag}/--no-{flag[2:]}"]
         elif kind is bool:
             value = bool
-        text = text or _help_text(item, key, choices, default)
-        if several:
+        text = text or described["text"]
+        if described.get("several"):
             value = list[kind] | None  # type: ignore[valid-type]
             text = f"{text} May be repeated."
-        metavar = shown or ("NAME/FILE" if named and not choices else None)
+        metavar = shown or ("NAME/FILE" if described.get("named") else None)
         yield key, Annotated[value, option(*flags, help=text, panel=each.panel, metavar=metavar)]
 
 
-PLAIN = {str, int, float, bool, types.NoneType}
+KINDS: dict[str, Any] = {kind.__name__: kind for kind in (str, int, float, bool)}
+# What `descriptions.py` makes of the records and functions. Importing these for a help text would
+# take several times as long as printing it.
+DESCRIPTIONS = Path(__file__).with_name("options.json")
 
 
-def _read_type(hint: Any) -> tuple[Any, bool, list[str], bool]:
-    """Return type of one value, whether there may be several, choices, whether it is a name."""
-    leaves: set[Any] = set()
-    choices: list[str] = []
-    several = False
-    left = [hint]
-    while left:
-        part = left.pop(0)
-        origin = get_origin(part)
-        if origin is Literal:
-            choices += map(str, get_args(part))
-        elif origin is Annotated:
-            left.insert(0, get_args(part)[0])
-        elif origin is not None:
-            several |= isinstance(origin, type) and issubclass(origin, Sequence | Mapping)
-            left[:0] = get_args(part)
-        elif isinstance(part, type):
-            leaves.add(part)
-    text = str in leaves or bool(choices)
-    kind = next((one for one in (float, int, bool) if one in leaves and not text), str)
-    return kind, several, choices, kind is str and bool(leaves - PLAIN)
+@cache
+def _stored_descriptions() -> dict[str, dict[str, Any]]:
+    """Return the generated descriptions of all options, by place and name."""
+    stored: dict[str, dict[str, Any]] = json.loads(DESCRIPTIONS.read_text(encoding="utf-8"))
+    return stored
 
 
-def _default(item: Any, name: str) -> Any:
-    """Return the default of a field or an argument; empty for an argument without one."""
-    if hasattr(item, "model_fields"):
-        field = item.model_fields[name]
-        return None if field.is_required() else field.get_default()
-    return inspect.signature(item).parameters[name].default
+def _described(place: str, key: str) -> Any:
+    """Return the description of an option; of one that is not stored yet, from its definition."""
+    stored = _stored_descriptions().get(place, {})
+    if key in stored:
+        return stored[key]
+    from thermobearing.commands.descriptions import describe
 
-
-ENTRY = r"^ *(?:[\w, *]+, )?{}(?:, [\w, *]+)? :(.*(?:\n(?!(?: *[\w, *]+ :| *\n)).*)*)"
-TYPE = re.compile(r" (str|int|float|bool|mapping|sequence|list|dict|Path|array|[A-Z]\w+)\b[^.;]*$")
-
-
-def _help_text(item: Any, name: str, choices: Sequence[str] = (), default: Any = None) -> str:
-    """Return the description of a field or an argument in the docstring of its record or function.
-
-    Choices, unit and default are added where the sentence does not have them.
-
-    >>> from thermobearing.cyclic.protocol import CyclicTest
-    >>> _help_text(CyclicTest, "dt", default=0.005)
-    'Largest time step while the bearing moves [s], in [1e-6, 10]; 0.005 by default.'
-    """
-    texts = (inspect.getdoc(one) or "" for one in getattr(item, "__mro__", [item]))
-    matches = (re.search(ENTRY.format(name), text, re.MULTILINE) for text in texts)
-    found = next(filter(None, matches), None)
-    first, _, rest = found[1].partition("\n") if found else (name.replace("_", " "), "", "")
-    sentence = rest if rest and TYPE.match(first) else f"{first} {rest}"
-    text = " ".join(sentence.split()).rstrip(".")
-    if hasattr(item, "model_fields") and "[" not in text:
-        from thermobearing.border.schema import find_unit
-
-        unit = find_unit(item, name)
-        text += f" [{unit}]" if unit else ""
-    if others := [choice for choice in choices if f'"{choice}"' not in text]:
-        text += f": {', '.join(others[:-1])} or {others[-1]}"
-    usual = isinstance(default, int | float | str) and not isinstance(default, bool)
-    if usual and default != "" and "default" not in text:
-        text += f"; {default} by default"
-    return text[:1].upper() + text[1:] + "."
+    return describe(place, key)

@@ -1,0 +1,124 @@
+"""Descriptions of options from the fields of records and the arguments of functions.
+
+`python -m docs.generate --texts-only` writes them to `options.json`, from which commands read them.
+"""
+
+import inspect
+import json
+import re
+import types
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from importlib import import_module
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
+
+from thermobearing.commands.options import Fields
+
+
+def descriptions_text(made: Iterable[Fields]) -> str:
+    """Return the content of `options.json`: the options of all commands, by place and name."""
+    names: dict[str, set[str]] = {}
+    for each in made:
+        names.setdefault(each.place, set()).update(each.names.split())
+    table = {
+        place: {key: describe(place, key) for key in sorted(keys)}
+        for place, keys in sorted(names.items())
+    }
+    return json.dumps(table, indent=1, ensure_ascii=False) + "\n"
+
+
+@cache
+def _definition(place: str) -> tuple[Any, dict[str, Any]]:
+    """Return the record or function at a place such as "cyclic.case:Case", and its types."""
+    module, _, name = place.partition(":")
+    item = getattr(import_module(f"thermobearing.{module}"), name)
+    return item, get_type_hints(item, include_extras=True)
+
+
+def describe(place: str, key: str) -> dict[str, Any]:
+    """Return kind and text of an option, and which of its other properties hold.
+
+    "several": it may be repeated; "named": it takes a name of the library or a file; "required": it
+    has no default; "switched_on": its default is true.
+
+    >>> describe("cyclic.case:Analysis", "keep_every")["kind"]
+    'int'
+    """
+    item, hints = _definition(place)
+    kind, several, choices, named = _read_type(hints[key])
+    default = _default(item, key)
+    properties = {
+        "several": several,
+        "named": named and not choices,
+        "required": default is inspect.Parameter.empty,
+        "switched_on": kind is bool and default is True,
+    }
+    text = _help_text(item, key, choices, default)
+    held = {name: True for name, holds in properties.items() if holds}
+    return {"kind": kind.__name__, **held, "text": text}
+
+
+PLAIN = {str, int, float, bool, types.NoneType}
+
+
+def _read_type(hint: Any) -> tuple[Any, bool, list[str], bool]:
+    """Return type of one value, whether there may be several, choices, whether it is a name."""
+    leaves: set[Any] = set()
+    choices: list[str] = []
+    several = False
+    left = [hint]
+    while left:
+        part = left.pop(0)
+        origin = get_origin(part)
+        if origin is Literal:
+            choices += map(str, get_args(part))
+        elif origin is Annotated:
+            left.insert(0, get_args(part)[0])
+        elif origin is not None:
+            several |= isinstance(origin, type) and issubclass(origin, Sequence | Mapping)
+            left[:0] = get_args(part)
+        elif isinstance(part, type):
+            leaves.add(part)
+    text = str in leaves or bool(choices)
+    kind = next((one for one in (float, int, bool) if one in leaves and not text), str)
+    return kind, several, choices, kind is str and bool(leaves - PLAIN)
+
+
+def _default(item: Any, name: str) -> Any:
+    """Return the default of a field or an argument; empty for an argument without one."""
+    if hasattr(item, "model_fields"):
+        field = item.model_fields[name]
+        return None if field.is_required() else field.get_default()
+    return inspect.signature(item).parameters[name].default
+
+
+ENTRY = r"^ *(?:[\w, *]+, )?{}(?:, [\w, *]+)? :(.*(?:\n(?!(?: *[\w, *]+ :| *\n)).*)*)"
+TYPE = re.compile(r" (str|int|float|bool|mapping|sequence|list|dict|Path|array|[A-Z]\w+)\b[^.;]*$")
+
+
+def _help_text(item: Any, name: str, choices: Sequence[str] = (), default: Any = None) -> str:
+    """Return the description of a field or an argument in the docstring of its record or function.
+
+    Choices, unit and default are added where the sentence does not have them.
+
+    >>> from thermobearing.cyclic.protocol import CyclicTest
+    >>> _help_text(CyclicTest, "dt", default=0.005)
+    'Largest time step while the bearing moves [s], in [1e-6, 10]; 0.005 by default.'
+    """
+    texts = (inspect.getdoc(one) or "" for one in getattr(item, "__mro__", [item]))
+    matches = (re.search(ENTRY.format(name), text, re.MULTILINE) for text in texts)
+    found = next(filter(None, matches), None)
+    first, _, rest = found[1].partition("\n") if found else (name.replace("_", " "), "", "")
+    sentence = rest if rest and TYPE.match(first) else f"{first} {rest}"
+    text = " ".join(sentence.split()).rstrip(".")
+    if hasattr(item, "model_fields") and "[" not in text:
+        from thermobearing.border.schema import find_unit
+
+        unit = find_unit(item, name)
+        text += f" [{unit}]" if unit else ""
+    if others := [choice for choice in choices if f'"{choice}"' not in text]:
+        text += f": {', '.join(others[:-1])} or {others[-1]}"
+    usual = isinstance(default, int | float | str) and not isinstance(default, bool)
+    if usual and default != "" and "default" not in text:
+        text += f"; {default} by default"
+    return text[:1].upper() + text[1:] + "."
