@@ -40,7 +40,7 @@ from thermobearing.quantities.governing import place_of_largest, place_of_least
 from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import find_cycles
 from thermobearing.results.ranges import Row, compare_with_tests, outside_tests, reached_by
-from thermobearing.results.writing import as_attribute
+from thermobearing.results.writing import as_attribute, labelled_dataset, labelled_variable
 
 # Histories that may be kept besides: variable, dimension.
 GROUPS = {
@@ -140,10 +140,10 @@ def _build_dataset(
         if name != "clock" or not same:
             values = stacked([run.rows.books[name] for run in runs])
             dims = (*steps, COMPONENT)[: values.ndim]
-            data[name] = xr.Variable(dims, values, meanings[name])
-    moved, force = data["displacement"], data["force"]
-    data["strain"] = (moved.dims, moved.values / bearing.total_rubber_thickness)
-    data["stress"] = (force.dims, force.values * (1e3 / bearing.area))
+            data[name] = (dims, values, meanings[name])
+    (dims, moved, _), (_, force, _) = data["displacement"], data["force"]
+    data["strain"] = (dims, moved / bearing.total_rubber_thickness)
+    data["stress"] = (dims, force * (1e3 / bearing.area))
     for group, (name, dimension) in GROUPS.items():
         if group in case.analysis.keep:
             values = stacked([run.rows._asdict()[group] for run in runs])
@@ -170,12 +170,12 @@ def _build_dataset(
         "cell_thickness": ("cell", stack.thickness),
         "part": ("cell", np.array(stack.part, dtype=object)),
     }
-    if moved.dims[-1] == COMPONENT:
+    if dims[-1] == COMPONENT:
         coordinates[COMPONENT] = (COMPONENT, np.array(["x", "y"], dtype=object))
     if same:
         coordinates["time"] = ("time", clock[0], meanings["clock"])
     plain = {key: as_attribute(value) for key, value in attributes.items()}
-    dataset = xr.Dataset(data, coords=coordinates, attrs=plain)
+    dataset = labelled_dataset(data, coordinates, plain)
     for own, variable in dataset.variables.items():
         if not variable.attrs:
             about = quantity(str(own))
@@ -308,12 +308,14 @@ def written_part(result: Result) -> Result:
             if values.dims[:2] == ("ambient", "time"):
                 kept = [values.values[run, mine] for run, mine in enumerate(rows)]
                 values_kept = stacked(kept, PADDING.get(str(name), np.nan))
-                found[str(name)] = (values.dims, values_kept, values.attrs)
+                kept_part = (values.dims, values_kept, values.attrs)
+                found[str(name)] = labelled_variable(str(name), kept_part)
         data = data.drop_vars(list(found)).assign(found)
     measures = {}
     for name in map(str, result.cycles):
         units = {"units": column_quantity(name).stored}
-        measures[f"{CYCLES}_{name}"] = (CYCLES, result.cycles[name].to_numpy(), units)
+        column = (CYCLES, result.cycles[name].to_numpy(), units)
+        measures[f"{CYCLES}_{name}"] = labelled_variable(f"{CYCLES}_{name}", column)
     return Result(data.assign(measures).assign_attrs({ROWS: THINNED}))
 
 

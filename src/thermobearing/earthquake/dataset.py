@@ -10,7 +10,6 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.bearing.plausible import implausible
-from thermobearing.border.lazy import xr
 from thermobearing.border.toml import to_table
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import beyond, rig_demand
@@ -41,7 +40,7 @@ from thermobearing.results.ranges import (
     reached_by,
 )
 from thermobearing.results.sums import product_in_order
-from thermobearing.results.writing import as_attribute
+from thermobearing.results.writing import as_attribute, labelled_dataset
 from thermobearing.structure.matrices import (
     displacement_row,
     find_modes,
@@ -304,7 +303,7 @@ def label_analysis(
     ambient = np.array([task.ambient for task in tasks])
     names = [(task.device.bearing.name, task.shaking.motion.name, task.mode) for task in tasks]
     bearings, motions, modes = np.array(names, dtype=str).reshape(-1, 3).T
-    dataset = xr.Dataset(
+    dataset = labelled_dataset(
         data,
         coords={
             "bearing": ("run", bearings),

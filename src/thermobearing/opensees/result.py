@@ -28,7 +28,13 @@ from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import DATASET, RESOLVED, TABLE
 from thermobearing.results.metrics import energy_balance
 from thermobearing.results.ranges import compare_with_tests, outside_tests, reached_by
-from thermobearing.results.writing import as_attribute, without_rounding, write_csv, write_dataset
+from thermobearing.results.writing import (
+    as_attribute,
+    labelled_dataset,
+    without_rounding,
+    write_csv,
+    write_dataset,
+)
 
 BALANCE = (
     *("work_in", "heat_released", "recoverable", "heat_stored"),
@@ -206,8 +212,8 @@ def _dataset(case: ServedCase, histories: Sequence[Served], said: Sequence[str])
     data: dict[str, Any] = {"model_time": (both, stacked([h.time for h in histories]))}
     for name, unit, text in stack.books:
         values = stacked([h.books[name] for h in histories])
-        data[name] = xr.Variable(both, values, {"units": unit, "long_name": text})
-    data["strain"] = (both, data["displacement"].values / case.bearing.total_rubber_thickness)
+        data[name] = (both, values, {"units": unit, "long_name": text})
+    data["strain"] = (both, data["displacement"][1] / case.bearing.total_rubber_thickness)
     data["rubber_temperature"] = ((*both, "layer"), stacked([h.rubber for h in histories]))
     data["initial_temperature"] = (("element", "cell"), np.array([h.initial for h in histories]))
     data["final_temperature"] = (("element", "cell"), np.array([h.final for h in histories]))
@@ -223,7 +229,8 @@ def _dataset(case: ServedCase, histories: Sequence[Served], said: Sequence[str])
         "cell": ("cell", np.arange(1, len(stack.depth) + 1)),
         "depth": ("cell", stack.depth, depth_attributes(model.stack.fold == 2)),
     }
-    found = xr.Dataset(data, coords=coordinates, attrs=_attributes(case, model, histories, said))
+    attributes = _attributes(case, model, histories, said)
+    found = labelled_dataset(data, coordinates, attributes)
     for key, variable in found.variables.items():
         if not variable.attrs:
             variable.attrs = dict(quantity(str(key)).attributes)

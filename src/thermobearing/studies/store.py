@@ -29,7 +29,7 @@ import numpy as np
 
 import thermobearing
 from thermobearing.border.errors import InputError, OutputError, read_bytes, shortened
-from thermobearing.border.lazy import pd, xr
+from thermobearing.border.lazy import pd
 from thermobearing.border.text_file import replacing, write_file, write_whole
 from thermobearing.border.toml import flat
 from thermobearing.core.compiled.sources import kernels_digest
@@ -37,7 +37,12 @@ from thermobearing.earthquake.dataset import padded
 from thermobearing.earthquake.measures import HISTORIES
 from thermobearing.quantities.register import quantity
 from thermobearing.results.directory import write_directory
-from thermobearing.results.writing import clear_rounding, without_formulas, write_dataset
+from thermobearing.results.writing import (
+    clear_rounding,
+    labelled_dataset,
+    without_formulas,
+    write_dataset,
+)
 from thermobearing.studies.definition.designs import THINGS, in_lockstep, list_targets
 from thermobearing.studies.definition.motions import MADE, matched_motions_bytes
 from thermobearing.studies.definition.record import Study
@@ -194,7 +199,7 @@ def _write_histories(path: Path, kept: Sequence[Kept]) -> None:
     }
     path.parent.mkdir(exist_ok=True)
     with replacing(path) as part:
-        write_dataset(xr.Dataset(data, coords=coords), part)
+        write_dataset(labelled_dataset(data, coords), part)
 
 
 STUDY, MANIFEST, PLAN, LOG = "study.toml", "manifest.json", "plan.parquet", "study.log"
