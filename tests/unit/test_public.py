@@ -7,9 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any, get_args, is_typeddict
 
+import numpy as np
 import pytest
+import xarray as xr
 
 import thermobearing as tb
+from thermobearing.results.writing import labelled_dataset
 
 MOST = 78  # names that are promised; two are modules, which keep their own names apart
 MODULES = {"laws", "opensees"}
@@ -57,6 +60,38 @@ def test_importing_the_package_imports_nothing_heavy() -> None:
     loaded = set(done.stdout.split())
     assert "thermobearing" in loaded
     assert not loaded & HEAVY
+
+
+def test_labelling_a_dataset_imports_no_other_arrays() -> None:
+    code = """
+import sys
+import numpy as np
+from thermobearing.results.writing import labelled_dataset
+labelled_dataset({"force": ("time", np.zeros(3), {"units": "kN"})}, {"time": np.arange(3.0)})
+print(*sys.modules)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not set(done.stdout.split()) & {"pint", "dask.array", "sparse", "cupy"}
+
+
+def test_labelled_datasets_are_those_of_xarray() -> None:
+    force = ("ambient", "time"), np.arange(6.0).reshape(2, 3), {"units": "kN"}
+    data: dict[str, Any] = {"force": force, "outcome": ("ambient", np.array(["a", None]))}
+    coords: dict[str, Any] = {
+        "ambient": (("ambient",), np.array([-20.0, 23.0]), {"units": "degC"}),
+        "time": np.arange(3),
+        "body": np.array(["deck", "pier"]),
+        "component": ("component", np.array(["x", "y"], dtype=object)),
+        "depth": ("time", np.ones(3)),
+    }
+    made = labelled_dataset(data, coords, {"title": "x"})
+    usual = xr.Dataset(data, coords=coords, attrs={"title": "x"})
+    assert made.identical(usual)
+    assert list(made.variables) == list(usual.variables)
+    assert {n: v.dtype for n, v in made.variables.items()} == {
+        n: v.dtype for n, v in usual.variables.items()
+    }
+    assert all(made.indexes[n].equals(usual.indexes[n]) for n in usual.indexes)
 
 
 def section(text: str, title: str) -> str:
