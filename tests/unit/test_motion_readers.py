@@ -95,6 +95,42 @@ def test_exponent_of_fortran(tmp_path: Path) -> None:
     assert_allclose(motion.acceleration / 9806.65, [0.1, -0.2])
 
 
+STANDARD = "Ⅱ－Ⅰ－１", "Ⅱ－Ⅰ－２", "Ⅱ－Ⅰ－３"
+
+
+@pytest.mark.parametrize(
+    ("titles", "component"),
+    [
+        (STANDARD, "Ⅱ－Ⅰ－２"),
+        (STANDARD, "II-I-2"),
+        (STANDARD, "ii−i‐2"),
+        (("II-I-1", "II-I-2", "II-I-3"), "II-I-2"),
+        (("II-I-1", "II-I-2", "II-I-3"), "Ⅱ－Ⅰ－２"),
+        (("Type II-I-1 [gal]", "Type II-I-2 [gal]", "Type II-I-3 [gal]"), "type  II-I-2"),
+        (("２－Ⅰ－１", "２－Ⅰ－２", "２－Ⅰ－３"), "2-I-2"),
+        (("E-W", "N-S", "U-D"), "NS"),
+        (STANDARD, "2"),
+    ],
+)
+def test_component_by_title_in_any_width_and_hyphen(
+    titles: tuple[str, ...], component: str, tmp_path: Path
+) -> None:
+    """Layout of the standard motions of JRA: a column of time and one of each motion."""
+    rows = [f"{0.01 * k:.2f},{k % 7},{300 * (k % 2) - 150},{k % 5}" for k in range(400)]
+    path = files.write(tmp_path / "jra9.csv", "\n".join([",".join(("時間(s)", *titles)), *rows]))
+    record = read_motion(path, component=component, unit="gal")
+    assert_allclose(np.abs(record.acceleration), 1500.0)
+
+
+def test_component_of_two_titles_that_differ_by_hyphens_alone(tmp_path: Path) -> None:
+    rows = [f"{0.01 * k:.2f},{300 * (k % 2) - 150},{k % 5}" for k in range(400)]
+    path = files.write(tmp_path / "both.csv", "\n".join(["t_s,A-1,A−1", *rows]))
+    record = read_motion(path, component="A-1", unit="gal")  # the same text
+    assert_allclose(np.abs(record.acceleration), 1500.0)
+    with pytest.raises(InputError, match='no component "a-1"'):
+        read_motion(path, component="a-1", unit="gal")
+
+
 def test_two_components_named_by_the_comment(tmp_path: Path) -> None:
     rows = "\n".join(f"{v:.5f} {-2.0 * v:.5f}" for v in files.shaking())
     text = f"% first N-S, second E-W; Acc. in cm/sec^2 and dt=0.01 sec.\n{rows}\n"

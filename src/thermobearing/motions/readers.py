@@ -16,7 +16,13 @@ from thermobearing.border.errors import InputError, nearest, printable, shortene
 from thermobearing.border.units import HUGEST, conversion
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import GroundMotion, acceleration_unit, checked_motion, even_step
-from thermobearing.tables.columns import is_called, name_and_unit, plain_unit, read_number
+from thermobearing.tables.columns import (
+    find_title,
+    is_called,
+    name_and_unit,
+    plain_unit,
+    read_number,
+)
 from thermobearing.tables.text import (
     COMMENTS,
     Row,
@@ -38,6 +44,8 @@ _AT2_UNIT = re.compile(
     r"UNITS?\s+(?:OF|ARE|IN|:|=)\s*\(?\s*([A-Za-z][A-Za-z0-9/^]*)", re.IGNORECASE
 )
 _SCALE = re.compile(rf"({_NUM})\s*\(gal\)\s*/\s*({_NUM})")
+# A word, a unit, or "２－Ⅰ－１": a number, a hyphen and a letter, all of them of any width.
+_TITLE = re.compile(r"[^\W\d]|[\[(]|\d+[-\u2010-\u2015\u2212\uff0d][^\W\d]")
 _NAME = re.compile(r"[^\W\d_][^\d=]*")
 _STEP = re.compile(
     rf"\b(?:dt|time\s*step|delta\s*t|time\s*interval)\s*[=:]?\s*({_NUM})\s*(ms|s)?", re.IGNORECASE
@@ -222,7 +230,7 @@ def _read_knet(lines: list[str], component: str | None) -> _Raw:
     entries = {re.sub(r"[^a-z]", "", x[:18].lower()): x[18:].strip() for x in lines[: place + 1]}
     direction = entries.get("dir", "")
     held = KNET_COMPONENTS.get(direction, direction.replace("-", ""))
-    if str(component).upper().replace("-", "") != held.upper():
+    if component is None or find_title([held], component) is None:
         _only_component(component, f"the component {held}")
     frequency = _entry(entries.get("samplingfreqhz", ""))
     if frequency is None or frequency <= 0.0:
@@ -268,17 +276,18 @@ def _read_jma(lines: list[str], component: str | None) -> _Raw:
         raise InputError('has no usable "SAMPLING RATE"')
     if component is None:
         raise InputError(f"has the components {', '.join(titles)}; give component")
-    wanted = component.upper()
-    if wanted in ("1", "2", "3"):
-        wanted = titles[int(wanted) - 1]
-    if wanted not in titles:
-        raise InputError(f'no component "{component}"{nearest(wanted, titles)}')
+    place_of_title = int(component) - 1 if component in ("1", "2", "3") else None
+    if place_of_title is None:
+        place_of_title = find_title(titles, component)
+    if place_of_title is None:
+        raise InputError(f'no component "{component}"{nearest(component.upper(), titles)}')
+    wanted = titles[place_of_title]
     body = enumerate(lines[place + 1 :], place + 2)
     rows = _rows(((line, text.split(",")) for line, text in body if text.strip()), len(titles))
     unit = head.get("unit", "").split("(")[0].strip() or None
     site = lines[0].partition("=")[2].split(",")[0].strip()
     about = f"JMA {site} {wanted}, from {head.get('initial time', '')}"
-    series = np.array([row[titles.index(wanted)] for row in rows])
+    series = np.array([row[place_of_title] for row in rows])
     return _Raw(series, 1.0 / rate, unit, unit is not None, about, wanted)
 
 
@@ -349,7 +358,7 @@ def _cells(line: str, width: int) -> list[str] | None:
     line = line.strip().lstrip(_MARKS).strip()
     for cells in (re.split(r"[;,\t]", line), re.split(r"\s{2,}", line), line.split()):
         titles = [cell.strip() for cell in cells if cell.strip()]
-        if len(titles) == width and all(re.match(r"[^\W\d]|[\[(]", title) for title in titles):
+        if len(titles) == width and all(map(_TITLE.match, titles)):
             return [title.strip("[]()") if _is_unit(title) else title for title in titles]
     return None
 
@@ -387,9 +396,10 @@ def _chosen(columns: list[_Column], component: str | None) -> _Column:
         if len(columns) > 1:
             raise InputError(f"has {len(columns)} components ({', '.join(names)}); give component")
         return columns[0]
-    known = {str(place): column for place, column in enumerate(columns, 1)}
-    named = {name.lower(): column for name, column in zip(names, columns, strict=True)}
-    found = known.get(component) or named.get(component.lower().replace("-", ""))
-    if found is None:
+    numbered = {str(place): column for place, column in enumerate(columns, 1)}
+    if component in numbered:
+        return numbered[component]
+    place = find_title(names, component)
+    if place is None:
         raise InputError(f'no component "{component}"{nearest(component, names)}')
-    return found
+    return columns[place]

@@ -8,8 +8,9 @@ import math
 import re
 import unicodedata
 import warnings
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cache
+from itertools import product
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple, TypeVar
@@ -44,6 +45,7 @@ DAY = 86400.0  # [s]
 _BRACKET = re.compile(r"^(?P<name>[^\[(（]*)[\[(（](?P<unit>[^\])）]*)[\])）]?$")
 _JOINED = re.compile(r"^(?P<name>.*[^\s_])_(?P<unit>[^_\d][^_]*)$")
 _APART = re.compile(r"^(?P<name>.*\S)(?:\s*[,:/]\s*|\s+)(?P<unit>\S+)$")
+_HYPHEN = re.compile("[\u2010-\u2015\u2043\u2212]")  # NFKC unifies the others
 _COMMA = re.compile(r"(:\d+),(\d+)")
 _YEAR_LAST = re.compile(r"^\d{1,2}[./-]\d{1,2}[./-]\d{4}\b")
 
@@ -56,13 +58,37 @@ def _words(table: str) -> Mapping[str, tuple[str, ...]]:
 
 
 def plain_title(text: str) -> str:
-    """Return a title in lower case, with single blanks between its words.
+    """Return a title in lower case, with single blanks between its words and one kind of hyphen.
 
-    >>> plain_title(" Temp_Ambient "), plain_title("Ｔ－ａｍｂ")
-    ('temp ambient', 't-amb')
+    >>> plain_title(" Temp_Ambient "), plain_title("Ｔ－ａｍｂ"), plain_title("Ⅱ−Ⅰ‐１")
+    ('temp ambient', 't-amb', 'ii-i-1')
     """
     flat = unicodedata.normalize("NFKC", text[:LONGEST_TITLE]).lower()
-    return " ".join(re.split(r"[\s_]+", flat.strip(" _\t")))
+    return " ".join(re.split(r"[\s_]+", _HYPHEN.sub("-", flat).strip(" _\t")))
+
+
+def find_title(titles: Sequence[str], wanted: str) -> int | None:
+    """Return the place of the title that a user writes; None if there is none, or several.
+
+    It is the same text, or else the only title that differs by letter case, blanks, full-width
+    characters and kinds of hyphens; its unit, and at last all hyphens, may be left out.
+
+    >>> find_title(["time_s", "Ⅱ－Ⅰ－１ [gal]", "Ⅱ－Ⅰ－２ [gal]"], "II-I-2")
+    2
+    """
+    if wanted in titles:
+        return titles.index(wanted)
+    named = [name_and_unit(title)[0] for title in titles]
+    forms: tuple[Callable[[str], str], ...] = (plain_title, _without_hyphens)
+    for form, names in product(forms, (titles, named)):
+        places = [at for at, name in enumerate(names) if form(name) == form(wanted)]
+        if places:
+            return places[0] if len(places) == 1 else None
+    return None
+
+
+def _without_hyphens(title: str) -> str:
+    return plain_title(title).replace("-", "")
 
 
 def plain_unit(text: str) -> str:
@@ -442,9 +468,10 @@ def _found(
     """
     if name in layout.titles:
         title = layout.titles[name]
-        if title not in table.titles:
+        place = find_title(table.titles, title)
+        if place is None:
             raise InputError(f'no column "{title}"{nearest(title, table.titles)}')
-        some = [table.titles.index(title)]
+        some = [place]
     else:
         some = [n for n, one in enumerate(table.names) if is_called(one, name)]
         some.sort(key=lambda n: plain_title(table.names[n]) != name)

@@ -14,6 +14,7 @@ from thermobearing.tables.columns import (
     Columns,
     Layout,
     Table,
+    find_title,
     first_readable,
     holds_word,
     is_called,
@@ -86,10 +87,11 @@ def guessed_columns(
     """
     layout, places = layout or Layout(), places or {}
     columns = [_examined(table, number, layout) for number in range(len(table.titles))]
-    known = {title: name for name, title in layout.titles.items() if name in (*UNITS, ACROSS)}
-    taken: Taken = {c.number: (known[c.title], "sidecar") for c in columns if c.title in known}
+    places_of_titles = {name: find_title(table.titles, t) for name, t in layout.titles.items()}
+    stated = {at: name for name, at in places_of_titles.items() if name in (*UNITS, ACROSS)}
+    taken: Taken = {c.number: (stated[c.number], "sidecar") for c in columns if c.number in stated}
     for quantity in ("time", "ambient", "displacement", "force"):
-        best = None if quantity in known.values() else _best(columns, quantity, taken)
+        best = None if quantity in stated.values() else _best(columns, quantity, taken)
         if best is not None and best.title not in places:
             word = "a word in the title" if holds_word(best.name, quantity) else DOUBTFUL[3]
             why = "title" if is_called(best.name, quantity) else word

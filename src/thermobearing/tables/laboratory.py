@@ -23,6 +23,7 @@ from thermobearing.tables.columns import (
     Columns,
     Layout,
     Table,
+    find_title,
     list_columns,
     make_table,
     usable_table,
@@ -345,7 +346,7 @@ class _Reader:
             try:
                 table = usable_table(sheet, layout)
                 for title in layout.titles.values():
-                    if title not in table.titles:
+                    if find_title(table.titles, title) is None:
                         raise InputError(f'no column "{title}"{nearest(title, table.titles)}')
                 columns = guessed_columns(table, layout, self.sidecar.thermocouples, needed)
             except InputError as error:
