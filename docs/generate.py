@@ -99,20 +99,26 @@ def number(value: float | None, unit: str) -> str:
     return f"{f'{value:.0f}' if abs(value) >= 1000 else text} {unit}".strip()
 
 
+HEADLINE = "jra-ii-i-1"  # the motion of the headline, one of those of ground I
+
+
 def headline_sentence() -> str:
-    """Return what cold bearings do to the pier of the default bridge."""
+    """Return what cold bearings do to the pier of the default bridge, with its range by motion."""
     import thermobearing as tb
 
-    table = tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", ambient=[23, -20]).table
-    force, moment = (
-        table[name].iloc[1] / table[name].iloc[0] - 1.0
-        for name in ("bearing_force_max_kN", "pier_moment_max_kN_m")
-    )
+    motions = [name for name in tb.list_motions() if name.split("-")[2] == "i"]
+    table = tb.bridge("shen-lhdr-bridge", motions, ambient=[23, -20]).table
+    ratios = []
+    for name in ("bearing_force_max_kN", "pier_moment_max_kN_m"):
+        peaks = table.pivot(index="motion", columns="ambient_degC", values=name)
+        ratios.append(100.0 * (peaks[-20.0] / peaks[23.0] - 1.0))
+    force, moment = (f"{ratio[HEADLINE]:.0f} %" for ratio in ratios)
+    forces, moments = (f"{ratio.min():.0f} to {ratio.max():.0f} %" for ratio in ratios)
     return (
         "In the same earthquake, high-damping rubber bearings with lead cores transmit "
-        f"{100.0 * force:.0f} % more force at -20 °C than at 23 °C, and the bending moment at the "
-        f"base of the bridge pier is {100.0 * moment:.0f} % larger. "
-        "An analysis with the properties at 23 °C shows neither."
+        f"{force} more force at -20 °C than at 23 °C, and the bending moment at the base of the "
+        f"bridge pier is {moment} larger ({forces} and {moments} in the {len(motions)} built-in "
+        "motions of ground I). An analysis with the properties at 23 °C shows neither."
     )
 
 
@@ -234,7 +240,13 @@ def laws_table() -> str:
     from thermobearing.laws import built_in_laws
 
     rows = [
-        [f"`{law.name}`", f"`{law.key}`", f'"{law.value}"', law.description, law.source]
+        [
+            f"`{law.name}`",
+            ", ".join(f"`{key}`" for key in (law.key, *law.also)),
+            f'"{law.value}"',
+            law.description,
+            law.source,
+        ]
         for law in built_in_laws().values()
     ]
     return table(["law", "key", "value", "meaning", "source"], rows)

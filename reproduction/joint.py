@@ -26,6 +26,7 @@ from reproduction.runs import (
     PIER,
     Runs,
     load_data,
+    source_bearing,
 )
 from thermobearing.bearing.library import changed_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
@@ -228,7 +229,7 @@ class Bridges:
         """Run both bearings under four motions at three temperatures."""
         pier = rocking_pier(float(chosen["rocking"]))
         hdr = changed_bearing(HDR_BRIDGE, hysteresis={"layer_stiffness": float(chosen["K_r"])})
-        lhdr = load_bearing(LHDR_BRIDGE)
+        lhdr = source_bearing(LHDR_BRIDGE)
         tables = [self._table(pier, bearing, chosen) for bearing in (hdr, lhdr)]
         loop = isothermal_cycle(hdr, Runs().number("u_B") / hdr.total_rubber_thickness)
         return names_of_set(pier, chosen["mass"], *tables, stiffness=loop.stiffness_kN_mm)
@@ -253,7 +254,7 @@ class Hybrids:
     def compute(self, chosen: Set) -> dict[str, Any]:
         """Run both specimens in both modes at three temperatures."""
         pier = hybrid_pier(str(chosen["bearings"]))
-        lhdr = changed_bearing(LHDR, lead={"cores": int(chosen["cores"])})
+        lhdr = changed_bearing(source_bearing(LHDR), lead={"cores": int(chosen["cores"])})
         hdr, _ = self._table(pier, load_bearing(HDR), chosen)
         lead, layer = self._table(pier, lhdr, chosen)
         return names_of_set(pier, "consistent", hdr, lead, layer=layer)

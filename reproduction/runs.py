@@ -76,6 +76,12 @@ def parameters() -> dict[str, Parameter]:
     return _numbers().parameter
 
 
+def source_bearing(name: str) -> Bearing:
+    """Return a bearing of the library with the constant strength of lead of Shen (2023), 5.3.2."""
+    bearing = load_bearing(name)
+    return bearing if bearing.lead is None else changed_bearing(bearing, law="constant-lead")
+
+
 class Runs:
     """Simulations, each run once.
 
@@ -117,7 +123,7 @@ class Runs:
 
     def bearing(self, name: str) -> Bearing:
         """Return a bearing of the library with the changes."""
-        found = load_bearing(name)
+        found = source_bearing(name)
         for symbol, factor in self.change.items():
             parameter = parameters()[symbol]
             if parameter.of == "bearing":

@@ -14,7 +14,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from reproduction.runs import Runs
+from reproduction.runs import Runs, source_bearing
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
@@ -194,8 +194,8 @@ def _as_in_print(bearing: Bearing) -> Bearing:
 
 def slip_values(kind: str, slips: frozenset[str]) -> dict[str, float]:
     """Return what a specimen and a bridge bearing with some slips give, by `QUANTITIES`."""
-    specimen = _as_in_print(load_bearing(f"{BEARINGS[kind]}-specimen"))
-    bridge = _as_in_print(load_bearing(f"{BEARINGS[kind]}-bridge"))
+    specimen = _as_in_print(source_bearing(f"{BEARINGS[kind]}-specimen"))
+    bridge = _as_in_print(source_bearing(f"{BEARINGS[kind]}-bridge"))
     wave: Wave = "sine" if specimen.lead else "triangular"
     values = _cyclic_values(specimen, with_slips(specimen, set(slips)), wave)
     return values | _bridge_values(bridge, with_slips(bridge, set(slips)))

@@ -77,6 +77,7 @@ class Law:
     description : in a sentence; of a registered law the first line of the function's docstring.
     source : publication, or file with the source code; "" where there is none.
     key : of a bearing that uses the law, such as "temperature_law.law".
+    also : further keys of the same table, which get the same value.
     value : of that key; of a registered law its name and the digest of its source.
     function : as registered; None for a law of the package.
     plane : the function for motions in a plane; None if there is none.
@@ -102,6 +103,12 @@ class Law:
     parameters: dict[str, float] = field(default_factory=dict)
     bounds: dict[str, tuple[float, float]] = field(default_factory=dict)
     range: tuple[float, float] = USUAL_RANGE
+    also: tuple[str, ...] = ()
+
+    @property
+    def keys_in_table(self) -> list[str]:
+        """Return the names of the keys within the table of the bearing that has them."""
+        return [key.partition(".")[2] for key in (self.key, *self.also)]
 
     @property
     def addresses(self) -> tuple[int, int]:
@@ -126,7 +133,9 @@ class Law:
 def built_in_laws() -> dict[str, Law]:
     """Return the laws of the package, by name."""
     table = read_toml(data_path("laws", "built_in.toml"))["laws"]
-    return {name: Law(name, **row) for name, row in table.items()}
+    return {
+        name: Law(name, **row | {"also": tuple(row.get("also", ()))}) for name, row in table.items()
+    }
 
 
 _KNOWN: dict[str, Law] = {}  # registered laws by name

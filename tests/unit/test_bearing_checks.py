@@ -26,6 +26,7 @@ RECTANGLE = RectangularPlan(shape="rectangular", length=500, width=300)
 TEST = tb.cyclic_test(strain=[1.0], cycles=1, closing_strain=None)
 LOAD = 350.0  # kN
 NAMES = ["stress", "overlap_stress", "critical", "reduced"]
+OF_LEAD = ["lead: melting 327 degC", "lead: 0.8 of melting"]
 
 
 def _geometry(plan, layers=20, rubber=8.0, shim=3.0):
@@ -97,9 +98,10 @@ def test_critical_load_of_a_round_incompressible_pad():
 def test_checks_of_a_test_on_a_line():
     free = tb.run("shen-lhdr-specimen", TEST, [-20, 60])
     result = tb.run("shen-lhdr-specimen", TEST, [-20, 60], axial_force=LOAD)
-    assert len(free.bearing_checks) == 0
+    assert free.bearing_checks["what"].tolist() == 2 * OF_LEAD
     assert result["force"].equals(free["force"])
-    rows = result.bearing_checks
+    every = result.bearing_checks
+    rows = every[~every["what"].isin(OF_LEAD)]
     assert rows["run"].nunique() == 2
     assert len(rows) == 2 * len(NAMES)
     bearing = tb.load_bearing("shen-lhdr-specimen")
@@ -116,7 +118,13 @@ def test_checks_of_a_test_on_a_line():
         assert [critical["verdict"], reduced["verdict"]] == ["OK", "OK"]
     assert rows["limit"].iloc[6] < rows["limit"].iloc[2]  # warm rubber is softer
     assert "bearing_checks" in result.tables()
-    assert len(result.summary()["bearing_checks"]) == len(rows)
+    assert len(result.summary()["bearing_checks"]) == len(rows) + 2 * len(OF_LEAD)
+    hottest = np.nanmax(result["lead_temperature"].values, axis=1)
+    melting, near = (every[every["what"] == what] for what in OF_LEAD)
+    assert melting["value"].tolist() == near["value"].tolist() == hottest.tolist()
+    assert set(melting["limit"]) == {327.5}
+    assert set(near["limit"]) == {262.0}
+    assert set(melting["verdict"]) == set(near["verdict"]) == {"OK"}
 
 
 def test_resultant_decides_in_a_plane(tmp_path):

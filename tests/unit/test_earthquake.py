@@ -39,7 +39,7 @@ SMALL: dict[str, Any] = {
     "duration": "4 s",
 }
 FILES = {"summary.json", "table.csv", "history.csv", "result.nc", "case.resolved.toml", "figures"}
-FILES |= {"tested_range.csv"}
+FILES |= {"tested_range.csv", "checks.csv"}
 FIGURES = {"loops.png", "strain.png", "energy.png", "pier.png", "deck.png", "peaks.png"}
 FIGURES |= {"hinge.png", "temperature.png", "shares.png", "pier_acceleration.png"}
 FIGURES |= {"largest_loops.png"}

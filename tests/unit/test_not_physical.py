@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
+from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
@@ -13,6 +15,7 @@ from tests.unit.inputs import changed_table, cyclic, last_line, quick_case, spec
 from thermobearing.bearing.library import bearing_from_table
 from thermobearing.core.types import State, new_state
 from thermobearing.design.run import run_bounds, run_factors
+from thermobearing.earthquake.report import build_pieces
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.outcomes import (
@@ -22,9 +25,10 @@ from thermobearing.model.outcomes import (
     NOT_PHYSICAL,
     PIER_BEYOND_LIMIT,
     SENTENCES,
-    _temperature_limits,
     is_physical,
+    temperature_limits,
 )
+from thermobearing.report.pieces import EXCEEDED
 from thermobearing.structure.run import (
     DISPLACEMENT_LIMIT,
     FORCE_LIMIT,
@@ -32,24 +36,44 @@ from thermobearing.structure.run import (
     SPECIMEN_LOST,
     Method,
 )
+from thermobearing.studies.run.engine import count_failures
+from thermobearing.studies.statistics.demand import counted
 
-LIMITS = _temperature_limits()
+LIMITS = temperature_limits()
+LEAD = "shen-lhdr-specimen"
+MELTED = "lead_melted"
 FAST = tb.CyclicTest(
     steps=[{"step": "cycles", "strain": 1.5, "wave": "sine", "period": 1.0, "count": 60}]
 )
 
 
 def test_lead_does_not_heat_beyond_its_melting_point() -> None:
-    """Without softening a core goes on heating; what was computed until it melts is kept."""
-    table = tb.load_bearing("shen-lhdr-specimen").model_dump()
-    table["lead"]["softening"] = 0.0
-    result = tb.run(bearing_from_table(make_table(table), "lead"), FAST, ambient=23.0)
-    assert result.outcome == "temperature_runaway"
+    """Lead of constant strength goes on heating; what was computed until it melts is kept."""
+    result = tb.run(tb.changed_bearing(LEAD, law="constant-lead"), FAST, ambient=23.0)
+    assert result.outcome == MELTED
     hottest = float(result["lead_temperature"].max())
     assert 0.95 * LIMITS.lead_melts < hottest <= LIMITS.lead_melts
-    assert "melts" in SENTENCES[result.outcome]
-    for limit in (LIMITS.absolute_zero, LIMITS.rubber_decomposes, LIMITS.lead_melts):
-        assert str(int(limit)) in SENTENCES[result.outcome]
+    assert str(int(LIMITS.lead_melts)) in SENTENCES[result.outcome]
+    for limit in (LIMITS.absolute_zero, LIMITS.rubber_decomposes):
+        assert str(int(limit)) in SENTENCES["temperature_runaway"]
+    rows = result.bearing_checks
+    assert rows["verdict"].tolist() == ["NG", "NG"]
+    assert_allclose(rows["value"], LIMITS.lead_melts)
+    assert_allclose(rows["limit"], [LIMITS.lead_melts, 0.8 * LIMITS.lead_melts])
+
+
+def test_lead_beyond_its_tests_softens_before_it_melts() -> None:
+    """The published rate is the default beyond the tests: before, this run ended with melted lead.
+
+    Its last rows are a check that is not met.
+    """
+    result = tb.run(LEAD, FAST, ambient=23.0)
+    hottest = float(result["lead_temperature"].max())
+    assert result.outcome == "completed"
+    assert 96.0 < hottest < LIMITS.lead_melts
+    melting, near = result.bearing_checks.to_dict("records")
+    assert melting["verdict"] == "OK"
+    assert (near["value"], near["verdict"]) == (hottest, "NG" if hottest > near["limit"] else "OK")
 
 
 def test_rubber_does_not_heat_beyond_its_decomposition() -> None:
@@ -78,7 +102,7 @@ def test_a_run_that_is_not_physical_says_so(
 ) -> None:
     """A typed outcome, exit status 3, and what was computed until then; here steel melts early."""
     early = LIMITS.model_copy(update={"steel_melts": 20.0})
-    monkeypatch.setattr("thermobearing.model.outcomes._temperature_limits", lambda: early)
+    monkeypatch.setattr("thermobearing.model.outcomes.temperature_limits", lambda: early)
     case = quick_case(tmp_path / "case.toml", ambient="23 degC")
     done = cyclic(case, "-o", tmp_path / "out", "--json")
     said = last_line(done)
@@ -178,8 +202,6 @@ def test_published_books_have_gaps_of_their_own() -> None:
     assert not is_physical(published, hot)
 
 
-MELTS = "temperature_runaway"
-LEAD = "shen-lhdr-specimen"
 CYCLES = {"step": "cycles", "strain": 2.5, "speed": 1000.0, "count": 60}
 HOT = tb.CyclicTest(dt=0.02, steps=[CYCLES])
 
@@ -196,13 +218,13 @@ def shake(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
 
 
 def test_the_sentence_says_so() -> None:
-    assert "the lead reached 327 degC (it melts)" in " ".join(SENTENCES[MELTS].split())
+    assert "327 degC" in SENTENCES[MELTED]
 
 
 @pytest.mark.parametrize("model", ["multi-layer", "adiabatic", "lead-alone", "temperature-blind"])
 def test_cyclic(model: Model) -> None:
     result = tb.run(LEAD, HOT, model=model)
-    assert (result.outcome, result.sentence) == (MELTS, SENTENCES[MELTS])
+    assert (result.outcome, result.sentence) == (MELTED, SENTENCES[MELTED])
     assert 320.0 < np.nanmax(result["lead_temperature"]) <= 327.5
 
 
@@ -210,8 +232,25 @@ def test_cyclic(model: Model) -> None:
 def test_structures(method: Method, shake: dict[str, object]) -> None:
     """With Newmark's method halving the step does not cool the lead (before: no_equilibrium)."""
     study = tb.bridge("shen-lhdr-bridge", shake, 23.0, method=method)
-    assert study.outcome == MELTS
+    assert study.outcome == MELTED
     assert any("lead 327" in text and "above the 96 degC" in text for text in study.warnings)
+    rows = study.bearing_checks
+    assert rows["verdict"].tolist() == ["NG", "NG"]
+    assert_allclose(rows["value"], LIMITS.lead_melts)
+    pieces = build_pieces(study)
+    assert SENTENCES[MELTED].split(",")[0] in pieces.answer[0].replace(" °C", " degC")
+    exceeded = [check.what for check in pieces.checks if check.verdict == EXCEEDED]
+    assert set(rows["what"]) <= set(exceeded)
+
+
+def test_studies_count_melted_lead_as_failed_and_name_it_first() -> None:
+    outcomes = ["completed", *["pier_beyond_limit"] * 3, MELTED, "completed"]
+    table = pd.DataFrame({"run": range(6), "outcome": outcomes, "sentence": "", "demand": 1.0})
+    failures = count_failures(table)
+    assert failures["outcome"].tolist() == [MELTED, "pier_beyond_limit"]
+    assert failures["runs"].tolist() == [1, 3]
+    assert counted(table, "demand").left_out == 1  # all else of a pier was computed
+    assert counted(table, "demand", "collapse").collapsed == 4
 
 
 def test_validation(tmp_path: Path) -> None:
@@ -219,22 +258,22 @@ def test_validation(tmp_path: Path) -> None:
     x = 75.0 * np.sin(2.0 * np.pi * t / 0.3)
     record = tb.record_from_arrays(t, x, 3.0 * x + 90.0 * np.sign(np.gradient(x)), 23.0)
     found = tb.validate_bearing(LEAD, record)
-    assert list(found.table["outcome"]) == [MELTS]
+    assert list(found.table["outcome"]) == [MELTED]
     assert found.outcome == "partly"
-    assert SENTENCES[MELTS] in found.sentence
-    assert found.summary()["comparisons"][0]["outcome"] == MELTS
+    assert SENTENCES[MELTED] in found.sentence
+    assert found.summary()["comparisons"][0]["outcome"] == MELTED
 
 
 def test_factors_and_bounds(shake: dict[str, object]) -> None:
-    with pytest.raises(tb.InputError, match=r"temperature_runaway at 250%: .* melts"):
+    with pytest.raises(tb.InputError, match=r"lead_melted at 250%: "):
         run_factors([LEAD], temperatures=[0.0], strains=[2.5], speed=1000.0, cycles=[100])
     pier = tb.load_structure("pier-p1")
     limits = pier.limits.model_copy(update={"ductility": 1000.0, "drift": 1.0})
     pier = pier.model_copy(update={"limits": limits})  # or the pier ends the run before
     report = run_bounds(["shen-lhdr-bridge"], [shake], [23.0, 0.0], structure=pier)
-    assert report.outcome == MELTS
-    assert report.summary()["outcome"] == MELTS
-    assert report.sentence == SENTENCES[MELTS]
+    assert report.outcome == MELTED
+    assert report.summary()["outcome"] == MELTED
+    assert report.sentence == SENTENCES[MELTED]
 
 
 def test_every_outcome_has_a_sentence() -> None:

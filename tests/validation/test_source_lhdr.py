@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
 from benchmarks.alternative_bearings import measures
@@ -19,6 +19,26 @@ BRIDGE_K_EQ = 2.5434  # Table 6.1, kN/mm
 def result() -> tb.Result:
     """Table 3.4 with sine waves at the three chamber temperatures."""
     return tb.run("shen-lhdr-specimen", ambient=AMBIENTS)
+
+
+def test_lead_beyond_its_tests_with_constant_strength_and_by_default(result: tb.Result) -> None:
+    """The numbers of docs/alternative_bearings.md: warmest lead, energy and h_eq of the last cycle.
+
+    The specimen stays within its tests: the same bits.
+    """
+    laws = ("constant-lead", None)
+    specimen = tb.run(tb.changed_bearing("shen-lhdr-specimen", law=laws[0]), ambient=AMBIENTS)
+    for name in ("force", "lead_temperature", "rubber_temperature"):
+        assert_array_equal(specimen[name].values, result[name].values)
+    found = []
+    for law in laws:
+        bearing = tb.changed_bearing("shen-lhdr-bridge", **({"law": law} if law else {}))
+        bridge = tb.run(bearing, ambient=23.0)
+        cycles = bridge.cycles
+        energy = cycles["energy_kN_mm"].sum() / 1e3
+        found.append([float(bridge["lead_temperature"].max()), energy, cycles["h_eq"].iloc[-1]])
+    assert_allclose(found[0], [141.6, 2913.1, 0.2741], rtol=5e-4)
+    assert_allclose(found[1], [132.8, 2873.8, 0.2591], rtol=5e-4)
 
 
 def test_figure_5_2b_has_29_cells_over_83_mm_and_a_core_of_96_mm(result: tb.Result) -> None:

@@ -87,7 +87,7 @@ def test_means_over_a_step(start: float, end: float) -> None:
 
 def core(softening: float) -> types.Lead:
     """One core of the specimen that is stiff, so that all of its path is plastic."""
-    lead = make_constants(softening=softening).lead
+    lead = make_constants(softening=softening, softening_beyond_tests=softening).lead
     return lead._replace(stiffness=1e6, reference_temperature=0.0)
 
 
@@ -115,6 +115,48 @@ def test_adiabatic_core_with_falling_strength_is_exact(measured: Recorder) -> No
     assert_allclose(
         heated(plain, path, 100), plain.strength * path / plain.capacity, rtol=tol.HEAT_BALANCE
     )
+
+
+@pytest.mark.parametrize("softening", [0.0, 0.002])
+def test_adiabatic_core_beyond_its_tests_is_exact(softening: float, measured: Recorder) -> None:
+    """Up to T_w at one rate, then T = T_w + ln(1 + E2' sigma_w s/(rho c h))/E2' along the rest."""
+    warmest, beyond, path = 60.0, 0.0069, 1500.0
+    lead = core(softening)._replace(softening_beyond=beyond, warmest_tested=warmest)
+    rate = lead.strength / lead.capacity  # rise per path at T_0 = 0 degC [K/mm]
+    to_warmest = warmest / rate if softening == 0.0 else np.expm1(softening * warmest) / softening
+    to_warmest /= 1.0 if softening == 0.0 else rate
+    per = rate * np.exp(-softening * warmest)
+    exact = warmest + np.log1p(beyond * per * (path - to_warmest)) / beyond
+    errors = np.array([heated(lead, path, n) / exact - 1.0 for n in (100, 1000, 10_000)])
+    assert (np.abs(errors) < [1e-3, 1e-4, tol.ADIABATIC_CORE]).all()
+    measured("adiabatic core beyond its tests, against the exact rise", abs(errors[-1]), "1e-06")
+    for t in (warmest - 2.0 * rate, warmest - 0.5 * rate, warmest + 5.0):  # before, across, beyond
+        x, h = 1.0, 1e-4
+        after, slope = core_force(lead, types.HEAT_FROM_WORK, t, lead.strength, x)
+        ends = [core_force(lead, types.HEAT_FROM_WORK, t, lead.strength, x + d)[0] for d in (-h, h)]
+        assert_allclose(slope, (ends[1] - ends[0]) / (2.0 * h), rtol=1e-4, atol=1e-9)
+        warmed = t + core_heat(lead, types.HEAT_FROM_WORK, lead.strength, after, x) / lead.capacity
+        lowered = softening * min(warmed, warmest) + beyond * max(warmed - warmest, 0.0)
+        assert_allclose(after, lead.strength * np.exp(-lowered), rtol=1e-12)
+
+
+def test_lead_within_its_tests_has_the_same_bits() -> None:
+    """The rate beyond the tests changes no bit of a run that stays within them."""
+    path = np.linspace(0.0, 200.0, 500) % 50.0
+    for softening in (0.0, 0.0069):
+        alone = core(softening)._replace(stiffness=22.0)
+        tested = alone._replace(softening_beyond=0.0069, warmest_tested=250.0)
+        for lead in (alone, tested):
+            t, force, forces = 0.0, 0.0, []
+            for dx in np.diff(path):
+                after, slope = core_force(lead, types.HEAT_FROM_WORK, t, force, dx)
+                t += core_heat(lead, types.HEAT_FROM_WORK, force, after, dx) / lead.capacity
+                force = after
+                forces += [force, slope, t]
+            if lead is alone:
+                first = forces
+        assert 0.0 < t < 250.0
+        assert forces == first
 
 
 def test_exchange_is_that_of_two_bodies(measured: Recorder) -> None:

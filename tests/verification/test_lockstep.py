@@ -142,9 +142,24 @@ def test_a_temperature_table_in_lockstep() -> None:
     assert_alike(bearing, variants(bearing.model_copy(update={"temperature_law": law})))
 
 
-def test_company_does_not_matter() -> None:
+def leaving_tests(constants: list[types.Constants]) -> list[types.Constants]:
+    """Lead that leaves its tests at another temperature in every lane, or never."""
+    return [
+        one._replace(lead=one.lead._replace(warmest_tested=-20.0 + 10.0 * lane))
+        for lane, one in enumerate(constants)
+    ]
+
+
+@pytest.mark.parametrize("name", [LHDR, "shen-lhdr-softening"])
+def test_lead_beyond_its_tests_in_lockstep(name: str) -> None:
+    bearing = load_bearing(name)
+    assert_alike(bearing, leaving_tests(variants(bearing)))
+
+
+@pytest.mark.parametrize("within", [True, False])
+def test_company_does_not_matter(within: bool) -> None:
     bearing = load_bearing(LHDR)
-    constants = variants(bearing)
+    constants = variants(bearing) if within else leaving_tests(variants(bearing))
     first = side_by_side([begun(bearing, one, lane) for lane, one in enumerate(constants)])
     order = [*range(2, WIDTH), 0, 0]
     second = side_by_side([begun(bearing, constants[lane], lane) for lane in order])
@@ -278,11 +293,12 @@ def test_a_run_that_ends_early_has_the_numbers_of_its_last_whole_step() -> None:
     """Halves of the step in which it ends moved energies by 3 %, the bearing by 14 mm of 409."""
     prepared = prepare_structure(load_structure(STRUCTURE))
     constants, air = real_bearing("shen-lhdr-bridge"), 60.0
+    constants = constants._replace(lead=constants.lead._replace(softening_beyond=0.0))
     line = Line(constants, np.full(len(constants.cells.capacity), air))
     run = Run(prepared, [line], 10.0 * read_ground("jra-ii-i-1", 0.01, 10.0), 0.01, air)
     found, history = run_peaks(run), with_rows(run)
     assert (found.outcome, found.steps) == (history.outcome, history.steps)
-    assert found.outcome == "temperature_runaway"
+    assert found.outcome == "lead_melted"
     assert found.bearings[0] == history.bearing()[-1]
     for name in ("input", "kinetic", "hinges"):
         assert found.books[0][name] == history.rows.books[-1][name]

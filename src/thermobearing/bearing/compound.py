@@ -20,6 +20,7 @@ from thermobearing.bearing.model import (
     Materials,
     Scragging,
     SmallLoops,
+    Softening,
     TemperatureCoefficient,
     TemperatureLaw,
     Validity,
@@ -62,7 +63,8 @@ class CompoundLead(Strict):
     yield_stress: Annotated[float, in_unit("MPa"), Field(ge=0.1, le=1000)]  # sigma_Y
     shear_modulus: Modulus | None = None
     stiffness_ratio: Annotated[float, Field(ge=1.1, le=1000)] | None = None
-    softening: Annotated[float, in_unit("1/K"), Field(ge=0, le=0.1)] = 0.0  # E2
+    softening: Softening = 0.0
+    softening_beyond_tests: Softening | None = None
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]  # T_0
     surface_ratio: Annotated[float, Field(ge=1e-3, le=1)] = 0.5  # p
     clock: Clock | None = None

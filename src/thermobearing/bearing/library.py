@@ -58,8 +58,8 @@ def _sources_with_laws(sources: Mapping[str, str], names: Sequence[str]) -> dict
         if law.kind == "temperature":
             gone = ["temperature_law", *(f"hysteresis.{key}" for key in TEMPERATURE_COEFFICIENTS)]
             found = {key: text for key, text in found.items() if not _within(key, gone)}
-        elif law.key in found:
-            found[law.key] = law.source
+        else:
+            found |= dict.fromkeys({law.key, *law.also} & set(found), law.source)
     return found
 
 

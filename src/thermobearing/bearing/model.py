@@ -135,7 +135,7 @@ def with_laws(data: Any, names: Sequence[str]) -> Any:
         if law.function is None:
             if part is None and law.kind == "lead":
                 raise InputError(f'law = "{law.name}": needs a bearing with lead')
-            data = data | {table: updated(part, {key: law.value})}
+            data = data | {table: updated(part, dict.fromkeys(law.keys_in_table, law.value))}
             if law.kind == "hysteresis":
                 data.pop("hysteresis_law", None)
         else:
@@ -384,25 +384,30 @@ class Scragging(Strict):
 
 
 Clock = Literal["steel", "lead"]
+Softening = Annotated[float, in_unit("1/K"), Field(ge=0, le=0.1)]  # E2
 
 
 class LeadCores(Strict):
     """Lead cores in parallel; numbers of ONE core (Eq. 5.1-5.7, Table 5.2).
 
-    `softening` is E2 of sigma_Y exp(-E2 (T_l - T_0)), zero for constant strength. `confined`
-    cores (in springs) conduct heat to the end plates only. `clock` selects the diffusivity that
-    makes t+ dimensionless: that of steel (Kalpakidis & Constantinou) or of lead (as published,
-    Eq. 5.6); by default lead with the published scheme and steel otherwise. `surface_ratio` and
-    `clock` are for `lead_ends = "half-space"`. `end_spreading` is for confined cores on finite
-    plates (the default): the thermal resistance of the end plate for one core, relative to that of
-    the plate alone.
+    `softening` is E2 of sigma_Y exp(-E2 (T_l - T_0)), zero for constant strength, up to the warmest
+    lead of the tests (`tested_range.lead_temperature`; T_0 where it is not given), and
+    `softening_beyond_tests` the rate above it: by default that of the law softening-lead, zero for
+    a strength that is kept at any temperature (law constant-lead). `confined` cores (in springs)
+    conduct heat to the end plates only. `clock` selects the diffusivity that makes t+
+    dimensionless: that of steel (Kalpakidis & Constantinou) or of lead (as published, Eq. 5.6); by
+    default lead with the published scheme and steel otherwise. `surface_ratio` and `clock` are for
+    `lead_ends = "half-space"`. `end_spreading` is for confined cores on finite plates (the
+    default): the thermal resistance of the end plate for one core, relative to that of the plate
+    alone.
     """
 
     cores: Annotated[int, Field(ge=1, le=1000)]  # n_l
     diameter: Annotated[float, in_unit("mm"), Field(ge=0.1, le=1e4)]
     stiffness: Stiffness  # K_l
     yield_stress: Annotated[float, in_unit("MPa"), Field(ge=0.1, le=1000)]  # sigma_Y; 7 to 20
-    softening: Annotated[float, in_unit("1/K"), Field(ge=0, le=0.1)] = 0.0  # usual is 0.0069
+    softening: Softening = 0.0
+    softening_beyond_tests: Softening | None = None
     reference_temperature: Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]  # T_0
     surface_ratio: Annotated[float, Field(ge=1e-3, le=1)] = 0.5  # p
     confined: bool

@@ -4,6 +4,7 @@ Kalpakidis & Constantinou (2009): one temperature for the bulk of a core; its su
 times as much. Each end is a disc heating a half-space (flux over F(t+), Eq. 5.5), the side a
 hole heating a plate (t+^{1/3}); t+ = diffusivity x time / r_l^2 since the motion began.
 In a plane the yield surface of a core is a circle, to which forces return along the radius.
+Beyond the warmest lead of its tests the strength decreases at a second rate (`softened`).
 """
 
 import math
@@ -136,18 +137,35 @@ _yielding_slope = choice(_yielding_slope_on_line, _yielding_slope_in_plane)
 
 
 @compiled
+def softened(lead: Lead, temperature: float, heat: float) -> tuple[float, float]:
+    """Exponent by which `heat` [kN mm] lowers the strength of a core, and its slope [1/(kN mm)].
+
+    It counts from E2 (T - T_0) at the temperature T [degC] before the heat: E2 up to the warmest
+    lead of the tests, the second rate beyond. Without a difference of rates, E2 alone.
+    """
+    per, beyond = lead.softening / lead.capacity, lead.softening_beyond / lead.capacity
+    room = (lead.warmest_tested - temperature) * lead.capacity
+    inside = (lead.softening == lead.softening_beyond) | (heat <= room)
+    within = select(inside, heat, room)
+    return per * within + beyond * (heat - within), select(inside, per, beyond)
+
+
+@compiled
 def core_force(
     lead: Lead, source: int, temperature: float, before: Vector, dx: Vector
 ) -> tuple[Vector, Matrix]:
     """Force of one core after an increment dx [mm], and its tangent [kN/mm].
 
     Elastic, then yielding at Q = Q_0 exp(-E2 (T - T_0)) with T warmed by the work of this
-    increment (implicit, so that strength and heat agree at the end of the step).
+    increment (implicit, so that strength and heat agree at the end of the step), and further
+    below it beyond the tested temperatures (`softened`).
     """
     trial = plus(before, scaled(dx, lead.stiffness))
     sign, size = direction(trial), norm(trial)
     fall = lead.softening
-    if all_lanes(fall == 0.0):
+    most = core_heat(lead, source, before, scaled(sign, lead.strength), dx)
+    lowered, _ = softened(lead, temperature, most)
+    if all_lanes((fall == 0.0) & (lowered == 0.0)):
         yields = size > lead.strength
         return (
             pick(yields, scaled(sign, lead.strength), trial),
@@ -158,14 +176,16 @@ def core_force(
             ),
         )
     cold = q = lead.strength * math.exp(-fall * (temperature - lead.reference_temperature))
-    per = fall / lead.capacity
-    elastic = no(size > cold * math.exp(-per * core_heat(lead, source, before, trial, dx)))
+    lowered, _ = softened(lead, temperature, core_heat(lead, source, before, trial, dx))
+    elastic = no(size > cold * math.exp(-lowered))
     if all_lanes(elastic):
         return trial, isotropic(dx, lead.stiffness)
     plastic = 1.0 if source == HEAT_FROM_DISSIPATION else 0.0
     done = elastic
     for _ in range(STRENGTH_ITERATIONS):
-        heated = cold * math.exp(-per * core_heat(lead, source, before, scaled(sign, q), dx))
+        heat = core_heat(lead, source, before, scaled(sign, q), dx)
+        lowered, per = softened(lead, temperature, heat)
+        heated = cold * math.exp(-lowered)
         heat_by_q = dot(scaled(sign, 0.5), dx) - plastic * q / lead.stiffness
         correction = (q - heated) / (1.0 + per * heated * heat_by_q)
         q = select(done, q, q - correction)
@@ -173,6 +193,7 @@ def core_force(
         if all_lanes(done):
             break
     heat_by_q = dot(scaled(sign, 0.5), dx) - plastic * q / lead.stiffness
+    _, per = softened(lead, temperature, core_heat(lead, source, before, scaled(sign, q), dx))
     turning = _slope_by_turning(lead, sign, q, size)
     slope = _yielding_slope(before, sign, q, dx, per, heat_by_q, turning)
     return (

@@ -25,6 +25,7 @@ from thermobearing.core.sharing import share
 from thermobearing.core.types import (
     COMPLETED,
     HEAT_FROM_DISSIPATION,
+    LEAD_MELTED,
     NOT_FINITE,
     SOFTENED,
     TEMPERATURE_RUNAWAY,
@@ -63,9 +64,9 @@ def layer_temperature(layer_cells: Rows[LayerCells], temperature: Floats, j: int
 
 @compiled
 def runs_away(constants: Constants, state: State) -> bool:
-    """Return whether a rubber layer is colder than possible or decomposes, or the lead melts."""
+    """Return whether a rubber layer is colder than possible or decomposes."""
     limits = constants.limits
-    away = state.branches[0].lead_temperature > limits.lead
+    away = layer_temperature(constants.layer_cells, state.temperature, 0) < limits.coldest
     for j in range(len(constants.layer_cells)):
         t = layer_temperature(constants.layer_cells, state.temperature, j)
         away = away | (t < limits.coldest) | (t > limits.rubber)
@@ -307,7 +308,7 @@ def settle(
 ) -> int:
     """Thermal part of a step, after the last `move`: memory, heat, temperatures, energy balance.
 
-    Returns COMPLETED, NOT_FINITE or TEMPERATURE_RUNAWAY.
+    Returns COMPLETED, NOT_FINITE, TEMPERATURE_RUNAWAY or LEAD_MELTED.
     """
     old, books = state.books[0], new.books[0]
     if constants.rubber.virgin:
@@ -323,7 +324,9 @@ def settle(
     heat_step(constants, work, state, x, dt, ambient, new)
     lost = no(math.isfinite(books.heat_lost_sides + books.heat_released))
     away = runs_away(constants, new)
-    return select(lost, NOT_FINITE, select(away, TEMPERATURE_RUNAWAY, COMPLETED))
+    melts = new.branches[0].lead_temperature > constants.limits.lead
+    ended = select(away, TEMPERATURE_RUNAWAY, select(melts, LEAD_MELTED, COMPLETED))
+    return select(lost, NOT_FINITE, ended)
 
 
 @compiled
@@ -355,8 +358,8 @@ def step(
     -------
     force : restoring force at the end, positive with positive x [kN].
     tangent : dF/dx [kN/mm].
-    outcome : COMPLETED, SOFTENED, NOT_CONVERGED, NOT_FINITE or EULER_UNSTABLE or
-        TEMPERATURE_RUNAWAY.
+    outcome : COMPLETED, SOFTENED, NOT_CONVERGED, NOT_FINITE, EULER_UNSTABLE,
+        TEMPERATURE_RUNAWAY or LEAD_MELTED.
     """
     begin(constants, work, state)
     force, tangent, outcome = move(constants, work, state, x, dt, new)

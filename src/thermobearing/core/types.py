@@ -31,6 +31,7 @@ NOT_CONVERGED: Final = 2
 NOT_FINITE: Final = 3
 EULER_UNSTABLE: Final = 4
 TEMPERATURE_RUNAWAY: Final = 5
+LEAD_MELTED: Final = 6
 
 DEPTH: Final = 12  # turning points that a layer remembers where small loops close
 
@@ -236,7 +237,9 @@ class Lead(NamedTuple):
     stiffness: float  # K_l [kN/mm]
     strength: float  # Q_l at the reference temperature [kN]
     softening: float  # E2 of exp(-E2 (T - T_0)) [1/K]; 0 for constant strength
+    softening_beyond: float  # the same above `warmest_tested` [1/K]
     reference_temperature: float  # T_0 [degC]
+    warmest_tested: float  # warmest lead of the tests behind strength and E2 [degC]
     capacity: float  # c rho V [kN mm/K]
     clock_rate: float  # diffusivity / r_l^2 [1/s]: t+ per time
     end_conductance: float  # A_l p k_s / r_l of one end, before 1/F [kN mm/(s K)]

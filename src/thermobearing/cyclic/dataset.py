@@ -30,12 +30,17 @@ from thermobearing.cyclic.case import Case, beyond, rig_demand
 from thermobearing.cyclic.history import History, Segment
 from thermobearing.cyclic.protocol import Cycles, PlanePath, lengths, survey
 from thermobearing.cyclic.result import COMPONENT, CYCLES, Result, column_quantity, run_name
-from thermobearing.model.checks import check_rows, failed_checks, vertical_checks
+from thermobearing.model.checks import (
+    check_rows,
+    failed_checks,
+    lead_check_rows,
+    vertical_checks,
+)
 from thermobearing.model.constants import outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.handover import DIMENSIONS, PREFIX, state_memory
 from thermobearing.model.options import BearingModel
-from thermobearing.model.outcomes import SENTENCES, SHARING_SENTENCES
+from thermobearing.model.outcomes import MELTED, SENTENCES, SHARING_SENTENCES
 from thermobearing.quantities.governing import place_of_largest, place_of_least
 from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import find_cycles
@@ -277,6 +282,12 @@ def _compared_rows(
             lead=books["lead_temperature"] if case.bearing.lead else None,
         )
         found["tested_range"] += compare_with_tests(name, reached, calibration_ranges(case.bearing))
+        if "lead_temperature" in reached:
+            hottest = np.max(reached["lead_temperature"])
+            melted = history.outcome == MELTED
+            found["bearing_checks"] += lead_check_rows(
+                name, case.bearing.name, float(hottest), melted=melted
+            )
         if case.axial_force is not None:
             warmest = float(climate.temperature.max())
             load = case.axial_force, books["displacement"], warmest

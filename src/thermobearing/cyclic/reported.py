@@ -208,11 +208,15 @@ def early_end(subject: str, where: str, result: Result) -> list[str]:
     """Return a sentence on a result that is not complete; none for a completed one."""
     if result.outcome == "completed":
         return []
-    outcome = result.outcome.replace("_", " ")
-    return [
-        f"{subject} ended early{where} ({outcome}); the results are those computed up to then: "
-        f"{tidy(result.sentence)}"
-    ]
+    return [early_sentence(subject, where, result.outcome, result.sentence)]
+
+
+def early_sentence(subject: str, where: str, outcome: str, meaning: str) -> str:
+    """Return a sentence on an early end with its outcome and the meaning of that."""
+    return (
+        f"{subject} ended early{where} ({outcome.replace('_', ' ')}); the results are those "
+        f"computed up to then: {tidy(meaning)}"
+    )
 
 
 def checks_table(rows: "pd.DataFrame", caption: str = "Checks", note: str = "") -> Table:
@@ -234,7 +238,7 @@ def checks_table(rows: "pd.DataFrame", caption: str = "Checks", note: str = "") 
     return make_table(frame, columns, caption, keys=keys, marked=marked, note=note, keep_keys=True)
 
 
-VERTICAL = "Bearings under the axial force"
+OF_BEARINGS = "Checks of the bearings"
 CHECKS_NOTE = (
     "The largest use of each limit, and where. Compression is positive. *: not checked against the "
     "published text."
@@ -270,7 +274,7 @@ def bearing_check_tables(result: Result, *, every_part: bool = True) -> dict[str
     for code in dict.fromkeys(rows["code"]) if len(rows) else ():
         mine = governing_checks(rows[rows["code"] == code], every_part=every_part)
         name = f"checks_{code.split()[0].lower()}" if code else "bearing_checks"
-        caption = f"Checks of the bearings according to {code}" if code else VERTICAL
+        caption = f"Checks of the bearings according to {code}" if code else OF_BEARINGS
         found[name] = checks_table(mine, caption, CHECKS_NOTE).merged("part")
     return found
 

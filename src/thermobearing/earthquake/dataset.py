@@ -23,12 +23,17 @@ from thermobearing.earthquake.measures import DIRECTION
 from thermobearing.earthquake.motions import pair_notes
 from thermobearing.earthquake.result import PART_HISTORIES, EarthquakeResult, run_name
 from thermobearing.model import handover
-from thermobearing.model.checks import check_rows, failed_checks, vertical_checks
+from thermobearing.model.checks import (
+    check_rows,
+    failed_checks,
+    lead_check_rows,
+    vertical_checks,
+)
 from thermobearing.model.constants import outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.element import BearingElement
 from thermobearing.model.options import BearingModel
-from thermobearing.model.outcomes import ALL_SENTENCES, INTERRUPTED
+from thermobearing.model.outcomes import ALL_SENTENCES, INTERRUPTED, MELTED
 from thermobearing.quantities.register import quantity
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import (
@@ -131,13 +136,21 @@ def _collect_warnings(
     motions = [motion.model_dump(exclude_none=True) for motion in case.motions]
     found += pair_notes(motions, plan=bool(case.structure.plan))
     causes: list[tuple[str, str]] = []
+    of_lead: list[Row] = []
     for bearing, mine in _bearings(tasks).values():
         said = [f"{bearing.name}: {text}" for text in implausible(bearing)]
         ranges = calibration_ranges(bearing)
         rows: list[Row] = []
         for k, lines in mine.items():
             name = _name(tasks[k], bearing.name)
-            rows += compare_with_tests(name, _reached(tasks[k], histories[k], lines), ranges)
+            reached = _reached(tasks[k], histories[k], lines)
+            rows += compare_with_tests(name, reached, ranges)
+            if "lead_temperature" in reached:
+                hottest, melted = (
+                    np.max(reached["lead_temperature"]),
+                    histories[k].outcome == MELTED,
+                )
+                of_lead += lead_check_rows(name, bearing.name, float(hottest), melted=melted)
         said += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
         compared += rows
         if not isinstance(bearing, BilinearBearing) and case.analysis.model not in BLIND:
@@ -153,7 +166,7 @@ def _collect_warnings(
     factors = exposures(installed, case.analysis.exposure)
     found = describe_all(factors) + found + [one.note for one in histories if one.note]
     checks = _vertical_checks(case, tasks, histories)
-    found += failed_checks(checks)
+    found += failed_checks(of_lead + checks)
     early = [one.outcome for one in histories if one.outcome != COMPLETED]
     if checks and early:
         found.append(
@@ -167,7 +180,7 @@ def _collect_warnings(
                 f"line {item.line} stays {air} in all runs, so that comparisons of ambient "
                 "temperatures do not apply to it"
             )
-    row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": checks}
+    row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": of_lead + checks}
     row_tables |= exposure_attribute(factors)
     attributes = {name: as_attribute(rows) for name, rows in row_tables.items() if rows}
     return {"warnings": as_attribute(found)} | attributes

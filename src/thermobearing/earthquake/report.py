@@ -17,6 +17,7 @@ from thermobearing.earthquake.panels import part_names, select_part
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.tables import balance_table, cold_ratios
 from thermobearing.model.options import outdoors
+from thermobearing.model.outcomes import INTERRUPTED, MELTED
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
@@ -42,6 +43,8 @@ from thermobearing.report.words import (
     quantity,
     tidy,
 )
+from thermobearing.results.base import COMPLETED
+from thermobearing.results.writing import from_attribute
 from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
@@ -280,11 +283,23 @@ def _answer(result: EarthquakeResult) -> list[str]:
 
 
 def _early_words(result: EarthquakeResult) -> list[str]:
-    """Return a sentence on runs that ended early or are missing; none if all were completed."""
-    outcomes = [str(name) for name in result["outcome"].values]
-    names = [n for n, out in zip(result.run_names, outcomes, strict=True) if out != "completed"]
-    where = f" in {counted(len(names), 'run')}, first {plain(names[0])}" if names else ""
-    return reported.early_end("The analysis", where, result)
+    """Return a sentence on each failure mode and on missing runs, those of melted lead first."""
+    modes: dict[str, list[str]] = {}
+    for name, outcome in zip(result.run_names, result["outcome"].values, strict=True):
+        if outcome != COMPLETED:
+            modes.setdefault(str(outcome), []).append(name)
+    if result.outcome == INTERRUPTED:
+        modes.setdefault(INTERRUPTED, [])
+    sentences = from_attribute(result.dataset, "sentences")
+    return [
+        reported.early_sentence(
+            "The analysis",
+            f" in {counted(len(names), 'run')}, first {plain(names[0])}" if names else "",
+            outcome,
+            str(sentences.get(outcome, "")),
+        )
+        for outcome, names in sorted(modes.items(), key=lambda mode: mode[0] != MELTED)
+    ]
 
 
 def _largest(result: EarthquakeResult, column: str, part: str = "") -> tuple[float, str]:

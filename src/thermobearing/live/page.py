@@ -22,7 +22,7 @@ from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.protocol import Cycles
 from thermobearing.live.data import engine_source, live_data, live_module
 from thermobearing.model.constants import SLACK as LAW_SLACK
-from thermobearing.model.outcomes import limits_of_a_step
+from thermobearing.model.outcomes import temperature_limits
 from thermobearing.motions.record import ACCELERATION_UNITS, ASSERTED
 from thermobearing.report.html import page_environment, policy_digest
 from thermobearing.results.ranges import EXTREME, REST, SLACK
@@ -31,7 +31,6 @@ START = "lrb-example"  # the bearing that the page opens with
 MOTIONS = ("jra-ii-i-1", "jra-ii-ii-1", "jra-i-i-1")
 SCRIPTS = ("draw.js", "app.js")  # after the engine, each after what it imports
 STYLES = (("report-page", "page.css"), ("live", "page.css"))
-NEAR_MELTING = 0.75  # of the melting temperature of lead, from which the page warns
 IMPORT = re.compile(r"^import .*? from .*?;\n", re.MULTILINE | re.DOTALL)
 EXPORT = re.compile(r"^export ", re.MULTILINE)
 EXPORTED = re.compile(r"^export (?:async )?(?:function|const|class) (\w+)", re.MULTILINE)
@@ -96,6 +95,7 @@ def assemble(data: dict[str, Any], module: bytes, engine: str, start: str, start
     words = tomllib.loads(data_path("live", "words.toml").read_text(encoding="utf-8"))
     script = _bundle([engine, *(_text("live", name) for name in SCRIPTS)])
     css = "\n".join(_text(*parts) for parts in STYLES)
+    limits = temperature_limits()
     page = {
         "labels": words.pop("labels"),
         "outcomes": words.pop("outcomes"),
@@ -106,7 +106,7 @@ def assemble(data: dict[str, Any], module: bytes, engine: str, start: str, start
         "slack": SLACK,
         "law_slack": LAW_SLACK,
         "counting": {"extreme": EXTREME, "rest_s": REST},
-        "warm_lead": NEAR_MELTING * limits_of_a_step().lead,
+        "warm_lead": limits.lead_near_melting * limits.lead_melts,
         "fields": _test_fields(),
         "scaling": EXPONENTS,
         "accelerations": ACCELERATION_UNITS,

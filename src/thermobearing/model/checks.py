@@ -1,4 +1,4 @@
-"""Checks of bearings: one row for each limit, and those of a bearing under a vertical load.
+"""Checks of bearings: one row for each limit, of the lead and under a vertical load.
 
 The vertical load is an input; it changes neither force nor heat of a bearing.
 """
@@ -17,6 +17,7 @@ from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.core.records import Floats
 from thermobearing.model.element import BearingElement
+from thermobearing.model.outcomes import temperature_limits
 from thermobearing.quantities.governing import largest_by, place_of_least
 
 PASSED, FAILED = "OK", "NG"
@@ -92,6 +93,29 @@ def failed_checks(rows: Sequence[dict[str, Any]]) -> list[str]:
         where = f"{len(mine)} runs, most: {worst['run']}" if len(mine) > 1 else worst["run"]
         said.append(f"{of}: {what} {worst['value']:.4g}{unit}: {says} ({where})")
     return said
+
+
+def lead_check_rows(
+    run: str, bearing: str, hottest: float, *, melted: bool = False
+) -> list[dict[str, Any]]:
+    """Return the rows of the warmest lead [degC] of a run: melting, and a share of it.
+
+    A run that ended because its lead melted (`melted`) has reached the melting temperature.
+    """
+    limits, table = temperature_limits(), read_toml(data_path("materials", "limits.toml"))
+    melting, near = limits.lead_melts, limits.lead_near_melting
+    value = melting if melted else hottest
+    sources = [str(table[name]["source"]) for name in ("lead_melts", "lead_near_melting")]
+    rows = check_rows(
+        run,
+        bearing,
+        [
+            Check(f"lead: melting {int(melting)} degC", value, melting, "degC", sources[0]),
+            Check(f"lead: {near:g} of melting", value, near * melting, "degC", sources[1]),
+        ],
+    )
+    rows[0]["verdict"] = FAILED if melted else rows[0]["verdict"]
+    return rows
 
 
 @cache

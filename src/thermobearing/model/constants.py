@@ -14,7 +14,9 @@ from thermobearing.bearing.model import (
     Scragging,
     SmallLoops,
     TemperatureLaw,
+    calibration_ranges,
 )
+from thermobearing.border.units import parse_quantity
 from thermobearing.core.numbers import (
     CoreSizes,
     LayerLaw,
@@ -49,6 +51,7 @@ from thermobearing.model.stack import (
 
 SLACK = 0.1  # beyond the range: below measurement accuracy [K]
 COLDER = -1e30  # lower bound of the first piece [degC]
+SOFTENING_LEAD = "softening-lead"  # the law of lead beyond its tests, unless a bearing states E2
 
 
 def _law_pieces(law: TemperatureLaw | None) -> Rows[LawPiece]:
@@ -175,17 +178,22 @@ def build_constants(
     )
 
 
-def with_parameters(constants: Constants, bearing: Bearing, stack: Stack) -> Constants:
+def with_parameters(
+    constants: Constants, bearing: Bearing, stack: Stack, *, only_tests: bool = True
+) -> Constants:
     """Return constants of the same stack with rubber, lead and rate parameters of another bearing.
 
-    For identification, where only those change from one evaluation to the next. The bearing
-    must have the geometry and materials that `constants` and `stack` were built from.
+    For identification, where only those change from one evaluation to the next, and lead has no
+    temperature beyond its tests, since the tests are simulated (`only_tests`). The bearing must
+    have the geometry and materials that `constants` and `stack` were built from.
     """
     rubber, law = constants.rubber, bearing.temperature_law
     choices = rubber.integrator, rubber.monotone, rubber.closed_loops
     bearing = exposed(bearing)
     lead, _, _ = _lead(bearing, stack, published=constants.lead.published)
     lead = lead._replace(clock_rate=constants.lead.clock_rate)  # keep the chosen clock
+    if only_tests:
+        lead = lead._replace(softening_beyond=lead.softening)
     return constants._replace(
         rubber=_rubber(bearing, *choices),
         lead=lead,
@@ -201,6 +209,23 @@ def lead_clock(lead: LeadCores, *, published: bool, chosen: Clock | None = None)
     return chosen or lead.clock or ("lead" if published else "steel")
 
 
+def softening_beyond_tests(lead: LeadCores) -> float:
+    """Return E2 of lead that is warmer than in its tests [1/K]: the published one by default."""
+    if lead.softening_beyond_tests is not None:
+        return lead.softening_beyond_tests
+    return parse_quantity(find_law(SOFTENING_LEAD).value, "1/K")
+
+
+def warmest_tested_lead(bearing: Bearing) -> float:
+    """Return the temperature up to which the strength of lead is that of its tests [degC].
+
+    Where the tests are not stated, it is that for which the yield stress is.
+    """
+    ranges = calibration_ranges(bearing) or {}
+    reference = bearing.lead.reference_temperature if bearing.lead else 0.0
+    return ranges.get("lead_temperature", (reference, reference))[1]
+
+
 def _lead(
     bearing: Bearing, stack: Stack, *, published: bool, clock: Clock | None = None
 ) -> tuple[Lead, Floats, Floats]:
@@ -208,7 +233,21 @@ def _lead(
     nothing = np.zeros(len(stack.part))
     given, material = bearing.lead, bearing.materials.lead
     if given is None or material is None:
-        none = Lead(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, float(stack.fold), published)
+        none = Lead(
+            cores=0.0,
+            stiffness=1.0,
+            strength=0.0,
+            softening=0.0,
+            softening_beyond=0.0,
+            reference_temperature=0.0,
+            warmest_tested=0.0,
+            capacity=1.0,
+            clock_rate=0.0,
+            end_conductance=0.0,
+            side_conductance=0.0,
+            fold=float(stack.fold),
+            published=published,
+        )
         return none, nothing, nothing
     steel = bearing.materials.steel
     conductivity = steel.conductivity / MM_PER_M
@@ -233,7 +272,9 @@ def _lead(
         stiffness=given.stiffness,
         strength=strength,
         softening=given.softening,
+        softening_beyond=softening_beyond_tests(given),
         reference_temperature=given.reference_temperature,
+        warmest_tested=warmest_tested_lead(bearing),
         capacity=capacity,
         clock_rate=clock_rate,
         end_conductance=one_end,

@@ -128,7 +128,7 @@ def _temperature_blind(constants: Constants) -> Constants:
     Eq. 4.34 with m_T = n_T = 0, lead of constant strength. Temperatures are still computed.
     """
     rubber = constants.rubber._replace(elastic_exponent=0.0, hysteretic_exponent=0.0)
-    lead = constants.lead._replace(softening=0.0)
+    lead = constants.lead._replace(softening=0.0, softening_beyond=0.0)
     return constants._replace(rubber=rubber, lead=lead, law=rows(LawPiece, 0))
 
 
@@ -204,7 +204,9 @@ def _backbone_spring(parameters: BilinearParameters, fold: float) -> Lead:
         stiffness=parameters.initial - parameters.post_yield,
         strength=parameters.strength,
         softening=0.0,
+        softening_beyond=0.0,
         reference_temperature=0.0,
+        warmest_tested=0.0,
         capacity=UNCHANGING,
         clock_rate=1.0,
         end_conductance=0.0,

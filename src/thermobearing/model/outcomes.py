@@ -1,8 +1,10 @@
 """Outcomes of an analysis, and the limits at which it ends."""
 
+from functools import cache
 from typing import Annotated, Final
 
 import numpy as np
+from pydantic import Field
 
 from thermobearing.border.library import data_path, read_data
 from thermobearing.border.schema import Strict, in_unit
@@ -12,6 +14,7 @@ from thermobearing.core.plane import plain
 from thermobearing.core.types import (
     COMPLETED,
     EULER_UNSTABLE,
+    LEAD_MELTED,
     NOT_CONVERGED,
     NOT_FINITE,
     SOFTENED,
@@ -23,6 +26,7 @@ from thermobearing.core.types import (
 
 INTERRUPTED: Final = "interrupted"
 NOT_PHYSICAL: Final = "not_physical"
+MELTED: Final = "lead_melted"
 PIER_BEYOND_LIMIT: Final = "pier_beyond_limit"
 NAMES: Final = {
     COMPLETED: "completed",
@@ -31,6 +35,7 @@ NAMES: Final = {
     NOT_FINITE: "not_finite",
     EULER_UNSTABLE: "euler_unstable",
     TEMPERATURE_RUNAWAY: "temperature_runaway",
+    LEAD_MELTED: MELTED,
 }
 _TEXTS = read_toml(data_path("reports", "outcomes.toml"))
 SENTENCES: Final[dict[str, str]] = _TEXTS["analysis"]
@@ -39,30 +44,33 @@ SHARING_SENTENCES: Final[dict[str, str]] = _TEXTS["layer_forces"]
 
 
 class TemperatureLimits(Strict):
-    """Temperature limits of the data file [degC]."""
+    """Temperature limits of the data file [degC], and the share that is near one."""
 
     absolute_zero: Annotated[float, in_unit("degC")]
     rubber_decomposes: Annotated[float, in_unit("degC")]
     lead_melts: Annotated[float, in_unit("degC")]
+    lead_near_melting: Annotated[float, Field(gt=0, lt=1)]  # share of `lead_melts`
     steel_melts: Annotated[float, in_unit("degC")]
 
 
-def _temperature_limits() -> TemperatureLimits:
+@cache
+def temperature_limits() -> TemperatureLimits:
+    """Return the limits of materials."""
     return read_data(TemperatureLimits, "materials", "limits.toml")
 
 
 def limits_of_a_step() -> Limits:
     """Return the limits that every step checks."""
-    found = _temperature_limits()
+    limits = temperature_limits()
     return Limits(
-        coldest=found.absolute_zero, rubber=found.rubber_decomposes, lead=found.lead_melts
+        coldest=limits.absolute_zero, rubber=limits.rubber_decomposes, lead=limits.lead_melts
     )
 
 
 def possible_temperatures() -> tuple[float, float]:
     """Return the lowest and highest possible temperature of any cell [degC]."""
-    found = _temperature_limits()
-    return found.absolute_zero, found.steel_melts
+    limits = temperature_limits()
+    return limits.absolute_zero, limits.steel_melts
 
 
 def is_physical(constants: Constants, state: State, recoverable_before: float = 0.0) -> bool:

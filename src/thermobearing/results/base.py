@@ -60,7 +60,7 @@ class Result:
 
     @property
     def bearing_checks(self) -> "pd.DataFrame":
-        """Stress and critical load of the bearings in each run; empty without an axial force."""
+        """Checks of the bearings in each run: of their lead, and under an axial force."""
         return self._rows("bearing_checks")
 
     def _rows(self, name: str) -> "pd.DataFrame":

@@ -223,6 +223,7 @@ def _constants_shape(constants: Constants) -> Any:
         rubber.unloading_curvature < 0.0,
         constants.lead.cores > 0.0,
         constants.lead.softening == 0.0,
+        constants.lead.softening == constants.lead.softening_beyond,
         constants.lead.side_conductance == 0.0,
         constants.viscous.stiffness > 0.0,
     )

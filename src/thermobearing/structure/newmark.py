@@ -17,7 +17,7 @@ from thermobearing.core.lanes.choose import all_lanes, any_lane, select
 from thermobearing.core.lanes.memory import WIDTH, as_lanes
 from thermobearing.core.records import Floats
 from thermobearing.core.step import layer_temperature
-from thermobearing.core.types import COMPLETED, TEMPERATURE_RUNAWAY
+from thermobearing.core.types import COMPLETED, LEAD_MELTED, TEMPERATURE_RUNAWAY
 from thermobearing.core.vector import (
     Peak,
     Vector,
@@ -239,7 +239,7 @@ def newmark_march(
     kept = 0
     for k in range(len(ground) - 1):
         done = 0  # of the step, in units of its smallest part
-        too_hot = False
+        overheated = COMPLETED
         parts = 1 << scheme.halvings
         part = parts
         while done < parts:
@@ -259,12 +259,13 @@ def newmark_march(
                     leave(motion, failed)
                 done += part
                 continue
-            too_hot = too_hot | (outcome == TEMPERATURE_RUNAWAY)
+            hot = (outcome == TEMPERATURE_RUNAWAY) | (outcome == LEAD_MELTED)
+            overheated = select(hot, outcome, overheated)
             if part == 1:
                 outcome = select(broken == COMPLETED, outcome, broken)
-                return k, kept, select(too_hot, TEMPERATURE_RUNAWAY, outcome)
+                return k, kept, select(overheated == COMPLETED, outcome, overheated)
             if all_lanes(motion.books[0].iterations > MOST_ITERATIONS * (k + GRACE)):
-                return k, kept, select(too_hot, TEMPERATURE_RUNAWAY, NO_EQUILIBRIUM)
+                return k, kept, select(overheated == COMPLETED, NO_EQUILIBRIUM, overheated)
             part //= 2
             motion.books[0].substeps += 1.0
         _note_peaks(system, bearings, motion, ground[k + 1], peaks)

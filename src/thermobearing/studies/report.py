@@ -90,7 +90,11 @@ def _scope(result: StudyResult) -> str:
 def answer(result: StudyResult) -> list[str]:
     """Return sentences on runs, failures, demand at both ends of the temperature, and rates."""
     demand = result.demand_name
-    lost = f"; {counted(result.failed, 'run')} failed" if result.failed else ""
+    modes = [
+        f"{row['runs']} {row['outcome'].replace('_', ' ')}"
+        for row in count_failures(result.table).to_dict("records")
+    ]
+    lost = f"; {counted(result.failed, 'run')} failed ({', '.join(modes)})" if modes else ""
     planned = int(result.manifest.get("runs", result.runs))
     done = f"All {planned} runs are complete" if result.runs == planned else result.warnings[0]
     found = [f"{done}{lost}."]

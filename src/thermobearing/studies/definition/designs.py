@@ -54,7 +54,13 @@ WITHOUT_HEAT: dict[str | int, set[str] | None] = {
     "hysteresis": None,
     "scragging": None,
     "rate": None,
-    "lead": {"stiffness", "yield_stress", "softening", "reference_temperature"},
+    "lead": {
+        "stiffness",
+        "yield_stress",
+        "softening",
+        "softening_beyond_tests",
+        "reference_temperature",
+    },
 }
 
 

@@ -28,6 +28,7 @@ from thermobearing.border.lazy import pd
 from thermobearing.earthquake.dataset import label_analysis
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_task
+from thermobearing.model.outcomes import MELTED
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import COMPLETED
@@ -167,12 +168,17 @@ def _peak_memory() -> float | None:
 
 
 def count_failures(table: "pd.DataFrame") -> "pd.DataFrame":
-    """Return number, share, first run and sentence of each failure mode, by frequency."""
+    """Return number, share, first run and sentence of each failure mode.
+
+    Runs whose lead melted come first, then the others by frequency.
+    """
     failed = table[table["outcome"] != COMPLETED]
     groups = failed.groupby("outcome", sort=True, observed=True)
     found = groups.agg(runs=("run", "size"), first=("run", "min"), sentence=("sentence", "first"))
     found.insert(1, "share", found["runs"] / max(len(table), 1))
-    return found.sort_values("runs", ascending=False, kind="stable").reset_index()
+    found = found.sort_values("runs", ascending=False, kind="stable").reset_index()
+    found = found.sort_values("outcome", key=lambda names: names != MELTED, kind="stable")
+    return found.reset_index(drop=True)
 
 
 def failures_table(failures: "pd.DataFrame") -> Table:

@@ -182,7 +182,7 @@ class Preparer:
         multi_layer = case.analysis.exposure is None and case.analysis.model == "multi-layer"
         if multi_layer and isinstance(changed, Bearing) and not any(map(moves_heat, changes)):
             assert shared.stack is not None
-            constants = with_parameters(shared.constants, changed, shared.stack)
+            constants = with_parameters(shared.constants, changed, shared.stack, only_tests=False)
             return Device(changed, constants, shared.stack)
         return build_device(case, changed)
 
