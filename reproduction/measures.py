@@ -382,6 +382,13 @@ def rises_by_mode(runs: Runs, bearing: str, place: str) -> Floats:
     return np.asarray(_mine(runs, "modes_table", bearing)[f"{place}_rise_ratio"], dtype=float)
 
 
+def rise_differences(runs: Runs, bearing: str, place: str) -> Floats:
+    """Return a rise in real time less that in the pseudo-dynamic test [K]; see `rises_by_mode`."""
+    table = _mine(runs, "modes_table", bearing)
+    fast, slow = (table[f"{place}_rise_{mode}_K"].to_numpy(dtype=float) for mode in ("rt", "pd"))
+    return np.asarray(fast - slow)
+
+
 def speeds(runs: Runs, mode: str) -> Floats:
     """Return the largest speed of the specimen in each run of a mode [mm/s]."""
     result = both(runs)

@@ -313,3 +313,11 @@ def test_a_night_before_the_earthquake(tmp_path: Path, measured: Recorder) -> No
         )
         assert -25.0 < layers[0] < layers[-1] < -15.0
         assert strain[0] > strain[1]
+
+
+def test_colder_is_not_more_pier_displacement_on_every_bridge() -> None:
+    """The counterexample of docs/comparison_with_shen.md; on pier P1 it is more on every motion."""
+    bridge = tb.bridge("shen-lhdr-bridge", "jra-i-i-1", [23.0, -20.0], structure="five-span-bridge")
+    largest = bridge.piers.groupby("ambient_degC")["displacement_max_mm"].max()
+    assert largest[23.0] == pytest.approx(12.9, abs=0.05)
+    assert largest[-20.0] == pytest.approx(11.4, abs=0.05)
