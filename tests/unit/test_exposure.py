@@ -56,7 +56,9 @@ def test_factors_on_the_constants_of_the_step(name: str, way: str) -> None:
 def force(name: str, stiffness: float, strength: float) -> np.ndarray:
     """Of displacements there and back, everything at one temperature, without rate dependence."""
     bearing = tb.load_bearing(name)
-    lead = bearing.lead and bearing.lead.model_copy(update={"softening": 0.0})
+    lead = bearing.lead and bearing.lead.model_copy(
+        update={"softening": 0.0, "softening_beyond_tests": 0.0}
+    )
     bearing = bearing.model_copy(update={"rate": None, "lead": lead})
     options = ModelOptions(exposure=Exposure(stiffness=stiffness, strength=strength, source="x"))
     element = tb.BearingElement.from_constants(

@@ -114,8 +114,10 @@ def test_comparison_has_every_model_and_temperature(name: str) -> None:
 
 
 def test_a_model_that_ended_early_is_compared_as_far_as_it_got() -> None:
-    """Lead without losses melts in the last loading of Table 3.4."""
-    results = compare_models(make_case({}, "test", bearing=LHDR, ambient=[23.0]))
+    """Lead of constant strength without losses melts in the last loading of Table 3.4."""
+    results = compare_models(
+        make_case({}, "test", bearing=tb.changed_bearing(LHDR, law="constant-lead"), ambient=[23.0])
+    )
     table = comparison_table(results).set_index("model")
     assert list(table.index[table["outcome"] != "completed"]) == ["adiabatic"]
     assert np.isfinite(table.select_dtypes("number").to_numpy()).all()

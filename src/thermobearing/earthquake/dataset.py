@@ -145,12 +145,7 @@ def _collect_warnings(
             name = _name(tasks[k], bearing.name)
             reached = _reached(tasks[k], histories[k], lines)
             rows += compare_with_tests(name, reached, ranges)
-            if "lead_temperature" in reached:
-                hottest, melted = (
-                    np.max(reached["lead_temperature"]),
-                    histories[k].outcome == MELTED,
-                )
-                of_lead += lead_check_rows(name, bearing.name, float(hottest), melted=melted)
+            of_lead += _lead_rows(name, bearing.name, reached, histories[k])
         said += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
         compared += rows
         if not isinstance(bearing, BilinearBearing) and case.analysis.model not in BLIND:
@@ -184,6 +179,16 @@ def _collect_warnings(
     row_tables |= exposure_attribute(factors)
     attributes = {name: as_attribute(rows) for name, rows in row_tables.items() if rows}
     return {"warnings": as_attribute(found)} | attributes
+
+
+def _lead_rows(
+    run: str, bearing: str, reached: Mapping[str, float | Ends], history: StructureHistory
+) -> list[Row]:
+    """Return the checks of the lead of a bearing in a run; none without lead."""
+    if "lead_temperature" not in reached:
+        return []
+    hottest, melted = float(np.max(reached["lead_temperature"])), history.outcome == MELTED
+    return lead_check_rows(run, bearing, hottest, melted=melted)
 
 
 def _bearings(
