@@ -13,12 +13,18 @@ import pytest
 import thermobearing as tb
 from tests.unit.inputs import SPECIMEN, assert_refused, changed_table, specimen_table, write_toml
 from thermobearing.bearing.bilinear import load_bilinear
+from thermobearing.bearing.scaling import extract_compound
+from thermobearing.cyclic.report import build_pieces
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.earthquake.dataset import _reached
 from thermobearing.earthquake.run import Device
 from thermobearing.identify.uncertainty.posterior import forecast
+from thermobearing.model.constants import with_parameters
+from thermobearing.model.options import build_model
 from thermobearing.results.ranges import REST, compared, cycles_in_a_row, largest_speed
+
+LHDR = "shen-lhdr-specimen"
 
 
 def test_ranges_of_the_specimens() -> None:
@@ -283,3 +289,30 @@ def test_of_several_lines_the_one_that_goes_farthest_counts() -> None:
     assert found["strain"] == pytest.approx(3.0)
     assert found["strain_rate"] == pytest.approx(6.0 * np.pi, rel=0.01)
     assert (found["ambient"], found["lead_temperature"]) == ((20.0, 20.0), (19.0, 21.0))
+
+
+def test_lead_softens_beyond_the_warmest_of_its_tests() -> None:
+    """At the published rate by default, from T_0 on where the tests are not stated."""
+    specimen, natural = (build_model(tb.load_bearing(name)) for name in (LHDR, "lrb-example"))
+    lead = specimen.constants.lead
+    assert (lead.softening, lead.softening_beyond, lead.warmest_tested) == (0.0, 0.0069, 96.0)
+    assert natural.constants.lead.warmest_tested == 20.0
+    constant = tb.changed_bearing(LHDR, law="constant-lead")
+    assert build_model(constant).constants.lead.softening_beyond == 0.0
+    compound = extract_compound(constant)
+    assert compound.lead is not None
+    assert compound.lead.softening_beyond_tests == 0.0
+    changed = tb.changed_bearing(LHDR, lead={"softening": 0.002})
+    tests, others = (
+        with_parameters(specimen.constants, changed, specimen.stack, only_tests=only).lead
+        for only in (True, False)
+    )
+    assert (tests.softening, tests.softening_beyond) == (0.002, 0.002)  # of a calibration
+    assert (others.softening, others.softening_beyond) == (0.002, 0.0069)
+
+
+def test_reports_state_what_lead_does_beyond_its_tests() -> None:
+    test = tb.cyclic_test(strain=[0.5], cycles=1)
+    for law, rate in ((None, "0.0069"), ("constant-lead", "0/K")):
+        bearing = tb.changed_bearing(LHDR, law=law) if law else LHDR
+        assert any(rate in text for text in build_pieces(tb.run(bearing, test)).assumptions)

@@ -15,6 +15,7 @@ from thermobearing.border.library import data_path
 from thermobearing.border.toml import flat, read_toml, to_table
 from thermobearing.laws import built_in_laws
 from thermobearing.model import checks
+from thermobearing.model.constants import SOFTENING_LEAD
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.governing import place_of_largest
@@ -22,7 +23,7 @@ from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import BOOKS_CLOSE, RIG, input_table, limit_checks
 from thermobearing.report.pieces import EXCEEDED, NOT_ASSESSED, PASSED, Check
-from thermobearing.report.words import number, plain, printed_unit, quantity, tidy
+from thermobearing.report.words import joined, number, plain, printed_unit, quantity, tidy
 from thermobearing.results.base import Result
 
 Inputs = Mapping[str, Any]  # a table of a resolved case
@@ -138,6 +139,12 @@ def model_assumptions(
         clock = analysis.get("clock")
         timed = said["lead_clock"].format(clock=clock) if clock else ""
         found.append(said["lead"].format(ends=said["lead_ends"][ends], clock=timed))
+        if model not in BLIND:
+            usual = built_in_laws()[SOFTENING_LEAD].value
+            cores = [table["lead"] for table in layered if table.get("lead")]
+            stated = [core.get("softening_beyond_tests") for core in cores]
+            rates = sorted({quantity(usual if rate is None else rate) for rate in stated})
+            found.append(said["lead_beyond_tests"].format(rates=joined(rates)))
     virgin = any(table.get("scragging") for table in layered)
     aged = analysis.get("exposure") or any(table.get("exposure") for table in bearings)
     found.append(said["virgin"]["modelled" if virgin else "absent"])
