@@ -565,3 +565,12 @@ def test_a_guessed_place_that_the_bearing_does_not_have_is_not_used(tmp_path: Pa
     file.with_suffix(".toml").write_text('[thermocouples]\n"core [degC]" = "lead"\n')
     with pytest.raises(tb.InputError, match="no lead"):
         tb.validate_bearing(BEARING, file)
+
+
+@pytest.mark.parametrize("title", ["Kraft－１ [kN]", "kraft-1", "KRAFT‐1", "Ｋｒａｆｔ－１"])
+def test_a_column_is_chosen_by_title_in_any_width_and_hyphen(title: str, tmp_path: Path) -> None:
+    path = tmp_path / "test.csv"
+    path.write_text("time_s,Kraft－１ [kN],Kraft－２ [kN]\n0,1,4\n1,2,5\n", encoding="utf-8")
+    layout = columns.Layout(titles={"force": title})
+    table = columns.read_columns(path, {"time": "s", "force": "kN"}, layout=layout)
+    assert table["force"].tolist() == [1.0, 2.0]
