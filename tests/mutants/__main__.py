@@ -13,7 +13,15 @@ from collections import Counter
 
 from tests.mutants.kept import Mutant, kept_mutants
 from tests.mutants.random_ones import random_mutants
-from tests.mutants.sampler import CAUGHT, SURVIVED, Copy, Verdict, failing_anyway, verdicts
+from tests.mutants.sampler import (
+    CAUGHT,
+    SURVIVED,
+    TOO_LONG,
+    Copy,
+    Verdict,
+    failing_anyway,
+    verdicts,
+)
 
 ENOUGH = 0.9  # of the kept list
 
@@ -37,10 +45,11 @@ def _line(verdict: Verdict) -> str:
 
 def _report(found: list[Verdict], faults: list[str], used: float) -> None:
     """Survivors, counts of each room, processor time."""
-    survivors = [item for item in found if item.verdict == SURVIVED]
-    print("\nsurvived:" if survivors else "\nnone survived")
-    for item in sorted(survivors, key=lambda item: item.mutant.file):
-        print(f"  {item.mutant.file}: {item.mutant.means}")
+    for name in (SURVIVED, TOO_LONG):
+        items = [item for item in found if item.verdict == name]
+        print(f"\n{name}:" if items else f"\n{name}: none")
+        for item in sorted(items, key=lambda item: item.mutant.file):
+            print(f"  {item.mutant.file}: {item.mutant.means}")
     for fault in faults:
         print(f"  {fault}")
     whole = Counter(item.mutant.room for item in found)

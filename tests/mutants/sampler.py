@@ -7,27 +7,30 @@ unchanged kernels; the tree itself is never touched.
 import multiprocessing
 import os
 import queue
+import resource
 import shutil
+import signal
 import sys
-import time
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
-
-from platformdirs import user_cache_path
 
 from tests.mutants.kept import ROOT, Mutant, place
 
 SCRATCH = ROOT / "build" / "mutants"
 COMPILED = ".numba"  # in a copy: code of the kernels
 NOT_COPIED = {"build", "dist", "demo", "__pycache__"}
-LONGEST = 600.0  # [s]; a longer run is taken as endless, which counts as caught
+# What a run may use: processor time [s] of each of its processes, which does not depend on what
+# else the machine does, and for those that wait for ever a time on the clock.
+PROCESSOR_LIMIT = 300
+CLOCK_LIMIT = 10.0 * PROCESSOR_LIMIT
 BY_HAND = "tests/unit/test_kernels_by_hand.py"  # kernels as plain Python, before any compilation
 OPTIONS = ("-q", "-p", "no:cacheprovider", "--no-header", "--tb=line", "--hypothesis-seed=0")
 USED = "processor time [s]: "  # last line of a child
-CAUGHT, SURVIVED = "caught", "survived"
+CAUGHT, SURVIVED, TOO_LONG = "caught", "survived", "too long"
 NOTHING_RUN = 5  # status of pytest where every test was left out
+ENDED_BY_LIMIT = 124
 PASSED = (0, NOTHING_RUN)
 # Children are forked from a process that has the libraries in memory already, ours not.
 SERVER = multiprocessing.get_context("forkserver")
@@ -54,7 +57,11 @@ SERVER.set_forkserver_preload(
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether the tests noticed a mutant, the first that did, and how long it took [s]."""
+    """Whether the tests noticed a mutant, the first that did, and its processor time [s].
+
+    A run that reaches a limit is neither caught nor survived: an endless loop looks the same as
+    tests that are too slow.
+    """
 
     mutant: Mutant
     verdict: str
@@ -67,6 +74,7 @@ def _pytest_here(folder: Path, environment: dict[str, str], words: list[str], sa
     with said.open("wb") as file:
         os.dup2(file.fileno(), 1)
         os.dup2(file.fileno(), 2)
+    resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_LIMIT, PROCESSOR_LIMIT))
     os.chdir(folder)
     os.environ.update(environment)
     sys.path[:] = [environment["PYTHONPATH"], *(p for p in sys.path if p not in ("", str(ROOT)))]
@@ -106,11 +114,11 @@ class Copy:
             else:
                 shutil.copy2(path, self.folder)
         # Imported here, so that no child is forked with the package of the tree in memory.
-        from thermobearing.core.compiled.sources import kernels_digest
+        from thermobearing.core.compiled.sources import cache_directory
 
-        known = user_cache_path("thermobearing", appauthor=False) / kernels_digest()
-        if known.is_dir():
-            shutil.copytree(known, self.folder / COMPILED / known.name, dirs_exist_ok=True)
+        compiled = cache_directory()
+        if compiled:
+            shutil.copytree(compiled, self.folder / COMPILED / compiled.name, dirs_exist_ok=True)
         self.left_out: list[str] = []  # tests that fail anyway
         self.used = 0.0  # processor time of its tests [s]
         self.stamp = 1_000_000_000  # of changed files, never the same twice: see `_write`
@@ -125,7 +133,7 @@ class Copy:
         return beside | dict(os.environ) | given
 
     def pytest(self, tests: Iterable[str], *options: str, plain: bool) -> tuple[int, str]:
-        """Exit status and output of pytest; 124 if it ran out of time."""
+        """Exit status and output of pytest; ENDED_BY_LIMIT if it reached a limit."""
         left_out = [f"--deselect={test}" for test in self.left_out]
         words = [*OPTIONS, *options, *left_out, *tests]
         said = self.folder.with_suffix(".txt")
@@ -133,11 +141,14 @@ class Copy:
             target=_pytest_here, args=(self.folder, self._environment(plain), words, said)
         )
         child.start()
-        child.join(LONGEST)
+        child.join(CLOCK_LIMIT)
         if child.is_alive():
             child.kill()
             child.join()
-            return 124, ""
+            return ENDED_BY_LIMIT, ""
+        if child.exitcode in (-signal.SIGXCPU, -signal.SIGKILL):
+            self.used += PROCESSOR_LIMIT
+            return ENDED_BY_LIMIT, ""
         text = said.read_text(encoding="utf-8", errors="replace")
         self.used += float(text.rpartition(USED)[2] if USED in text else 0.0)
         return child.exitcode or 0, text.rpartition(USED)[0]
@@ -150,7 +161,7 @@ class Copy:
 
     def run(self, mutant: Mutant) -> Verdict:
         """Run the nearest tests with the mutant in place, until the first that fails."""
-        begin = time.perf_counter()
+        used_before = self.used
         path = place(self.folder, mutant.file)
         compiled = self._compiled()
         kept = self.folder.with_suffix(".original")
@@ -168,10 +179,10 @@ class Copy:
             shutil.copy2(kept, path)
             for name in self._compiled() - compiled:  # nobody needs those kernels again
                 shutil.rmtree(self.folder / COMPILED / name, ignore_errors=True)
-        verdict = SURVIVED if status in PASSED else CAUGHT
-        by = "no end" if status == 124 else (_failures(said) or ["an error before the tests"])[0]
-        by = by if verdict == CAUGHT else ""
-        return Verdict(mutant, verdict, by, time.perf_counter() - begin)
+        names = {0: SURVIVED, NOTHING_RUN: SURVIVED, ENDED_BY_LIMIT: TOO_LONG}
+        verdict = names.get(status, CAUGHT)
+        by = (_failures(said) or ["an error before the tests"])[0] if verdict == CAUGHT else ""
+        return Verdict(mutant, verdict, by, self.used - used_before)
 
     def _compiled(self) -> set[str]:
         folder = self.folder / COMPILED
