@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -212,8 +213,8 @@ class EarthquakeResult(DatasetResult):
     @property
     def _labels(self) -> list[str]:
         """Names of the labels of a run."""
-        own = [name for name in LABELS if self.dataset.coords.get(name) is not None]
-        own = [name for name in own if self.dataset[name].dims == ("run",)]
+        data = self.dataset
+        own = [name for name in LABELS if name in data.coords and data[name].dims == ("run",)]
         return [name for name in own if name != "mode" or any(self.modes)]
 
     @property
@@ -252,6 +253,11 @@ class EarthquakeResult(DatasetResult):
         the limits of the rig that the run exceeds, if a rig is named, `beyond_tested` the
         quantities in which it leaves the calibration range of its bearing.
         """
+        return self._table.copy()
+
+    @cached_property
+    def _table(self) -> "pd.DataFrame":
+        """The table of runs, which is made once: saving a result reads it a dozen times."""
         data = self.resultant.dataset
         frame = pd.DataFrame({RUN[name]: data[name].values for name in self._labels})
         frame["outcome"] = data["outcome"].values
@@ -389,6 +395,10 @@ class EarthquakeResult(DatasetResult):
         over its heat stored or lost where that is more). They are relative to at least 1e-6 kN mm,
         the thermal one to at least 1 kN mm, see `metrics.relative_residual`.
         """
+        return self._energy.copy()
+
+    @cached_property
+    def _energy(self) -> "pd.DataFrame":
         data = self.dataset
         known = [name for name in measures.STRUCTURE if f"energy_{name}" in data]
         frame = pd.DataFrame({f"{name}_kN_mm": data[f"energy_{name}"].values for name in known})
