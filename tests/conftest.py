@@ -55,7 +55,11 @@ def _save_without_layout(patch: pytest.MonkeyPatch, blank: bool) -> None:
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    places = {ConstrainedLayoutEngine: "execute"} | ({Figure: "draw"} if blank else {})
+    from thermobearing.results.drawing import Picture
+
+    places = {ConstrainedLayoutEngine: "execute"}
+    if blank:  # a Picture looks through all its texts, ticks included, before it is drawn
+        places |= dict.fromkeys((Figure, Picture), "draw")
     whole = [(place, name, getattr(place, name)) for place, name in places.items()]
     draw_without_rendering = Figure.draw_without_rendering
 
