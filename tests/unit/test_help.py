@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -42,15 +43,21 @@ def commands(group: Any, *words: str) -> Iterator[tuple[tuple[str, ...], Any]]:
 COMMANDS = dict(commands(typer.main.get_command(app)))
 
 
+@cache
+def help_of(words: tuple[str, ...]) -> str:
+    """Return what a command prints for --help, which it does once for all tests."""
+    done = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "400"})
+    assert done.exit_code == 0
+    return done.output
+
+
 def squeezed(text: str) -> str:
     return re.sub(r"[\s│]+", "", text)
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
 def test_help_shows_every_word_of_every_option(words: tuple[str, ...]) -> None:
-    done = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "400"})
-    assert done.exit_code == 0
-    shown = squeezed(done.output)
+    shown = squeezed(help_of(words))
     helps = [item.help for item in COMMANDS[words].params if getattr(item, "help", None)]
     assert helps
     for text in helps:
@@ -112,8 +119,7 @@ PURE = {
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
 def test_every_option_with_a_unit_shows_it(words: tuple[str, ...]) -> None:
-    done = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "400"})
-    for line in done.output.splitlines():
+    for line in help_of(words).splitlines():
         option = re.search(NUMBER, line)
         if option and option[1] not in PURE:
             assert re.search(r"\[(s|mm|kN|mm/s|degC|Hz|rad)\]", line), line
@@ -121,23 +127,22 @@ def test_every_option_with_a_unit_shows_it(words: tuple[str, ...]) -> None:
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
 def test_every_command_has_groups_and_an_example_that_parses(words: tuple[str, ...]) -> None:
-    done = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "400"})
-    given = COMMANDS[words]
+    output, given = help_of(words), COMMANDS[words]
     examples = [line.split() for line in given.epilog.split("\n\n")]
     assert examples
     for start, program, *example in examples:
         assert (start, program) == ("Example:", "thermobearing")
         assert tuple(example[: len(words)]) == words
         given.make_context(words[-1], example[len(words) :])  # an unknown option ends here
-        assert squeezed("thermobearing" + "".join(example)) in squeezed(done.output)
+        assert squeezed("thermobearing" + "".join(example)) in squeezed(output)
     panels = {getattr(item, "rich_help_panel", None) for item in given.params} - {None}
-    assert all(f"{panel}:" in done.output for panel in panels)
+    assert all(f"{panel}:" in output for panel in panels)
     if len(given.params) > 8:
         assert "Result" in panels
 
 
 def test_commands_stand_in_groups() -> None:
-    shown = CliRunner().invoke(app, ["--help"], env={"COLUMNS": "400"}).output
+    shown = help_of(())
     groups = ("Tests and earthquakes:", "From laboratory tests:", "Design:", "Library and files:")
     places = [shown.index(group) for group in groups]
     assert len(set(places)) == len(groups)
@@ -171,8 +176,7 @@ def test_bad_words_of_a_test(words: list[Any], message: str, tmp_path: Path) -> 
 
 
 def test_completion_is_offered() -> None:
-    done = CliRunner().invoke(app, ["--help"], env={"COLUMNS": "400"})
-    assert "--install-completion" in done.output
+    assert "--install-completion" in help_of(())
 
 
 def test_first_run_says_that_it_compiles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -188,8 +192,7 @@ def test_first_run_says_that_it_compiles(tmp_path: Path, monkeypatch: pytest.Mon
 
 def test_numbers_are_among_the_options() -> None:
     """The one above would say nothing if help named the types otherwise."""
-    done = CliRunner().invoke(app, ["hybrid", "--help"], env={"COLUMNS": "400"})
-    assert len(re.findall(NUMBER, done.output)) >= 5
+    assert len(re.findall(NUMBER, help_of(("hybrid",)))) >= 5
 
 
 TEST = "time_s,displacement_mm,force_kN\n" + "".join(
