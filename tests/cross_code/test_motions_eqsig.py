@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 from thermobearing.motions import measures
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.pair import MotionPair
@@ -18,7 +19,7 @@ eqsig = pytest.importorskip("eqsig", reason="eqsig is not installed")
 MOTIONS = ["jra-i-ii-1", "jra-ii-i-2", "jra-ii-iii-3"]
 
 
-@pytest.mark.parametrize("damping", [0.02, 0.05, 0.2])
+@pytest.mark.parametrize("damping", quick_cases([0.02, 0.05, 0.2], 1))
 @pytest.mark.parametrize("name", MOTIONS)
 def test_spectra_are_those_of_eqsig(name: str, damping: float, measured: Recorder) -> None:
     motion = load_motion(name)

@@ -16,6 +16,7 @@ import pytest
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.opensees import analyse, needs_opensees, ops
+from tests.quick import quick_cases
 from tests.shared_data import shared_data
 from tests.verification.test_plane import circle, moved, turned, wandering
 from thermobearing.core.types import Constants, Floats
@@ -132,7 +133,7 @@ def fine_forces(name: str) -> tuple[Floats, Floats, Floats]:
     return x, rows.books["force"], opensees_forces(x, lead_rubber_x)
 
 
-@pytest.mark.parametrize("name", ["circle", "eight", "line", "recorded pair"])
+@pytest.mark.parametrize("name", quick_cases(["circle", "eight", "line", "recorded pair"], 0, 3))
 def test_smooth_yielding_in_a_plane_against_lead_rubber_x(name: str, measured: Recorder) -> None:
     """On the circle from a quarter of a turn on: it begins with a corner of 90 degrees."""
     x, *forces = fine_forces(name)
@@ -146,7 +147,7 @@ def test_smooth_yielding_in_a_plane_against_lead_rubber_x(name: str, measured: R
     )
 
 
-@pytest.mark.parametrize("name", ["circle", "random walk"])
+@pytest.mark.parametrize("name", quick_cases(["circle", "random walk"], 0))
 def test_the_coupling_of_lead_rubber_x_depends_on_the_axes(name: str, measured: Recorder) -> None:
     """By about as much as both laws differ where the motion turns sharply; ours does not."""
     x, ours, theirs = fine_forces(name)

@@ -10,6 +10,7 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.opensees import needs_opensees, ops
+from tests.quick import quick_cases
 from tests.reference.opensees_pier import elastic_pier
 from tests.unit.inputs import command
 from tests.verification.structures import read_ground
@@ -75,7 +76,9 @@ def forces(structure: Structure, ground: Floats) -> Floats:
 
 
 @needs_opensees
-@pytest.mark.parametrize("name", ["pier-p1", "hybrid-pier", "five-span-girder", "five-span-bridge"])
+@pytest.mark.parametrize(
+    "name", quick_cases(["pier-p1", "hybrid-pier", "five-span-girder", "five-span-bridge"], 0, 1, 2)
+)
 def test_bilinear_bearings_in_a_motion(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, measured: Recorder
 ) -> None:

@@ -24,19 +24,31 @@ DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = [DOCS / "index.md", *sorted((DOCS / "guide").glob("[!i]*.md"))]
 EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
 SCREENS = 180  # lines of a how-to
-LONG = "report", "bearing_sizes", "cold_night", "parameter_studies", "own_law"  # a second or more
-MARKS = {
-    **{page: [pytest.mark.thorough] for page in LONG},
-    "opensees": [pytest.mark.thorough, needs_opensees],
-}
-PAGES = [pytest.param(path, id=path.stem, marks=MARKS.get(path.stem, ())) for path in GUIDE]
+QUICK = "index", "tutorial", "problems", "bridge_table"  # pages whose blocks `make test` runs
+QUICK_EXAMPLES = "plot_01_loops", "plot_05_bridge", "plot_16_structure"
+MARKS = {"opensees": [needs_opensees]}
+
+
+def pages(paths: list[Path], quick: tuple[str, ...]) -> list[Any]:
+    """Return files as cases, all but those of some names with the mark `thorough`."""
+    return [
+        pytest.param(
+            path,
+            id=path.stem,
+            marks=[
+                *MARKS.get(path.stem, []),
+                *([] if path.stem in quick else [pytest.mark.thorough]),
+            ],
+        )
+        for path in paths
+    ]
 
 
 def no_histories(*_: Any) -> None:
     """In place of the samples of studies, half the time of their commands; tested elsewhere."""
 
 
-@pytest.mark.parametrize("path", PAGES)
+@pytest.mark.parametrize("path", pages(GUIDE, QUICK))
 def test_every_block_of_a_page_runs(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -57,7 +69,7 @@ def test_a_how_to_is_short() -> None:
     assert max(lines.values()) <= SCREENS, lines
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", pages(EXAMPLES, QUICK_EXAMPLES))
 def test_an_example_draws(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     lines = path.read_text(encoding="utf-8").split("# %%")

@@ -21,9 +21,13 @@ SHOWN = 20
 READ_AGAIN = {"cyclic-steps": "case", "sequence": "sequence case", "design": "design case"}
 READ_AGAIN |= dict.fromkeys(["bridge-weather", "hybrid-slow"], "earthquake case")
 READ_AGAIN |= {"identify-robust": ""}
+LONG = ("identify-posterior",)  # the walk of a posterior, which tests of its own look at
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case",
+    [pytest.param(case, marks=pytest.mark.thorough if case in LONG else ()) for case in CASES],
+)
 def test_golden(case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(laws, "_KNOWN", {})  # without those of other tests
     found = differences(stored(case), case_results(case, tmp_path), case_tolerance(case))

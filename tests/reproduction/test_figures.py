@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from reproduction.figures import COLUMNS, DETERMINED, LOOP, figure_words, load_figures
 from reproduction.runs import LHDR, LHDR_BRIDGE, MOTIONS, Runs
+from tests.quick import quick_cases
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.results.drawing import WIDEST
 
@@ -50,7 +51,7 @@ def test_a_caption_says_what_is_run_and_drawn(number: str) -> None:
     assert ("Prediction" in caption) == (number in TESTS)
 
 
-@pytest.mark.parametrize("number", FAMILIES)
+@pytest.mark.parametrize("number", quick_cases(FAMILIES, 0, 3, 4))
 def test_a_figure_is_drawn(runs: Runs, number: str) -> None:
     figure: Figure = FIGURES[number].figure(runs)
     figure.savefig(io.BytesIO(), dpi=30)

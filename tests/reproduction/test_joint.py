@@ -47,6 +47,7 @@ def test_the_file_is_whole() -> None:
     assert numbers[0].values[0] == tb.load_bearing("shen-hdr-bridge").hysteresis.layer_stiffness
 
 
+@pytest.mark.thorough
 def test_a_tiny_search_of_the_bridge() -> None:
     table = search(tiny("bridge", motions=("1",), rocking=(1.0, 10.0)), "bridge")
     assert sorted(table["rocking"]) == [1.0, 10.0]

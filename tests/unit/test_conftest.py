@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import conftest
+from tests.quick import quick_cases
 from tests.skip_reasons import OTHER
 
 ROOT = Path(__file__).parents[2]
@@ -108,7 +109,7 @@ def test_unexpected_skips_fail(suite: Path, expected: list[str], amiss: str) -> 
     assert f"not as in expected_skips.txt: ['{amiss}']" in done.stdout
 
 
-@pytest.mark.parametrize("workers", [0, 2])
+@pytest.mark.parametrize("workers", quick_cases([0, 2], 0))
 def test_skips_are_counted_by_reason(tmp_path: Path, workers: int) -> None:
     """On a bare machine, those for other reasons fail the run."""
     (tmp_path / "conftest.py").write_text((ROOT / "tests" / "conftest.py").read_text())
@@ -127,3 +128,17 @@ def test_skips_are_counted_by_reason(tmp_path: Path, workers: int) -> None:
 
 def test_what_is_compiled_beforehand_runs() -> None:
     exec(conftest.COMPILE, {})
+
+
+def test_cases_that_are_not_kept_are_left_to_the_thorough_tests() -> None:
+    cases = quick_cases([1, (2, 3), pytest.param(4, id="four")], 1)
+    assert [case.values for case in cases] == [(1,), (2, 3), (4,)]
+    assert [[mark.name for mark in case.marks] for case in cases] == [
+        ["thorough"],
+        [],
+        ["thorough"],
+    ]
+    assert cases[2].id == "four"
+    for kept in ((), (3,)):
+        with pytest.raises(AssertionError):
+            quick_cases([1, 2, 3], *kept)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
+from tests.quick import quick_cases
 from tests.unit.test_figures import overlaps
 from tests.unit.test_study_result import HAZARD, ask, made_up
 from thermobearing.design.figures import DesignFigures
@@ -103,7 +104,9 @@ WIDTHS = ["single-column", pytest.param("double-column", marks=pytest.mark.thoro
 
 
 @pytest.mark.parametrize("width", WIDTHS)
-@pytest.mark.parametrize("kind", ["calibration", "check", "design", "study", "bounds"])
+@pytest.mark.parametrize(
+    "kind", quick_cases(["calibration", "check", "design", "study", "bounds"], 1, 4)
+)
 def test_figures_of_a_paper_have_no_overlaps(kind: str, width: str, fit: tb.Identification) -> None:
     known: dict[str, Callable[[], Any]] = {
         "calibration": lambda: fit.with_forecast(forecast(fit, [-30.0])).plot,

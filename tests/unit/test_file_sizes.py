@@ -11,6 +11,7 @@ from PIL import Image
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.quick import quick_cases
 from thermobearing.results.drawing import DPI, save_figure
 from thermobearing.results.writing import write_dataset
 
@@ -51,7 +52,7 @@ def test_history_has_the_digits_that_count(result: tb.Result, tmp_path: Path) ->
         assert_allclose(found, layers[:, :, layer].ravel(), rtol=tol.SEVEN_DIGITS)
 
 
-@pytest.mark.parametrize("name", ["loops", "layer_temperatures"])
+@pytest.mark.parametrize("name", quick_cases(["loops", "layer_temperatures"], 0))
 def test_figures_have_a_palette_and_look_the_same(
     name: str, result: tb.Result, tmp_path: Path
 ) -> None:

@@ -262,6 +262,7 @@ def test_what_tests_tell_nothing_of_is_held() -> None:
     assert found[parameters.K_R].free
 
 
+@pytest.mark.thorough
 def test_lrb_from_a_file_of_nobody() -> None:
     """The softening of lead is free before a fit without it ends at a bound (sigma_Y = 2 MPa)."""
     start = parameters.with_values(blind_start(LRB), {E2: 0.0})

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.quick import quick_cases
 from tests.unit.inputs import command
 from thermobearing.cyclic.result import history_columns
 from thermobearing.identify.records.figures import _time_axis
@@ -214,7 +215,12 @@ def test_one_bad_file_does_not_stop_the_others(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("warmer", "reported"),
-    [(0.3, ""), (0.5, "rises by 0.5 K"), (-1.0, "falls by 1.0 K"), (2.0, "rises by 2.0 K")],
+    quick_cases(
+        [(0.3, ""), (0.5, "rises by 0.5 K"), (-1.0, "falls by 1.0 K"), (2.0, "rises by 2.0 K")],
+        0,
+        1,
+        2,
+    ),
 )
 def test_a_chamber_that_warms_is_reported(tmp_path: Path, warmer: float, reported: str) -> None:
     """Thermocouples read to a tenth, noise of 0.1 K."""
@@ -277,7 +283,7 @@ def logged(path: Path, *, separator: str = ",", comma: bool = False) -> Path:
 
 
 @pytest.mark.parametrize("ending", [".csv", ".toml"])
-@pytest.mark.parametrize(("separator", "comma"), [(",", False), (";", True)])
+@pytest.mark.parametrize(("separator", "comma"), quick_cases([(",", False), (";", True)], 1))
 def test_sidecar_and_rests(tmp_path: Path, ending: str, separator: str, comma: bool) -> None:
     path = logged(tmp_path / "t.csv", separator=separator, comma=comma).with_suffix(ending)
     done = command("measure", path, "--bearing", BEARING, "--json")

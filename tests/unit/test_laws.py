@@ -423,6 +423,7 @@ def test_laws_in_a_hybrid_test(both: tb.Bearing) -> None:
     same_force(*runs, "bearing_force")
 
 
+@pytest.mark.thorough
 def test_a_law_of_hysteresis_in_processes_of_a_study(tmp_path: Path) -> None:
     path = tmp_path / "dahl.py"
     found = re.search(r"```python\n(# dahl\.py\n.*?)```", GUIDE.read_text(), re.DOTALL)

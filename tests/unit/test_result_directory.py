@@ -20,6 +20,7 @@ import thermobearing as tb
 import thermobearing.cyclic.history
 import thermobearing.results.directory
 from tests import tolerances as tol
+from tests.quick import quick_cases
 from tests.unit import inputs
 
 
@@ -312,11 +313,18 @@ SMALL = {
 
 @pytest.mark.parametrize(
     ("study", "options"),
-    [
-        (tb.bridge, {"bearing": ["shen-lhdr-bridge", "shen-bilinear-bridge"], "ambient": [0, 23]}),
-        (tb.bridge, {"bearing": "shen-hdr-bridge", "structure": SMALL}),  # a single period
-        (tb.hybrid, {"bearing": "shen-hdr-specimen"}),
-    ],
+    quick_cases(
+        [
+            (
+                tb.bridge,
+                {"bearing": ["shen-lhdr-bridge", "shen-bilinear-bridge"], "ambient": [0, 23]},
+            ),
+            (tb.bridge, {"bearing": "shen-hdr-bridge", "structure": SMALL}),  # a single period
+            (tb.hybrid, {"bearing": "shen-hdr-specimen"}),
+        ],
+        0,
+        1,
+    ),
     ids=["bridge", "one coordinate", "hybrid"],
 )
 def test_a_study_is_read_back(study: Any, options: dict[str, Any], tmp_path: Path) -> None:

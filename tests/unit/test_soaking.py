@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.quick import quick_cases
 from thermobearing.climate.hourly import HOUR
 from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import CyclicTest
@@ -31,7 +32,7 @@ def make_device(name: str, **analysis: object) -> run.Device:
     return run.build_device(case, case.bearings[0])
 
 
-@pytest.mark.parametrize("kind", list(OPTIONS))
+@pytest.mark.parametrize("kind", quick_cases(list(OPTIONS), 0, 2))
 def test_pass_is_the_rests_of_all_hours_in_a_row(kind: str) -> None:
     name, analysis = OPTIONS[kind]
     device = make_device(name, **analysis)

@@ -18,6 +18,7 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 from tests.unit.inputs import command, last_line
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.reported import residual_rows
@@ -125,7 +126,7 @@ def assert_same(one: StructureHistory, other: StructureHistory, line: int = 0) -
 
 @pytest.mark.parametrize(
     "laboratory",
-    [{}, {"mode": "pd"}, {"force_noise": "2 kN", "seed": 4}],
+    quick_cases([{}, {"mode": "pd"}, {"force_noise": "2 kN", "seed": 4}], 0, 2),
     ids=["real time", "slow", "noise"],
 )
 def test_a_served_bearing_gives_the_histories_of_the_calculated_one(

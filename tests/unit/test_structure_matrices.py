@@ -17,6 +17,7 @@ from scipy.linalg import eigh
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.quick import quick_cases
 from tests.unit.inputs import command, last_line, write_toml
 from tests.unit.test_lines_and_piers import make_bridge, two_piers
 from tests.verification.structures import (
@@ -575,7 +576,7 @@ def test_a_mass_on_the_ground_has_no_pier(tmp_path: Path) -> None:
         load_structure(path)
 
 
-@pytest.mark.parametrize("lines", [1, 2])
+@pytest.mark.parametrize("lines", quick_cases([1, 2], 1))
 def test_nothing_is_said_of_a_pier_on_the_ground(tmp_path: Path, lines: int) -> None:
     """Neither in columns of a history, nor in captions, notes and heads of a report and figures."""
     table = tomllib.loads(ON_THE_GROUND)

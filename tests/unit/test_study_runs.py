@@ -17,6 +17,7 @@ import thermobearing.studies.run.prepare as warmth
 import thermobearing.studies.run.shard as peaks
 import thermobearing.studies.store as stores
 from tests import tolerances as tol
+from tests.quick import quick_cases
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.climate.generator import generate_weather
@@ -426,7 +427,7 @@ def weathered(town: Path, kind: str = "all weather before") -> Study:
     return make_study(table | {"factors": factors}, "study.toml")
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", quick_cases(KINDS, 1, 3))
 def test_what_was_foreseen_is_what_a_run_finds_alone(kind: str, town: Path) -> None:
     study = weathered(town, kind)
     runs = plan(study)
@@ -441,7 +442,7 @@ def test_what_was_foreseen_is_what_a_run_finds_alone(kind: str, town: Path) -> N
         assert one.lead == other.lead == third.lead
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", quick_cases(KINDS, 0, 2))
 def test_weather_is_read_and_gone_through_once(
     kind: str, town: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

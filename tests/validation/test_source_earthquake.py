@@ -10,6 +10,7 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 from tests.shared_data import shared_data
 
 TYPE_II = {"II-I-1": "II-I-1_like_JMA_NS.csv", "II-I-2": "II-I-2_like_JMA_EW.csv"}
@@ -75,7 +76,7 @@ def check_trends(table: pd.DataFrame, bearing: str) -> list[str]:
     return [name for name, holds in checks.items() if not holds]
 
 
-@pytest.mark.parametrize("damping", ["modal", "source"])
+@pytest.mark.parametrize("damping", quick_cases(["modal", "source"], 0))
 @pytest.mark.parametrize(
     "motion",
     [
@@ -129,7 +130,7 @@ def test_trends_on_real_records(record: str, damping: Any, measured: Recorder) -
         assert not set(wrong) - ALLOWED[damping].get((record, bearing), set())
 
 
-@pytest.mark.parametrize("damping", ["modal", "source"])
+@pytest.mark.parametrize("damping", quick_cases(["modal", "source"], 0))
 @pytest.mark.parametrize("mass", ["consistent", "published"])
 def test_energy_and_ductility_compared_with_shen(
     mass: Any, damping: Any, measured: Recorder

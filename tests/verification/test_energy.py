@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 from tests.tolerances import CLOSED_CYCLE, ENERGY_BOOKS, HEAT_BALANCE, NEW_EXTREME, RECIPROCITY
 from tests.verification import models
 from thermobearing.core.types import Constants, Floats
@@ -233,7 +234,7 @@ AMBIENTS = [-20.0, 0.0, 23.0]
 
 
 @pytest.mark.parametrize("heat_source", ["work", "dissipation"])
-@pytest.mark.parametrize("name", [*NAMES[:3], pytest.param(NAMES[3], marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("name", quick_cases(NAMES, 0, 1))
 def test_books_close(name: str, heat_source: str, measured: Recorder) -> None:
     books = tb.run(name, ambient=AMBIENTS, heat_source=heat_source).energy
     mechanical = float(books["mechanical_residual"].abs().max())

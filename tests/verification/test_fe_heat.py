@@ -17,6 +17,7 @@ from scipy.special import j0, j1
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 from tests.verification import lead_cases
 from tests.verification.lead_cases import CONFINED, SEALED, SIDES, Case
 from thermobearing.bearing.model import Material
@@ -76,7 +77,7 @@ def errors(history: Any, result: tb.Result, time: float) -> dict[str, float]:
     return {name: value - history.means[name][row] for name, value in rises(result, time).items()}
 
 
-@pytest.mark.parametrize("name", ["HDR", "LHDR", "LHDR unconfined"])
+@pytest.mark.parametrize("name", quick_cases(["HDR", "LHDR", "LHDR unconfined"], 1))
 def test_one_dimension_against_two(name: str, measured: Recorder) -> None:
     bearing = variant(name)
     history = finite_elements(bearing)

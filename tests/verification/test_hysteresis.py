@@ -5,6 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
+from tests.quick import quick_cases
 from thermobearing.core.hysteresis import euler_increment, exact_increment
 from thermobearing.core.viscous import maxwell
 
@@ -29,7 +30,7 @@ def samples(seed: int) -> list[tuple[float, float]]:
     return [*zip(z, sign * size, strict=True), *edges]
 
 
-@pytest.mark.parametrize("s", SHAPES)
+@pytest.mark.parametrize("s", quick_cases(SHAPES, 1, 4, 7, 9))
 def test_one_increment_equals_a_thousand_small_ones(s: float) -> None:
     c = curvature(s)
     for z, increment in samples(1):
@@ -79,7 +80,7 @@ def z_after(path: np.ndarray, c: float, euler: bool) -> float:
     return z
 
 
-@pytest.mark.parametrize("s", [-0.864, 0.5, 1.0, 3.0])
+@pytest.mark.parametrize("s", quick_cases([-0.864, 0.5, 1.0, 3.0], 0, 2))
 def test_euler_tends_to_the_exact_increment_with_order_one(s: float) -> None:
     errors = []
     for steps in (4000, 8000, 16000):

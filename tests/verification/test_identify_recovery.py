@@ -11,6 +11,7 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.parameters import default_free, with_values
 from thermobearing.identify.fit.synthetic import blind_start, synthetic_record
@@ -94,6 +95,7 @@ def test_coverage_of_the_intervals(memory: float, measured: Recorder) -> None:
     assert tol.COVERAGE_LOW <= share <= 1.0  # 84 draws: the upper limit is left to the bench
 
 
+@pytest.mark.thorough
 def test_coverage_with_a_logger_that_runs_through_rests() -> None:
     """Jitter of 0.02 mm at 20 Hz; forty problems in the bench."""
     test = tb.cyclic_test(strain=[0.5, 1.5, 2.5], cycles=3, rest=60.0)
@@ -150,9 +152,10 @@ def test_what_the_tests_cannot_tell_is_said() -> None:
     assert "hysteresis.elastic_temperature_coefficient" not in held.uncertainty.estimates
 
 
-METHODS = ["krill-herd", pytest.param("differential-evolution", marks=pytest.mark.thorough)]
+METHODS = ["krill-herd", "differential-evolution"]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("method", METHODS)
 def test_other_methods_end_at_the_same_place(method: str) -> None:
     test = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=None)
@@ -246,7 +249,8 @@ def ar1_times(columns: np.ndarray, rho: float) -> np.ndarray:
 SHORT = {"strain": [0.5, 1.5, 2.5], "cycles": 3, "rest": 600.0}
 
 
-@pytest.mark.parametrize("yield_stress", [10.0, pytest.param(14.0, marks=pytest.mark.thorough)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("yield_stress", [10.0, 14.0])
 def test_yield_stress_of_lead_is_identified(yield_stress: float) -> None:
     """The file says 12 MPa; a fit that believed it would be off by a sixth elsewhere."""
     truth = with_values(LHDR, {"lead.yield_stress": yield_stress})
@@ -298,11 +302,14 @@ def intervals_with_a_file_that_is_off(bearing: tb.Bearing, seed: int) -> list[bo
 
 @pytest.mark.parametrize(
     ("slip", "words"),
-    [
-        ("ambients", "ambient temperatures of the tests swapped?"),
-        ("clock", "the clock of the tests"),
-        ("layers", "number or thickness of the rubber layers"),
-    ],
+    quick_cases(
+        [
+            ("ambients", "ambient temperatures of the tests swapped?"),
+            ("clock", "the clock of the tests"),
+            ("layers", "number or thickness of the rubber layers"),
+        ],
+        1,
+    ),
 )
 def test_slips_are_reported_with_their_likely_cause(slip: str, words: str) -> None:
     test = tb.cyclic_test(**SHORT)

@@ -13,6 +13,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 from tests.verification.models import assembled, changed, marched, smooth_history, specimen
 from tests.verification.softened import Trials
 from tests.verification.test_lockstep import assert_alike as lockstep_is_one_by_one
@@ -108,9 +109,10 @@ def test_nested_loops_close_each() -> None:
     assert_allclose(z[9], Law().to(21.0), rtol=0, atol=tol.EXACT_Z * D_Y)
 
 
-def test_an_increment_cut_in_three_is_the_same(measured: Recorder) -> None:
+@pytest.mark.parametrize("paths", quick_cases([60, 300], 0))
+def test_an_increment_cut_in_three_is_the_same(paths: int, measured: Recorder) -> None:
     worst = 0.0
-    for seed in range(300):
+    for seed in range(paths):
         rng = np.random.default_rng(seed)
         shape = SHAPES[seed % len(SHAPES)]
         path = random_path(rng)
@@ -141,7 +143,7 @@ def test_tangent_is_the_derivative(shape: float) -> None:
 
 
 @pytest.mark.parametrize("end", [-30.0, 30.0])
-@pytest.mark.parametrize("ratio", [0.94, 0.8])
+@pytest.mark.parametrize("ratio", quick_cases([0.94, 0.8], 0))
 def test_more_reversals_than_are_remembered_leave_no_jump(ratio: float, end: float) -> None:
     """The outermost point of a full memory moves, so that Z is continuous (else by 0.8 d_y)."""
     law = Law()
@@ -179,7 +181,7 @@ def shaken() -> Floats:
     return slow + 0.5 * np.sin(0.9 * np.arange(1500))
 
 
-@pytest.mark.parametrize("temperature", [-40.0, -20.0, 23.0])
+@pytest.mark.parametrize("temperature", quick_cases([-40.0, -20.0, 23.0], 0, 2))
 @pytest.mark.parametrize("half", [True, False])
 def test_layers_share_one_force_and_z_is_the_law(
     shaken: Floats, temperature: float, half: bool

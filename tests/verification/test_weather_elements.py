@@ -10,6 +10,7 @@ from numpy.testing import assert_array_equal
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 from thermobearing.bearing.ambient import Ambient
 from thermobearing.core.lead_ends import longest_rest_step
 from thermobearing.cyclic.history import build_segments, cut_rests, run_segments
@@ -58,7 +59,8 @@ def cooling(device: Device, hours: Any) -> Any:
 
 
 @pytest.mark.parametrize(
-    "name", ["shen-hdr-bridge", "shen-lhdr-bridge", "round 900 mm", "lrb-example"]
+    "name",
+    quick_cases(["shen-hdr-bridge", "shen-lhdr-bridge", "round 900 mm", "lrb-example"], 0, 1),
 )
 @pytest.mark.parametrize("behind", [0.0, 1000.0])
 def test_bearing_follows_the_air_as_finite_elements_do(
