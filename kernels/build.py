@@ -91,18 +91,18 @@ TARGETS = (
 
 def emit_all(faces: Sequence[Compiled], sources: str, targets: Sequence[Target]) -> list[Emitted]:
     """Return the objects of some faces for each target, made on all cores."""
+
+    def texts(target: Target) -> list[str]:
+        """Return the texts of a platform, those of shared functions once."""
+        wanted = [face for face in faces if face.for_pages or target.suffix != "wasm"]
+        shared = {part.symbol: part.text for face in wanted for part in face.shared}
+        return [*(face.text for face in wanted), *shared.values()]
+
     version_of_sources = f"""
 @{PREFIX}sources = constant [{len(sources) + 1} x i8] c"{sources}\\00"
 @_fltused = constant i32 0
 """
-    work = [
-        (target, text)
-        for target in targets
-        for text in (
-            version_of_sources,
-            *(face.text for face in faces if face.for_pages or target.suffix != "wasm"),
-        )
-    ]
+    work = [(target, text) for target in targets for text in (version_of_sources, *texts(target))]
     work.sort(key=lambda item: -len(item[1]))  # the longest first, so that all cores end together
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
         objects = pool.map(_emit, *zip(*work, strict=True))

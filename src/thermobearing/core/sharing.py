@@ -28,7 +28,7 @@ eigenvalue of its symmetric part.
 
 import math
 
-from thermobearing.core.compiled.kernel import compiled, compiled_apart
+from thermobearing.core.compiled.kernel import compiled, compiled_apart, compiled_once
 from thermobearing.core.hardening import force_and_tangent, hardening_strain, weight
 from thermobearing.core.hysteresis import NO_MOTION, advance, leaves_branch, start_slope
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
@@ -95,7 +95,7 @@ def _layer_law(
     return force, tangent, z, slope
 
 
-@compiled
+@compiled_once
 def evaluate(
     rubber: Rubber, old: State, work: LayerWork, mean: Vector, w: float, new: Rows[Layer]
 ) -> float:
@@ -172,7 +172,7 @@ def _mean_strain_in_plane(
 _by_mean_strain = choice(_mean_strain_on_line, _mean_strain_in_plane, at=3)
 
 
-@compiled
+@compiled_once
 def _common_force(
     rubber: Rubber,
     multiplicity: Floats,

@@ -12,7 +12,7 @@ search for x may call `move` as often as it needs between one `begin` and one `s
 
 import math
 
-from thermobearing.core.compiled.kernel import compiled, compiled_apart
+from thermobearing.core.compiled.kernel import compiled, compiled_apart, compiled_shared
 from thermobearing.core.hardening import hardening_strain, strain_factor
 from thermobearing.core.heat import eliminate, factor, substitute
 from thermobearing.core.hysteresis import remember
@@ -255,7 +255,7 @@ def heat_step(
     books.lead_temperature = new.branches[0].lead_temperature
 
 
-@compiled
+@compiled_shared
 def begin(constants: Constants, work: Workspace, state: State) -> None:
     """Stiffness of every layer for a step from `state`, into `work`."""
     rubber = constants.rubber
@@ -270,7 +270,7 @@ def has_failed(outcome: int) -> bool:
     return (outcome != COMPLETED) & (outcome != SOFTENED)
 
 
-@compiled
+@compiled_shared
 def move(
     constants: Constants, work: Workspace, state: State, x: Vector, dt: float, new: State
 ) -> tuple[Vector, Matrix, int]:
@@ -302,7 +302,7 @@ def move(
     return force, plus(tangent, slope), outcome
 
 
-@compiled
+@compiled_shared
 def settle(
     constants: Constants, work: Workspace, state: State, dt: float, ambient: float, new: State
 ) -> int:

@@ -3,8 +3,10 @@
  * package, which were compiled to WebAssembly. This module lays out their arguments and names
  * their results; it has no physics of its own. Units: mm, kN, s, degC.
  *
- * @typedef {{shape: number[], bytes?: Uint8Array, address?: number, run?: number, size?: number, kind?: string}} Room
- *     an array of a kernel: its content or, without one, zeros; `address` is where it is in a run
+ * @typedef {{shape: number[], bytes?: Uint8Array, address?: number, run?: number, size?: number, kind?: string,
+ *     of?: Room, row?: number}} Room
+ *     an array of a kernel: its content, a row of another array or, without either, zeros;
+ *     `address` is where it is in a run
  * @typedef {Record<string, any>} Tree  numbers and arrays by name, as records of the kernels
  */
 
@@ -113,6 +115,10 @@ class Kernels {
 
   /** Put an array into memory once a run. @param {any} kind @param {Room} array @returns {number} */
   place(kind, array) {
+    if (array.of) {
+      const size = array.shape.reduce((product, n) => product * n, this.itemSize(kind));
+      return this.place(kind, array.of) + (array.row ?? 0) * size;
+    }
     if (array.run !== this.run) {
       array.size = this.itemSize(kind);
       array.kind = kind.array;
@@ -219,6 +225,9 @@ function part(array, first, end = array.shape[0]) {
 
 /** An array in memory without its first entries. @param {any} array @param {number} count @returns {any} */
 const shifted = (array, count) => ({ ...array, address: array.address + count * array.size });
+
+/** One row of an array, not a copy. @param {Room} array @param {number} row @returns {Room} */
+const rowOf = (array, row) => ({ of: array, row, shape: array.shape.slice(1) });
 
 /** All rows from `first` on. @param {Tree} rows @param {number} first @returns {Tree} */
 function parts(rows, first) {
@@ -652,10 +661,14 @@ export class Engine {
     const n = pier.system.load.shape[0];
     const layers = constants.multiplicity.shape[0];
     const lines = pier.system.lines.shape[0];
+    const [work, states] = [newWorkspace(constants), this.newState(constants, ambient, lines)];
     const kind = {
-      constants, lines: wholes(Array.from({ length: lines }, (_, b) => b)), durations: room(lines),
-      work: newWorkspace(constants), elastic: room(lines, layers), hysteretic: room(lines, layers),
-      states: this.newState(constants, ambient, lines), trials: this.newState(constants, ambient, lines),
+      constants, lines: wholes(Array.from({ length: lines }, (_, b) => b)), durations: room(lines), states,
+      bearings: Array.from({ length: lines }, (_, b) => ({
+        work: { ...work, layers: { ...work.layers, elastic: room(layers), hysteretic: room(layers) } },
+        state: Object.fromEntries(Object.entries(states).map(([name, one]) => [name, rowOf(one, b)])),
+        trial: this.newState(constants, ambient),
+      })),
     };
     const rows = {
       books: room(count), q: room(count, n), v: room(count, n), a: room(count, n),

@@ -18,7 +18,6 @@ from thermobearing.core.step import begin, has_failed, layer_temperature, move, 
 from thermobearing.core.types import (
     COMPLETED,
     Constants,
-    LayerWork,
     State,
     Vectors,
     Workspace,
@@ -81,6 +80,14 @@ def solve_dense(matrix: Floats, vector: Floats) -> bool:
     return no(singular)
 
 
+class Bearing(NamedTuple):
+    """The records of the bearing of one line; views of the arrays of its kind."""
+
+    work: Workspace  # the stiffness of the layers lasts from the first trial of a step to its end
+    state: State
+    trial: State
+
+
 class Kind(NamedTuple):
     """The lines that have one bearing, where it is in each, and where a trial takes it.
 
@@ -90,48 +97,27 @@ class Kind(NamedTuple):
     constants: Constants
     lines: Ints  # [m] their numbers in the structure
     durations: Floats  # [m] of the trial, on the bearing's own clock [s]
-    work: Workspace
-    elastic: Floats  # [m, L] of LayerWork: it lasts from the first trial of a step to its end
-    hysteretic: Floats  # [m, L]
     states: Any  # State, [m]
-    trials: Any  # State, [m]
+    bearings: tuple[Bearing, ...]  # [m]
 
 
 Bearings: TypeAlias = tuple[Kind, ...]
 
 
-@compiled
-def line_state(states: Any, m: int) -> State:
-    """Return the displacements of the bearing of one line, not a copy."""
-    return State(
-        states.layers[m],
-        states.turns[m],
-        states.temperature[m],
-        states.branches[m],
-        states.ends[m],
-        states.books[m],
-    )
+def split(work: Workspace, elastic: Floats, hysteretic: Floats, states: Any, trials: Any) -> Any:
+    """Return the records of the bearing of each line from the arrays of all, [m].
 
-
-@compiled
-def _line_workspace(kind: Kind, m: int) -> Workspace:
-    """Scratch for one line: that of the kind, with the line's own stiffness."""
-    work, layers = kind.work, kind.work.layers
-    return Workspace(
-        work.factored_dt,
-        LayerWork(
-            kind.elastic[m],
-            kind.hysteretic[m],
-            layers.force,
-            layers.tangent,
-            layers.trial,
-            layers.direction,
-            layers.slope,
-            layers.flexibility,
-        ),
-        work.cells,
-        work.lead_ports,
-        work.lead_modes,
+    Scratch serves all of them, but each has stiffnesses of its own, of LayerWork [m, L].
+    """
+    return tuple(
+        Bearing(
+            work._replace(
+                layers=work.layers._replace(elastic=elastic[m], hysteretic=hysteretic[m])
+            ),
+            State(*[array[m] for array in states]),
+            State(*[array[m] for array in trials]),
+        )
+        for m in range(len(elastic))
     )
 
 
@@ -169,7 +155,8 @@ def build_bearings(
         elastic, hysteretic = np.zeros((2, len(numbers), len(one.multiplicity)))
         work = new_workspace(one, components)
         lines, durations = np.array(numbers), np.zeros(len(numbers))
-        found.append(Kind(one, lines, durations, work, elastic, hysteretic, start, trials))
+        bearings = split(work, elastic, hysteretic, start, trials)
+        found.append(Kind(one, lines, durations, start, bearings))
     return tuple(found)
 
 
@@ -234,7 +221,7 @@ def begin_bearings(bearings: Bearings) -> None:
     for k in range(len(bearings)):
         kind = bearings[k]
         for m in range(len(kind.lines)):
-            begin(kind.constants, _line_workspace(kind, m), line_state(kind.states, m))
+            begin(kind.constants, kind.bearings[m].work, kind.bearings[m].state)
 
 
 @compiled
@@ -248,10 +235,9 @@ def settle_bearings(system: System, bearings: Bearings, ambient: float) -> int:
     for k in range(len(bearings)):
         kind = bearings[k]
         for m in range(len(kind.lines)):
-            state, work = line_state(kind.states, m), _line_workspace(kind, m)
-            trial, dt = line_state(kind.trials, m), kind.durations[m]
+            bearing, dt = kind.bearings[m], kind.durations[m]
             air = ambient + system.lines[kind.lines[m]].warmer
-            ended = settle(kind.constants, work, state, dt, air, trial)
+            ended = settle(kind.constants, bearing.work, bearing.state, dt, air, bearing.trial)
             outcome = select(outcome == COMPLETED, ended, outcome)
             if all_lanes(outcome != COMPLETED):
                 return outcome
@@ -267,13 +253,14 @@ def _move_bearings(
     for k in range(len(bearings)):
         kind = bearings[k]
         for m in range(len(kind.lines)):
-            state, work = line_state(kind.states, m), _line_workspace(kind, m)
-            trial = line_state(kind.trials, m)
-            line, b = system.lines[kind.lines[m]], kind.lines[m]
+            bearing, b = kind.bearings[m], kind.lines[m]
+            line, state = system.lines[b], bearing.state
             x = plus(line.start, scaled(motion.stretches[b], line.length_factor))
             own_dt = _bearing_dt(line, dt, minus(x, state.books[0].displacement))
             kind.durations[m] = own_dt
-            force, slope, moved = move(kind.constants, work, state, x, own_dt, trial)
+            force, slope, moved = move(
+                kind.constants, bearing.work, state, x, own_dt, bearing.trial
+            )
             outcome = select((outcome == COMPLETED) & has_failed(moved), moved, outcome)
             if all_lanes(outcome != COMPLETED):
                 return outcome
@@ -354,10 +341,11 @@ def commit(system: System, bearings: Bearings, motion: Motion, dt: float) -> Non
     for k in range(len(bearings)):
         kind = bearings[k]
         for m in range(len(kind.lines)):
-            state, line = line_state(kind.states, m), system.lines[kind.lines[m]]
-            copy_state(line_state(kind.trials, m), state)
-            bearing = state.books[0]
-            felt = bearing.work_in - dot(line.at_rest, minus(bearing.displacement, line.start))
+            state, line = kind.bearings[m].state, system.lines[kind.lines[m]]
+            copy_state(kind.bearings[m].trial, state)
+            felt = state.books[0].work_in - dot(
+                line.at_rest, minus(state.books[0].displacement, line.start)
+            )
             books.bearings += line.force_factor / line.length_factor * felt
     books.clock += dt
 

@@ -15,10 +15,24 @@ from numpy.typing import NDArray
 
 from thermobearing.core.lanes.memory import WIDTH, aligned, each_lane, side_by_side, twin
 from thermobearing.core.records import Floats, Ints, Rows, rows
-from thermobearing.core.types import COMPLETED, Books, Constants, SharedCells
+from thermobearing.core.types import (
+    COMPLETED,
+    Books,
+    Constants,
+    SharedCells,
+    Workspace,
+    new_workspace,
+)
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.structure import types
-from thermobearing.structure.forces import Bearings, Kind, build_bearings, line_kinds, start_states
+from thermobearing.structure.forces import (
+    Bearings,
+    Kind,
+    build_bearings,
+    line_kinds,
+    split,
+    start_states,
+)
 from thermobearing.structure.newmark import lanes_march, peaks_march, plane_lanes_march, plane_march
 from thermobearing.structure.run import (
     BETA,
@@ -275,6 +289,14 @@ def with_shared_cells(constants: Constants) -> Constants:
     return constants._replace(cells=SharedCells(*constants.cells))
 
 
+def _scratch(kind: Kind) -> tuple[Workspace, Floats, Floats]:
+    """Return scratch for the lines of a kind, as `split` takes it."""
+    one = kind.constants
+    elastic, hysteretic = np.zeros((2, len(kind.lines), len(one.multiplicity)))
+    components = kind.states.books["displacement"].ndim - 1
+    return new_workspace(one, components), elastic, hysteretic
+
+
 class Company:
     """Runs of one shape in lockstep, WIDTH at a time; inputs that they share are stored."""
 
@@ -285,7 +307,7 @@ class Company:
             build_bearings(*start_arguments(run.prepared, run.lines)),
         )
         self.motion, self.peaks = new_motion(system), _empty_peaks(run, system)
-        work = tuple((b.durations, b.work, b.elastic, b.hysteretic) for b in self.bearings)
+        work = tuple((kind.durations, *_scratch(kind)) for kind in self.bearings)
         self.scratch = side_by_side([(work, self.motion, self.peaks)] * WIDTH)
         self.rows = side_by_side([_no_rows(system, self.bearings)] * WIDTH)
         self._systems: dict[Any, types.System] = {}
@@ -332,8 +354,9 @@ class Company:
             line = int(kind.lines[0])
             constants = self._once([run.lines[line].constants for run in runs], with_shared_cells)
             states = side_by_side([start[k] for start in starts])
-            own = (*work[k], states, twin(states))
-            found.append(Kind(constants, kind.lines, *own))
+            durations, scratch, elastic, hysteretic = work[k]
+            each = split(scratch, elastic, hysteretic, states, twin(states))
+            found.append(Kind(constants, kind.lines, durations, states, each))
         return tuple(found)
 
     def _system(self, run: Run) -> types.System:

@@ -10,8 +10,11 @@ Nothing imports this before numba is needed. Importing it teaches numba the kern
 """
 
 import contextlib
+import hashlib
+import re
 import shutil
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +22,18 @@ import llvmlite.binding as llvm
 import numba
 from numba import types
 from numba.core import caching as _caching
-from numba.core import cgutils
+from numba.core import cgutils, typed_passes, untyped_passes
 from numba.core import codegen as _codegen
+from numba.core.compiler import CompilerBase
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.compiler_machinery import PassManager
 from numba.core.imputils import lower_constant
 from numba.core.registry import CPUDispatcher, cpu_target
+from numba.core.sigutils import normalize_signature
 from numba.extending import models, register_model, typeof_impl
 
 from thermobearing.core.compiled.kernel import Kernel
+from thermobearing.core.compiled.native import PREFIX
 from thermobearing.core.compiled.sources import OPTIONS, cache_directory, kernels_digest
 from thermobearing.core.vector import Choice
 
@@ -98,8 +105,10 @@ class Part(codegen.JITCodeLibrary):
     def __init__(self, *settings: Any) -> None:
         super().__init__(*settings)
         self.texts: list[str] = []
-        self.is_rare = False  # whether it stays a function of its own
-        self._shared_module: Any = None
+        self.use = "inline"  # as of its kernel
+        self.symbol = ""  # of a function that has an object of its own
+        self.function = ""  # its name in the texts
+        self._whole_module: Any = None
 
     @property
     def codegen(self) -> Any:
@@ -124,82 +133,228 @@ class Part(codegen.JITCodeLibrary):
 
     def _get_module_for_linking(self) -> Any:
         """Return the part with all that it calls, for a function that numba compiles alone."""
-        if self._shared_module is None:
-            module = linked(self)
+        if self._whole_module is None:
+            module = _linked(_called(self, lambda _: False))
             for function in module.functions:
                 if not function.is_declaration:
                     function.linkage = "linkonce_odr"
-            self._shared_module = module
-        return self._shared_module
+            self._whole_module = module
+        return self._whole_module
+
+    @cached_property
+    def text(self) -> str:
+        """The module of a part that has an object of its own, in the language of LLVM."""
+        return text_of(link(self)[0], self.symbol, is_called=True)
 
 
-def linked(part: Part) -> Any:
-    """Return a module of LLVM with a part and all that it calls, each once."""
+def link(part: Part) -> tuple[Any, list[Part]]:
+    """Return a module of LLVM with a part and all that it calls, each once.
+
+    The parts that have objects of their own are returned beside it. All that are called, directly
+    or not, are among them; in the module they are only declared.
+    """
+    found: dict[Part, None] = {}
+
+    def is_outside(library: Any) -> bool:
+        if library is part or not getattr(library, "symbol", ""):
+            return False
+        found[library] = None
+        return True
+
+    module = _linked(_called(part, is_outside))
+    for outside in found:
+        with contextlib.suppress(NameError):  # a rare part need not be called
+            module.get_function(outside.function).name = outside.symbol
+    if part.symbol:
+        module.get_function(part.function).name = part.symbol
+    below = [one for outside in found for one in link(outside)[1]]
+    return module, list(dict.fromkeys([*found, *below]))
+
+
+def text_of(module: Any, symbol: str, *, is_called: bool) -> str:
+    """Return the text of a module with a function of some name, which may be called from outside.
+
+    The names that numba gives count what was compiled before, so functions get other names: the
+    same kernel has the same text in every process.
+    """
+    missing = [
+        one.name for one in module.functions if one.is_declaration and one.name.startswith("_Z")
+    ]
+    if missing:
+        raise RuntimeError(f"{symbol} calls what is not compiled: {', '.join(missing)}")
+    defined = [function for function in module.functions if not function.is_declaration]
+    for number, function in enumerate(defined):
+        function.linkage = "internal"
+        if function.name != symbol:
+            function.name = f"{symbol}_{number}"
+        elif is_called:
+            function.linkage, function.visibility = "external", "hidden"
+    for number, variable in enumerate(module.global_variables):
+        if not variable.is_declaration:
+            variable.name = f"{symbol}_variable_{number}"
+    text = re.sub(r" = common (local_unnamed_addr )?global", " = internal global", str(module))
+    lines = [line for line in text.splitlines() if not line.startswith(("target ", "source_file"))]
+    return "\n".join(lines) + "\n"
+
+
+def _linked(libraries: Iterator[Any]) -> Any:
     module = llvm.parse_assembly("")
-    for library in dict.fromkeys(_called(part)):
+    for library in libraries:
         if isinstance(library, Part):
             for text in library.texts:
                 part_module = llvm.parse_assembly(text)
-                if library.is_rare:
-                    _keep_apart(part_module)
+                if library.use in KEPT_APART:
+                    _keep_apart(part_module, KEPT_APART[library.use])
                 module.link_in(part_module)
         else:
             module.link_in(library._get_module_for_linking(), preserve=True)
     return module
 
 
-def _keep_apart(module: Any) -> None:
+KEPT_APART = {"once": ["noinline"], "rare": ["noinline", "cold"]}
+
+
+def _keep_apart(module: Any, attributes: list[str]) -> None:
     """Let the functions of a module be called, and not be written into what calls them."""
     for function in module.functions:
         if not function.is_declaration:
-            function.add_function_attribute("noinline")
-            function.add_function_attribute("cold")
+            for attribute in attributes:
+                function.add_function_attribute(attribute)
 
 
-def _called(library: Any) -> Iterator[Any]:
-    """Yield all libraries that one calls, those that are called by others first, and itself."""
-    waiting = [(library, False)]
+def _called(library: Any, is_outside: Callable[[Any], bool]) -> Iterator[Any]:
+    """Yield a library and all that it calls, each after one that calls it.
+
+    LLVM leaves out functions of numba's own libraries that nothing has called yet. Those that are
+    outside, and what only they call, are left out.
+    """
+    waiting = [library]
     entered = set()
     while waiting:
-        library, is_complete = waiting.pop()
-        if is_complete:
-            yield library
-        elif library not in entered:
+        library = waiting.pop()
+        if library not in entered and not is_outside(library):
             entered.add(library)
-            waiting.append((library, True))
+            yield library
             if isinstance(library, Part):
-                waiting += [(called, False) for called in reversed(library._linking_libraries)]
+                waiting += reversed(library._linking_libraries)
+
+
+PASSES = (
+    untyped_passes.TranslateByteCode,
+    untyped_passes.FixupArgs,
+    untyped_passes.IRProcessing,
+    untyped_passes.GenericRewrites,
+    untyped_passes.ReconstructSSA,
+    typed_passes.NopythonTypeInference,
+    typed_passes.PreLowerStripPhis,
+    typed_passes.NativeLowering,
+    typed_passes.NoPythonBackend,
+)
+
+
+class PartCompiler(CompilerBase):
+    """numba's compiler with the passes that kernels need.
+
+    They have no closures, no expressions of arrays, and no arguments that are None: the passes for
+    these take a quarter of the time, since most look at the whole function again.
+    """
+
+    def define_pipelines(self) -> list[PassManager]:
+        """Return the passes, as the base class asks."""
+        manager = PassManager("part")
+        for compiler_pass in PASSES:
+            manager.add_pass(compiler_pass, compiler_pass.__name__)
+        manager.finalize()
+        return [manager]
+
+
+class _Remembered:
+    """What numba asks again for every operation, remembered while it writes parts.
+
+    To find the type of `a + b`, numba tries all it knows of sums: of dates, texts, arrays. To find
+    the size of a double, it has LLVM read a module. Both took a third of the time.
+    """
+
+    def __init__(self) -> None:
+        self._typing, self._target = cpu_target.typing_context, cpu_target.target_context
+        self._resolve = self._typing.resolve_function_type
+        self._measure = self._target.get_abi_sizeof
+        self._signatures: dict[Any, Any] = {}
+        self._sizes: dict[Any, int] = {}
+        self._depth = 0
+
+    def __enter__(self) -> None:
+        self._depth += 1
+        if self._depth == 1:
+            self._usual = self._target.codegen()._library_class
+            self._target.codegen()._library_class = Part
+            self._typing.resolve_function_type = self._signature
+            self._target.get_abi_sizeof = self._size
+
+    def __exit__(self, *_: object) -> None:
+        self._depth -= 1
+        if not self._depth:
+            self._target.codegen()._library_class = self._usual
+            del self._typing.resolve_function_type
+            del self._target.get_abi_sizeof
+
+    def _signature(self, function: Any, arguments: Any, named: Any) -> Any:
+        if named or not isinstance(function, types.Function):
+            return self._resolve(function, arguments, named)
+        key = function, tuple(arguments)
+        if key not in self._signatures:
+            self._signatures[key] = self._resolve(function, arguments, named)
+        return self._signatures[key]
+
+    def _size(self, kind: Any) -> int:
+        if kind not in self._sizes:
+            self._sizes[kind] = self._measure(kind)
+        return self._sizes[kind]
 
 
 class _PartDispatcher(CPUDispatcher):
     """A kernel as a part of the functions that call it."""
 
-    is_rare = False
+    kernel: Kernel | None = None
 
     def compile(self, signature: Any) -> Any:
-        """Write the function for arguments of some types."""
-        with global_compiler_lock:
-            target = cpu_target.target_context.codegen()
-            usual = target._library_class
-            target._library_class = Part
-            try:
-                address = super().compile(signature)
-            finally:
-                target._library_class = usual
-            for overload in self.overloads.values():
-                overload.library.is_rare = self.is_rare
-            return address
+        """Write the function for arguments of some types; numba's own also measures the time."""
+        kinds = tuple(normalize_signature(signature)[0])
+        with global_compiler_lock, _remembered:
+            if kinds not in self.overloads:
+                self.add_overload(self._compiler.compile(kinds, None))
+                self._describe(self.overloads[kinds], kinds)
+        return self.overloads[kinds].entry_point
+
+    def _describe(self, overload: Any, kinds: tuple[Any, ...]) -> None:
+        """Tell the part how it goes into what calls it."""
+        part = overload.library
+        part.function = overload.fndesc.llvm_func_name
+        if self.kernel is not None:
+            part.use = self.kernel.use
+            if part.use == "shared":
+                words = hashlib.sha256(str(kinds).encode()).hexdigest()[:8]
+                name = self.kernel.name.replace(".", "_")
+                part.symbol = f"{PREFIX}{name}_{words}"
 
 
-def new_part(function: Callable[..., Any], *, is_rare: bool = False) -> Any:
-    """Return a kernel as a part of what calls it; a rare one stays a function of its own."""
+def new_part(kernel: Kernel) -> Any:
+    """Return a kernel as a part of what calls it."""
+    dispatcher = part_of(kernel.py_func, inline=kernel.use == "inline")
+    dispatcher.kernel = kernel
+    return dispatcher
+
+
+def part_of(function: Callable[..., Any], *, inline: bool = True) -> Any:
+    """Return a function as a part of what calls it."""
     wrappers = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     options = {**OPTIONS, **wrappers, "nopython": True, "boundscheck": None}
-    dispatcher = _PartDispatcher(
-        py_func=function, locals={}, targetoptions={**options, "forceinline": not is_rare}
+    return _PartDispatcher(
+        py_func=function,
+        locals={},
+        targetoptions={**options, "forceinline": inline},
+        pipeline_class=PartCompiler,
     )
-    dispatcher.is_rare = is_rare
-    return dispatcher
 
 
 def new_dispatcher(function: Callable[..., Any]) -> Any:
@@ -260,3 +415,4 @@ def _lower_choice(context: Any, *_: Any) -> Any:
 from thermobearing.core.lanes import arithmetic, choices, functions, views  # noqa: E402
 
 TAUGHT = (arithmetic, choices, functions, views)
+_remembered = _Remembered()

@@ -26,9 +26,9 @@ class MissingKernelsError(RuntimeError):
 class Kernel:
     """A function that is run as machine code; the plain Python is `py_func`."""
 
-    def __init__(self, function: Callable[..., Any], *, is_rare: bool = False) -> None:
+    def __init__(self, function: Callable[..., Any], use: str = "inline") -> None:
         self.py_func = function
-        self.is_rare = is_rare
+        self.use = use  # in other kernels: "inline", "once", "rare" or "shared"
         self.run: Callable[..., Any] = self._first_call
         update_wrapper(self, function)
 
@@ -42,7 +42,7 @@ class Kernel:
         """The function as numba compiles it into other kernels."""
         from thermobearing.core.compiled.jit import new_part
 
-        return new_part(self.py_func, is_rare=self.is_rare)
+        return new_part(self)
 
     @cached_property
     def dispatcher(self) -> Any:
@@ -157,4 +157,21 @@ def compiled_apart(function: F) -> F:
     It is called and not written into the kernels that call it. What every step runs stays small
     then, and fits the instruction cache of a processor (32 kB).
     """
-    return cast(F, Kernel(function, is_rare=True))
+    return cast(F, Kernel(function, "rare"))
+
+
+def compiled_once(function: F) -> F:
+    """Mark a function as a kernel that is called from several places, and not written into them.
+
+    As with `compiled_apart`, what every step runs stays small; but here every step runs it.
+    """
+    return cast(F, Kernel(function, "once"))
+
+
+def compiled_shared(function: F) -> F:
+    """Mark a function as a kernel whose machine code is made once, for all kernels that call it.
+
+    These are long functions that take little but records, such as the parts of a step: a call costs
+    a hundredth of their time, and to write them into each caller took most of that of LLVM.
+    """
+    return cast(F, Kernel(function, "shared"))

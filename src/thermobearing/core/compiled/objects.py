@@ -66,8 +66,9 @@ def emit(text: str, processor: Processor, addresses: dict[str, Any]) -> bytes:
         f'target datalayout = "{machine.target_data}"\ntarget triple = "{processor.triple}"\n{text}'
     )
     options = llvm.create_pipeline_tuning_options(speed_level=LEVEL)
-    options.loop_vectorization = True
-    options.slp_vectorization = False  # as in numba; pairs of floats are slower than single ones
+    # Loops are over ten layers, forty cells, or a few lines. Unrolled and in vectors they are no
+    # faster, and twice as much code; lanes are vectors already.
+    options.loop_vectorization = options.slp_vectorization = options.loop_unrolling = False
     passes = llvm.create_pass_builder(machine, options)
     passes.getModulePassManager().run(module, passes)
     content: bytes = machine.emit_object(module)
@@ -90,12 +91,14 @@ class Faces:
         for face in self.faces:
             if face.prepare(*given):
                 return face.call
+        import numba
+
         try:
-            compiled = _compile_or_wait(self.kernel, given)
+            kept = compile_once(self.kernel, tuple(numba.typeof(argument) for argument in given))
         except UnsuitableError:  # no table can hold them: numba compiles the kernel alone
             dispatcher: Callable[..., Any] = self.kernel.dispatcher
             return dispatcher
-        self.faces.append(_load(self.kernel, self.call, *compiled))
+        self.faces.append(_load(self.kernel, self.call, *kept))
         return self.faces[-1].call
 
 
@@ -114,7 +117,14 @@ def folder_of_objects() -> Path | None:
     return folder / f"{this_processor().name}-{words}"
 
 
-def _read_kept(kernel: Kernel) -> Iterator[tuple[bytes, dict[str, Any]]]:
+class Kept(NamedTuple):
+    """A piece of machine code, and what is written about it."""
+
+    contents: list[bytes]  # its object, then those that it needs
+    description: dict[str, Any]
+
+
+def _read_kept(kernel: Kernel) -> Iterator[Kept]:
     """Yield the objects and descriptions of a kernel that are kept and not damaged."""
     folder = folder_of_objects()
     for file in sorted(folder.glob(f"{kernel.name}-*.json")) if folder else ():
@@ -123,32 +133,42 @@ def _read_kept(kernel: Kernel) -> Iterator[tuple[bytes, dict[str, Any]]]:
             yield kept
 
 
-def _read_one(file: Path) -> tuple[bytes, dict[str, Any]] | None:
-    """Return an object and its description; None if they are absent or damaged."""
+def _read_one(file: Path) -> Kept | None:
+    """Return an object and its description; None if they are absent or damaged.
+
+    The objects that it needs follow its own.
+    """
     try:
         description = json.loads(file.read_text(encoding="utf-8"))
         content = file.with_suffix(".o").read_bytes()
         complete = hashlib.sha256(content).hexdigest() == description["sha256"]
+        shared = [_read_one(file.with_name(f"{name}.json")) for name in description["shared"]]
     except (OSError, ValueError, KeyError, TypeError):  # a power cut leaves anything
         return None
-    return (content, description) if complete else None
+    contents = [content, *(one.contents[0] for one in shared if one is not None)]
+    return Kept(contents, description) if complete and None not in shared else None
 
 
-def _compile_or_wait(kernel: Kernel, given: tuple[Any, ...]) -> tuple[bytes, dict[str, Any]]:
-    """Return the object of a kernel for some arguments, and its description."""
-    import numba
+def compile_once(kernel: Kernel, kinds: tuple[Any, ...]) -> Kept:
+    """Return the object of a kernel for arguments of some numba types, and its description.
 
-    kinds = tuple(numba.typeof(argument) for argument in given)
+    It is compiled where it is not kept yet and no other process is compiling it.
+    """
+    words = hashlib.sha256(str(kinds).encode()).hexdigest()[:16]
+    return _made_once(f"{kernel.name}-{words}", lambda: _compile(kernel, kinds))
+
+
+def _made_once(name: str, make: Callable[[], Kept]) -> Kept:
+    """Return an object that is kept under a name, after it is made if it is not there."""
     folder = folder_of_objects()
     if folder is None:
-        return _compile(kernel, kinds)
-    words = hashlib.sha256(str(kinds).encode()).hexdigest()[:16]
-    file = folder / f"{kernel.name}-{words}.json"
+        return make()
+    file = folder / f"{name}.json"
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     with _locked(file.with_suffix(".lock")):
         kept = _read_one(file)
         if kept is None:
-            kept = _compile(kernel, kinds)
+            kept = make()
             with contextlib.suppress(OSError):  # a full disk must not end the run
                 _keep(file, *kept)
     return kept
@@ -171,26 +191,37 @@ def _locked(file: Path) -> Iterator[None]:
         lock.release()
 
 
-def _keep(file: Path, content: bytes, description: dict[str, Any]) -> None:
+def _keep(file: Path, contents: list[bytes], description: dict[str, Any]) -> None:
     """Write an object, and then its description, each complete or not at all."""
     described = json.dumps(description).encode()
-    for path, data in ((file.with_suffix(".o"), content), (file, described)):
+    for path, data in ((file.with_suffix(".o"), contents[0]), (file, described)):
         part = path.with_name(f"{path.name}.{os.getpid()}")
         part.write_bytes(data)
         os.replace(part, path)
 
 
-def _compile(kernel: Kernel, kinds: tuple[Any, ...]) -> tuple[bytes, dict[str, Any]]:
+def _compile(kernel: Kernel, kinds: tuple[Any, ...]) -> Kept:
     """Compile the face of a kernel for arguments of some numba types."""
     from thermobearing.core.compiled.faces import Description, compile_face
 
     compiled = compile_face(kernel, kinds)
     description = Description()
     description.add(kernel, kinds, compiled)
+    shared = [
+        _made_once(part.symbol, lambda part=part: _emit(part.text, {}))  # type: ignore[misc]
+        for part in compiled.shared
+    ]
+    own = _emit(compiled.text, description.all(sources_digest()))
+    contents = [*own.contents, *(one.contents[0] for one in shared)]
+    names = [part.symbol for part in compiled.shared]
+    return Kept(contents, {**own.description, "shared": names})
+
+
+def _emit(text: str, described: dict[str, Any]) -> Kept:
     _initialize()
-    content = emit(compiled.text, this_processor(), IN_PROCESS)
+    content = emit(text, this_processor(), IN_PROCESS)
     digest = hashlib.sha256(content).hexdigest()
-    return content, {**description.all(sources_digest()), "sha256": digest}
+    return Kept([content], {**described, "sha256": digest, "shared": []})
 
 
 @cache
@@ -201,16 +232,17 @@ def _initialize() -> None:
 
 
 def _load(
-    kernel: Kernel, other: Callable[..., Any], content: bytes, description: dict[str, Any]
+    kernel: Kernel, other: Callable[..., Any], contents: list[bytes], description: dict[str, Any]
 ) -> Face:
-    """Return the face of an object; `other` runs the kernel with arguments that do not fit it.
+    """Return the face of some objects; `other` runs the kernel with arguments that do not fit it.
 
     Objects of one kernel export the same name, so each has an engine of its own.
     """
     _initialize()
     machine = llvm.Target.from_triple(this_processor().triple).create_target_machine(**IN_PROCESS)
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
-    engine.add_object_file(llvm.ObjectFileRef.from_data(content))
+    for content in contents:
+        engine.add_object_file(llvm.ObjectFileRef.from_data(content))
     engine.finalize_object()
     address = engine.get_function_address(description["entries"][kernel.name]["symbol"])
     function: Any = ctypes.CFUNCTYPE(None)(address)

@@ -40,7 +40,7 @@ OPTIONS: Any = {
 }
 
 # The files of this folder that decide what machine code is made of the sources.
-COMPILERS = ("faces.py", "jit.py", "objects.py")
+COMPILERS = ("faces.py", "jit.py", "objects.py", "tables.py")
 
 ROOM = 25_000_000  # for the machine code of all kernels, and some more [bytes]
 
