@@ -22,30 +22,25 @@ sys.dont_write_bytecode = False
 # The commands with all their options are made once, and not for each call in a test.
 testing._get_command = cache(testing._get_command)
 
-COMPILE = """
-import thermobearing as tb
-tb.run("shen-lhdr-specimen", tb.cyclic_test(strain=[0.5], cycles=1, dt=0.05))
-tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", -20.0, duration=0.1)
-tb.hybrid("shen-lhdr-specimen", ambient=-20.0, duration=0.1, laboratory={"mode": "pd"})
-tb.response_spectrum(tb.load_motion("jra-ii-i-1"), [1.0])
-"""
-
 pytest_plugins = ["tests.fixtures.kernels", "tests.fixtures.study"]
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_setupnodes(config: pytest.Config) -> None:
-    """Compile before the workers start, who would all do the same at the same time.
+    """Compile on all cores before the workers start, who would wait for each other.
 
     They find the machine code in its folder, where a stamp says that all is compiled. In a separate
     process, so that code that does not compile fails the tests that need it, and not all.
     """
+    from thermobearing.core.compiled.native import open_library
     from thermobearing.core.compiled.sources import cache_directory
 
+    if open_library()[0] is not None:
+        return
     folder = cache_directory()
     stamp = folder / "all-for-tests" if folder else None
     if not (config.option.collectonly or (stamp and stamp.exists())):
-        command = [sys.executable, "-c", COMPILE]
+        command = [sys.executable, "-m", "kernels", "cache"]
         done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, check=False)
         if stamp and done.returncode == 0:
             stamp.touch()

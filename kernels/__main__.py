@@ -1,7 +1,8 @@
 """`python -m kernels`: build libraries of the kernels.
 
 For this machine and for web pages by default, for all platforms with the word `all`, or for those
-that are named.
+that are named. `python -m kernels cache` needs no linker: it compiles them for this machine, into
+the folder where the first call of a kernel would keep it.
 """
 
 import os
@@ -10,6 +11,11 @@ import sys
 
 def main(names: list[str]) -> None:
     """Compile the faces of all kernels that Python calls, and link them for each platform."""
+    if names == ["cache"]:
+        from kernels.cache import compile_all as compile_for_this_machine
+
+        compile_for_this_machine()
+        return
     from kernels.build import TARGETS, build, build_material
     from kernels.entries import compile_all
     from thermobearing.core.compiled.native import FOLDER, library_name
