@@ -16,7 +16,7 @@ from thermobearing.model.outcomes import (
     NOT_PHYSICAL,
     is_physical,
 )
-from thermobearing.structure.forces import Bearings, build_bearings, keep_motion
+from thermobearing.structure.forces import Bearing, Bearings, build_bearings, keep_motion
 from thermobearing.structure.matrices import (
     Matrices,
     Modes,
@@ -345,11 +345,12 @@ class _Measured:
 
     def begin(self) -> None:
         """Measure the force at rest, with which the structure is in balance."""
-        self._move(self._books("states"), 0.0, 0.0)
+        self._move(self._bearing().state.books[0], 0.0, 0.0)
 
     def take(self) -> None:
         """Replace the force of the modelled bearing in the trial by that of the specimen."""
-        trial, state = self._books("trials"), self._books("states")
+        bearing = self._bearing()
+        trial, state = bearing.trial.books[0], bearing.state.books[0]
         step = trial.clock - state.clock
         self._move(trial, (trial.displacement - state.displacement) / step, trial.clock)
         line = self.system.lines[self.specimen.line]
@@ -373,11 +374,10 @@ class _Measured:
         self.force.append(force)
         self.displacement.append(float(books.displacement))
 
-    def _books(self, which: str) -> Any:
+    def _bearing(self) -> Bearing:
         for kind in self.bearings:
             if self.specimen.line in kind.lines:
-                place = list(kind.lines).index(self.specimen.line)
-                return getattr(kind, which).books[place, 0]
+                return kind.bearings[list(kind.lines).index(self.specimen.line)]
         raise IndexError(self.specimen.line)
 
 

@@ -150,8 +150,8 @@ class Part(codegen.JITCodeLibrary):
 def link(part: Part) -> tuple[Any, list[Part]]:
     """Return a module of LLVM with a part and all that it calls, each once.
 
-    The parts that have objects of their own are returned as well. All that are called, directly
-    or not, are among them; in the module they are only declared.
+    The parts that have objects of their own are returned too, with those that they call; the
+    module only declares them.
     """
     found: dict[Part, None] = {}
 
@@ -327,7 +327,7 @@ class _PartDispatcher(CPUDispatcher):
         return self.overloads[kinds].entry_point
 
     def _describe(self, overload: Any, kinds: tuple[Any, ...]) -> None:
-        """Record how the part goes into what calls it."""
+        """Set how the part goes into what calls it."""
         part = overload.library
         part.function = overload.fndesc.llvm_func_name
         if self.kernel is not None:
