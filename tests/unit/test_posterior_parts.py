@@ -17,11 +17,14 @@ from thermobearing.identify.uncertainty import covariance, posterior
 
 
 def fit_with(problem: Any, cube: np.ndarray, **uncertainty: Any) -> Any:
-    covariance = np.diag([0.01**2, 0.02**2])
-    assumed = SimpleNamespace(shifts=np.array([[0.3], [0.0]]), spread=np.array([[0.25]]))
+    (group,) = (g for g in covariance.chosen_groups(None) if g.name == "b")
+    assumed = SimpleNamespace(
+        shifts=np.array([[0.03], [0.0]]), spread=np.array([[0.25]]),
+        widening=np.array([1.5]), groups=(group,),
+    )  # fmt: skip
     about = {
-        "covariance": covariance, "samples": 200, "effective_samples": 50.0,
-        "assumed": assumed, "inside": np.array([True, True]),
+        "of_tests": np.diag([0.01**2, 0.02**2]), "widening": 1.2, "assumed": assumed,
+        "samples": 200, "effective_samples": 50.0,
     } | uncertainty  # fmt: skip
     return SimpleNamespace(
         problem=problem, cube=cube, uncertainty=SimpleNamespace(**about), bearing="best",
@@ -57,7 +60,8 @@ def test_posterior_is_tempered_by_what_the_samples_are_worth(
     residual = np.full(200, 0.1)
     problem = SimpleNamespace(parts=lambda u, *, fine: [residual * (1.0 + u[0])])
     found = fit_with(problem, np.array([0.0, 0.5]))
-    assert posterior._posterior_samples(found).source == "emcee"
+    drawn = posterior._posterior_samples(found)
+    assert (drawn.source, drawn.held.shape) == ("emcee", (5, 1))
     _log_probability = asked[0]
     variance = 200 * 0.01 / 198  # of the residuals at the best place
     for place in (0.0, 0.5):
@@ -73,17 +77,26 @@ def test_band_is_that_of_95_percent_of_the_draws(monkeypatch: pytest.MonkeyPatch
         def __init__(self, *_: Any, ambient: float, **__: Any) -> None:
             asked.append(ambient)
 
+        def rebuilt(self, _: Any) -> "Model":
+            return self
+
         def run(self, bearing: Any) -> Prediction:
             size = 1.0 if bearing == "best" else bearing
             return Prediction(size * np.array([10.0, -20.0]), {})
 
     monkeypatch.setattr(posterior, "ForwardModel", Model)
-    cube = np.column_stack([np.linspace(0.5, 1.5, 101), np.zeros(101)])
-    draws = posterior.Samples(cube, "laplace")
-    band = posterior._predictive_band(fit_with(None, cube[0]), draws, -30.0, count=400, seed=3)
-    sizes = cube[np.random.default_rng(3).choice(101, size=400), 0]
+    monkeypatch.setattr(posterior, "drawn_bearing", lambda _, cube, held: float(cube[0] + held[0]))
+    monkeypatch.setattr(
+        posterior, "largest_measures", lambda _, force: {"force": float(np.abs(force).max())}
+    )
+    cube = np.column_stack([np.linspace(0.5, 1.5, 401), np.zeros(401)])
+    held = np.full((401, 1), 0.25)
+    draws = posterior.Samples(cube, "laplace", held)
+    fit = fit_with(None, np.array([0.75, 0.5]))
+    band = posterior._predictive_band(fit, draws, -30.0, count=300, seed=3)
+    sizes = 0.25 + cube[np.random.default_rng(3).choice(401, size=300, replace=False), 0]
     low, high = np.quantile(sizes, [0.025, 0.975])
-    assert asked == [-30.0]
+    assert asked == [-30.0, -30.0]
     assert_allclose(band.lower, [10.0 * low, -20.0 * high], rtol=tol.LOOP)
     assert_allclose(band.upper, [10.0 * high, -20.0 * low], rtol=tol.LOOP)
     peaks = (band.peak, band.peak_lower, band.peak_upper)
@@ -91,6 +104,34 @@ def test_band_is_that_of_95_percent_of_the_draws(monkeypatch: pytest.MonkeyPatch
     (reported,) = posterior.Forecast(draws, (band,)).summary()["peak_force"]
     assert [reported[f"{name}_kN"] for name in ("best", "lower", "upper")] == list(peaks)
     assert reported["ambient_degC"] == -30.0
+
+
+def test_shares_of_a_linear_prediction_by_hand() -> None:
+    """y = 10 u_0 + 4 z, and z moves u_0 by 0.03: errors 0.12 by the tests, 0.5 * 1.5 * 4.3 by z."""
+    fit = fit_with(None, np.array([0.5, 0.5]))
+    found = posterior._sources(
+        fit, lambda cube, held: {"y": float(10.0 * cube[0] + 4.0 * held[0])}, {"y": 5.0}
+    )
+    shares, held = found["y"]
+    of_tests, of_group = (10.0 * 1.2 * 0.01) ** 2, 0.25 * (1.5 * 4.3) ** 2
+    assert shares["tests"] == pytest.approx(of_tests / (of_tests + of_group))
+    assert shares["b"] == held == pytest.approx(of_group / (of_tests + of_group))
+
+
+def test_draws_are_widened_as_the_intervals_are() -> None:
+    """Variances of draws: those by the tests and by the group, each with its own factor."""
+    cube, held = posterior._draw(fit_with(None, np.array([0.5, 0.5])), 20000, seed=1)
+    assert held.std() == pytest.approx(0.5 * 1.5, rel=0.02)
+    wanted = [np.hypot(1.2 * 0.01, 0.03 * 0.5 * 1.5), 1.2 * 0.02]
+    assert cube.std(axis=0) == pytest.approx(wanted, rel=0.03)
+    assert np.corrcoef(cube[:, 0], held[:, 0])[0, 1] > 0.85
+
+
+def test_draws_at_a_bound_are_on_one_side() -> None:
+    cube, _ = posterior._draw(fit_with(None, np.array([0.5, 0.0])), 400, seed=1)
+    assert len(cube) == 400
+    assert (cube[:, 1] > 0.0).all()
+    assert np.median(cube[:, 1]) == pytest.approx(0.674 * 1.2 * 0.02, rel=0.1)  # half normal
 
 
 def test_no_cause_is_named_for_no_misfit() -> None:

@@ -52,6 +52,7 @@ def run_as_quofem(folder: Path, work: Path, values: dict[str, float]) -> Floats:
     shutil.copytree(folder, work)
     table = json.loads((work / "bayesian.json").read_text())
     names = [variable["name"] for variable in table["randomVariables"]]
+    values = dict.fromkeys((name for name in names if name.startswith("z_")), 0.0) | values
     assert set(names) == set(values)
     model = table["Applications"]["FEM"]["ApplicationData"]
     template = []
@@ -92,6 +93,29 @@ def test_residuals_are_those_of_identify(
     np.testing.assert_allclose(results, np.concatenate(expected), atol=1e-10)
 
 
+def test_what_is_held_moves_the_responses(
+    found: tb.Identification, folder: Path, tmp_path: Path
+) -> None:
+    """The chamber 1.5 of its uncertainties (0.5 K) warmer, and more thickness by one of 2 %."""
+    from thermobearing.identify.quofem import write_responses
+
+    measured = numbers((folder / "measured.csv").read_text())
+    work = shutil.copytree(folder, tmp_path / "work")
+    moved = {"z_ambient_temperature_of_23_degC": 1.5, "z_thickness_of_the_rubber": 1.0}
+    write_responses(VALUES | moved, work)
+    places = [
+        p.place({"K_r": 28.0, "s": -0.8, "m_T": -1.2}[p.kind.symbol]) for p in found.pset.free
+    ]
+    bearing = found.pset.bearing(np.array(places))
+    thick = bearing.geometry.rubber_thickness * np.exp(0.02)
+    geometry = bearing.geometry.model_copy(update={"rubber_thickness": thick})
+    records = [replace(r, ambient=r.ambient + 0.75 * (r.ambient == 23.0)) for r in found.records]
+    parts = found.problem.split_parts(bearing.model_copy(update={"geometry": geometry}), records)
+    assert parts is not None
+    results = numbers((work / "results.out").read_text())
+    np.testing.assert_allclose(results - measured, np.concatenate(parts), atol=1e-9)
+
+
 @pytest.mark.parametrize("engine", ["bayesian", "deterministic"])
 def test_inputs_have_what_quofem_reads(engine: str, found: tb.Identification, folder: Path) -> None:
     table = json.loads((folder / f"{engine}.json").read_text())
@@ -118,7 +142,14 @@ def test_inputs_have_what_quofem_reads(engine: str, found: tb.Identification, fo
     assert {one["type"] for one in table["EDP"]} == {"field"}
     length = len(numbers((folder / "measured.csv").read_text()))
     assert sum(one["length"] for one in table["EDP"]) == length
-    for one, parameter in zip(table["randomVariables"], found.pset.free, strict=True):
+    free = [one for one in table["randomVariables"] if not one["name"].startswith("z_")]
+    held = table["randomVariables"][len(free) :]
+    for one, group in zip(held, found.uncertainty.assumed.groups, strict=engine == "bayesian"):
+        assert one["name"].isidentifier()
+        assert (one["distribution"], one["mean"]) == ("Normal", 0.0)
+        assert one["stdDev"] == group.widening >= 1.0
+    assert bool(held) is (engine == "bayesian")
+    for one, parameter in zip(free, found.pset.free, strict=True):
         assert one["value"] == f"RV.{one['name']}"
         assert one["name"].isidentifier()
         back = {"ln_": np.exp, "ln1p_": np.expm1}.get(re.sub(r"_.*", "_", one["name"]), float)

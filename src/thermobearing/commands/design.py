@@ -153,7 +153,7 @@ def _lambda(
     cycles: Annotated[
         str, option(help="Cycles to average: 3, 1-3, 2-11, all-but-first, or a list such as 2,3,4.")
     ] = "1-3",
-    samples: Annotated[int, option(help="Number of samples taken from the posterior.")] = 200,
+    samples: Annotated[int, option(help="Number of samples taken from the posterior.")] = 400,
 ) -> Answer:
     """Compute temperature factors of K_eq, Q_d, K_d, h_eq and energy, and their bounds."""
     from thermobearing.bearing.library import load_bearing

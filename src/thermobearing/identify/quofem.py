@@ -2,7 +2,8 @@
 
 quoFEM writes the parameters of a run into `params.py`, calls `model.py`, and reads `results.out`.
 Responses are weighted, so that their differences from the data are the residuals of `identify`, and
-parameters are on the scale of the search, on which the prior is uniform. The keys of the inputs
+parameters are on the scale of the search, on which the prior is uniform. What is held at an assumed
+value has a normal prior in its standard uncertainties in the Bayesian input. The keys of the inputs
 are those of quoFEM 3.5 and 4 (its examples qfem-0018 and qfem-0034).
 """
 
@@ -21,9 +22,10 @@ from thermobearing.border.library import data_path
 from thermobearing.border.schema import validated
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit.parameters import BACKWARD, Parameter, parameter_set
-from thermobearing.identify.fit.problem import Problem
+from thermobearing.identify.fit.problem import LOST, Problem
 from thermobearing.identify.records.record import WEIGHTS, TestRecord
 from thermobearing.identify.result import Identification
+from thermobearing.identify.uncertainty.covariance import Group, moved_parts
 from thermobearing.laws import load, loaded_files
 from thermobearing.results.directory import write_directory
 
@@ -31,8 +33,17 @@ DRIVER, PARAMETERS, MEASURED = "model.py", "params.py", "measured.csv"
 PROBLEM, README = "calibration.json", "README.md"
 RESULTS = "results.out"  # which quoFEM reads
 BEFORE = {"linear": "", "log": "ln_", "log1p": "ln1p_"}  # a symbol, by the scale of the parameter
+HELD = "z_"  # before a group that is held at an assumed value
 SAMPLES = "time", "displacement", "force", "block"
-KEPT = ("name", *SAMPLES, "ambient", "temperatures", "places", *WEIGHTS)  # of a test
+KEPT = (
+    "name",
+    *SAMPLES,
+    "ambient",
+    "ambient_uncertainty",
+    "temperatures",
+    "places",
+    *WEIGHTS,
+)  # of a test
 INPUTS = "deterministic.json", "bayesian.json"  # of Dakota, of UCSD-UQ
 MODEL = '''"""Run the tests with the parameters of quoFEM, and write the responses."""
 
@@ -70,9 +81,10 @@ def write_quofem(found: Identification, folder: str | Path) -> Path:
             shutil.copy(file, target)
         starts = {_name(one): _searched(one, one.value) for one in found.pset.free}
         data = found.problem.data()
+        held = dict.fromkeys(map(_held_name, _groups(found)), 0.0)
         texts = {
             DRIVER: MODEL,
-            PARAMETERS: "".join(f"{name} = {value!r}\n" for name, value in starts.items()),
+            PARAMETERS: "".join(f"{k} = {value!r}\n" for k, value in (starts | held).items()),
             MEASURED: _row(data, ","),
             PROBLEM: json.dumps(_problem_table(found), default=np.ndarray.tolist),
             README: _readme(found),
@@ -98,8 +110,15 @@ def write_responses(params: Mapping[str, Any], folder: str | Path = ".") -> None
         load(place / file)
     problem = _problem(table)
     scales = [(one, BACKWARD[one.kind.scale]) for one in problem.pset.free]
-    cube = [one.place(back(float(params[_name(one)]))) for one, back in scales]
-    parts = zip(problem.data(), problem.parts(np.array(cube), fine=True), strict=True)
+    cube = np.array([one.place(back(float(params[_name(one)]))) for one, back in scales])
+    groups = [Group(**group) for group in table["assumed"]]
+    changes = [(group, float(params.get(_held_name(group), 0.0))) for group in groups]
+    residuals: list[Floats] | None = problem.parts(cube, fine=True)
+    if any(sigmas != 0.0 for _, sigmas in changes):
+        residuals = moved_parts(problem, problem.pset.bearing(cube), changes)
+    if residuals is None:
+        residuals = [np.full(len(data), LOST) for data in problem.data()]
+    parts = zip(problem.data(), residuals, strict=True)
     (place / RESULTS).write_text(_row([data + residual for data, residual in parts], " "))
 
 
@@ -110,6 +129,16 @@ def _row(parts: list[Floats], between: str) -> str:
 def _name(parameter: Parameter) -> str:
     """Return the name of a parameter in quoFEM, which is one of Python."""
     return BEFORE[parameter.kind.scale] + re.sub(r"\W", "_", parameter.kind.symbol)
+
+
+def _groups(found: Identification) -> tuple[Group, ...]:
+    """Return the groups of numbers that a calibration assumes."""
+    return found.uncertainty.assumed.groups
+
+
+def _held_name(group: Group) -> str:
+    """Return the name of the change of an assumed group in quoFEM."""
+    return HELD + re.sub(r"\W+", "_", group.name.replace("-", "minus_"))
 
 
 def _searched(parameter: Parameter, value: float) -> float:
@@ -132,6 +161,7 @@ def _problem_table(found: Identification) -> dict[str, Any]:
         "bounds": free,
         "temperatures": found.problem.temperatures,
         "laws": [Path(file).name for file in loaded_files()],
+        "assumed": [group.model_dump() for group in _groups(found)],
         "tests": tests,
     }
 
@@ -164,6 +194,11 @@ def _input(
             kind |= {"initialpoint": start, "initialPoint": start}
         ends = {"lowerbound": low, "upperbound": high, "inputType": "Parameters", "refCount": 1}
         variables.append({"name": symbol, "value": f"RV.{symbol}", **kind, **ends})
+    for group in _groups(found) if name != INPUTS[0] else ():
+        symbol = _held_name(group)
+        normal = {"distribution": "Normal", "mean": 0.0, "stdDev": group.widening}
+        about = {"variableClass": "Uncertain", "inputType": "Parameters", "refCount": 1}
+        variables.append({"name": symbol, "value": f"RV.{symbol}", **normal, **about})
     responses = [
         {"name": f"test_{number}", "type": "field", "length": length}
         for number, length in enumerate(lengths, 1)

@@ -229,9 +229,11 @@ class Identification(Result):
         return {name: table for name, table in found.items() if table.rows}
 
     def notes(self) -> list[str]:
-        """Return columns of the tests that are not used, and warnings of the forecast."""
-        ahead = self.forecast.warnings if self.forecast else ()
-        return [*unused_columns(self.records), *(f"warning: {text}" for text in ahead)]
+        """Return columns of the tests that are not used, and what the forecast says."""
+        notes = unused_columns(self.records)
+        if self.forecast is None:
+            return notes
+        return [*notes, *self.forecast.notes, *(f"warning: {t}" for t in self.forecast.warnings)]
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json: parameters, measures of each record, warnings."""
@@ -290,10 +292,7 @@ class Identification(Result):
 
     def _write(self, folder: Path) -> None:
         if self.forecast is not None:
-            tied = [p for p in self.pset.parameters if p.tie is not None]
-            symbols = {p.kind.key: p.kind.symbol for p in (*self.pset.free, *tied)}
-            rows = [self.pset.values(place) for place in self.forecast.samples.cube]
-            samples = pd.DataFrame(rows)[list(symbols)].rename(columns=symbols)
+            samples = pd.DataFrame(self.forecast.columns)
             samples.to_csv(folder / SAMPLES, index=False, float_format="%.6g", lineterminator="\n")
         table = _bearing_table(self)
         (folder / IDENTIFIED).write_text(tomli_w.dumps(table), encoding="utf-8")

@@ -7,6 +7,7 @@ and the force between two steps is interpolated along the displacement. No step 
 the noise of the displacement: jitter is not motion.
 """
 
+from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -138,7 +139,7 @@ class ForwardModel:
         ambient: float | None = None,
         options: ModelOptions | None = None,
     ) -> None:
-        self.record = record
+        self.record, self._options = record, options
         model = build_model(bearing, options, backbone=bilinear_parameters)
         self._stack, self._constants = model.stack, model.constants
         self._grid = grid = _grid(record, fine)
@@ -150,6 +151,13 @@ class ForwardModel:
         self._groups = ("rubber",) if record.places else ()
         self._layers = self._thermocouples(bearing)
         self.ended = ""  # outcome of the last run
+
+    def rebuilt(self, bearing: Bearing) -> "ForwardModel":
+        """Return the model of a bearing of other sizes or materials, with the same steps."""
+        other = copy(self)
+        model = build_model(bearing, self._options, backbone=bilinear_parameters)
+        other._stack, other._constants = model.stack, model.constants
+        return other
 
     def _thermocouples(self, bearing: Bearing) -> dict[str, int | None]:
         """Return the modelled layer of each thermocouple, from the outside; None in lead."""

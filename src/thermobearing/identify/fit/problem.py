@@ -27,6 +27,7 @@ KELVIN = 5.0  # an error of a temperature of this size counts as ...
 KELVIN_AS = 0.05  # ... an error of the force of this part of the largest
 ROBUST_SCALE = 0.02  # of the largest force: beyond it a robust loss bends
 STEP = 1e-3  # of the unit cube, for finite differences: the law is not smooth below ~1e-5
+UNIFORM = 12.0  # inverse of the variance of a uniform distribution between 0 and 1
 AT_BOUND = 2e-3  # of the range: nearer to a bound than this is at it
 BLOCK_TURN = 0.05  # of the largest displacement: half cycles larger than this are blocks
 
@@ -191,11 +192,13 @@ def half_cycles(record: TestRecord) -> Ints:
 class Linear:
     """Residuals and their derivatives at the optimum, with the weights of the loss."""
 
-    inside: NDArray[np.bool_]  # of the free parameters, those that are not at a bound
     parts: list[Floats]  # weighted residuals of each record
     weights: Floats  # square root of the weight that the loss leaves to each residual
-    jacobian: Floats  # [residual, parameter inside] by the place in the unit cube
+    jacobian: Floats  # [residual, parameter] by the place in the unit cube
     blocks: Ints  # number of the block of each residual, over all records
+    # Inverse of the prior variance of each parameter: that of a uniform distribution between the
+    # bounds where it ended at one or the tests do not see it, else zero.
+    prior: Floats | None = None
 
     @cached_property
     def residuals(self) -> Floats:
@@ -209,12 +212,24 @@ class Linear:
         r = self.residuals
         return float(r @ r / max(n - p, 1))
 
+    @property
+    def _ridge(self) -> Floats:
+        """Information of the prior, in the unit of J^T J."""
+        if self.prior is None:
+            return np.zeros(self.jacobian.shape[1])
+        return self.prior * self.variance
+
     @cached_property
     def _scaled(self) -> tuple[Floats, Floats, Floats]:
-        """Lengths of the columns of J, J in columns of length one, and (J^T J)^-1 of these."""
-        scale = np.maximum(np.linalg.norm(self.jacobian, axis=0), 1e-12)
+        """Lengths of the columns of J, J in columns of length one, and (J^T J)^-1 of these.
+
+        A prior counts as one more row of J for each parameter.
+        """
+        ridge = self._ridge
+        length = np.sqrt(np.linalg.norm(self.jacobian, axis=0) ** 2 + ridge)
+        scale = np.maximum(length, 1e-12)
         J = self.jacobian / scale
-        return scale, J, np.linalg.pinv(J.T @ J, rcond=1e-12)
+        return scale, J, np.linalg.pinv(J.T @ J + np.diag(ridge / scale**2), rcond=1e-12)
 
     def solved(self, columns: Floats) -> Floats:
         """Return (J^T J)^-1 J^T times columns."""
@@ -230,10 +245,10 @@ class Linear:
         return np.asarray(g.T @ g * count / max(count - self.jacobian.shape[1], 1))
 
     def covariance(self) -> Floats:
-        """Return the covariance of the parameters inside by the tests alone, in the unit cube."""
+        """Return the covariance of the parameters by the tests alone, in the unit cube."""
         scale, J, bread = self._scaled
         classical = bread * self.variance
-        sandwich = bread @ self.meat(J) @ bread
+        sandwich = bread @ (self.meat(J) + np.diag(self._ridge / scale**2) * self.variance) @ bread
         least = np.maximum(np.diag(sandwich), 1e-300)
         grow = np.sqrt(np.maximum(1.0, np.diag(classical) / least))
         return np.asarray(sandwich * np.outer(grow, grow) / np.outer(scale, scale))
@@ -244,17 +259,17 @@ def linearise(problem: Problem, cube: Floats, *, fine: bool = True) -> Linear:
     plain = problem.parts(cube, fine=fine)
     roots = [np.sqrt(_robust_weights(part, problem.loss)) for part in plain]
     jacobian = problem.jacobian(cube, fine=fine, central=fine)
-    inside = (cube > AT_BOUND) & (cube < 1.0 - AT_BOUND)
     weights = np.concatenate(roots)
+    lost = (cube <= AT_BOUND) | (cube >= 1.0 - AT_BOUND) | ~jacobian.any(axis=0)
     labels, first = [], 0
     for record, part in zip(problem.records, plain, strict=True):
         blocks = np.unique(half_cycles(record), return_inverse=True)[1]
         labels.append(first + np.resize(blocks, len(part)))
         first += int(blocks.max()) + 1
     return Linear(
-        inside=inside,
         parts=[root * part for root, part in zip(roots, plain, strict=True)],
         weights=weights,
-        jacobian=weights[:, None] * jacobian[:, inside],
+        jacobian=weights[:, None] * jacobian,
         blocks=np.concatenate(labels).astype(np.int64),
+        prior=np.where(lost, UNIFORM, 0.0),
     )

@@ -239,13 +239,12 @@ def drop_needless(problem: Problem, cube: Floats, added: Sequence[str]) -> tuple
     if not ends:
         return problem, cube
     linear = linearise(problem, cube, fine=False)
-    stderr = np.full(len(cube), np.inf)
-    stderr[linear.inside] = np.sqrt(np.diag(linear.covariance()))
+    stderr = np.sqrt(np.diag(linear.covariance()))
     needless = []
     for p, u, error in zip(problem.pset.free, cube.tolist(), stderr.tolist(), strict=True):
         if p.kind.key in ends:
             file = kinds.dotted_value(problem.pset.base, p.kind.key) or 0.0
-            reach = CLEAR * error if np.isfinite(error) else AT_BOUND
+            reach = max(CLEAR * error, AT_BOUND)
             if abs(u - p.place(ends[p.kind.key])) < reach and abs(u - p.place(file)) < reach:
                 needless.append(p.kind.key)
     if not needless:

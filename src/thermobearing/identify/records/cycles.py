@@ -206,6 +206,24 @@ def compare_loops(record: TestRecord, force: Floats) -> tuple[list[Loop], Loop |
     return loops, largest if largest.test["energy"] > 0.0 else None
 
 
+def largest_measures(record: TestRecord, force: Floats) -> dict[str, float]:
+    """Return K_eq [kN/mm], Q_d [kN] and energy [kN mm] of the largest loop, and the peak force.
+
+    `force` is the model's at the samples of the record [kN]. A record without a loop has a peak
+    force only.
+    """
+    measures = {"force": float(np.abs(force).max())}
+    place = find_largest_loop(record.displacement, ALIKE)
+    if place is None:
+        return measures
+    loop = _loop(record, force, *place)
+    return measures | {
+        "K_eq": loop.model["K_eq"],
+        "Q_d": loop.strengths[1],
+        "energy": loop.model["energy"],
+    }
+
+
 def _loop(
     record: TestRecord, force: Floats, first: int, last: int, cycle: int = 0, number: int = 0
 ) -> Loop:

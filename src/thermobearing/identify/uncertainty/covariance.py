@@ -5,12 +5,11 @@ columns of derivatives by them propagate it to the calibrated ones, and show whe
 another value than that in the file. The covariance by the tests is that of problem.py; both add up.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from thermobearing.bearing.model import Bearing
@@ -31,8 +30,8 @@ LARGEST_SPREAD = 2.0  # relative standard uncertainty
 SURE, BEYOND = 5.0, 3.0  # standard errors of the tests, of tests and source together
 CLEAR = 2.0  # standard errors between a determined number and its bounds
 NORMAL_FREEDOM = 10**6  # degrees of freedom with which Student's distribution is the normal one
-AMBIENT = "ambient"
-OF_TESTS = (AMBIENT, "turns", "force")  # keys of the tests, not of the bearing
+AMBIENT, TURNS = "ambient", "turns"
+OF_TESTS = (AMBIENT, TURNS, "force")  # keys of the tests, not of the bearing
 UNSEEN = 1e-3  # of the variance: numbers that move the residuals less are not seen by the tests
 WELL = 0.01  # relative standard error of a well determined parameter: three are within 3 %
 NEAR_BOUND = 0.05  # of the range of the search: nearer to a bound no parameter is determined
@@ -52,6 +51,22 @@ SURELY = 3.0  # ... and by so many standard errors
 SPEED_SPAN = 3.0  # ratio of speeds that fixes rate dependence
 
 
+def _half_interval(freedom: float) -> float:
+    """Return half a 95 % interval over its standard error, by Student's distribution."""
+    from scipy.stats import t as student
+
+    return float(student.ppf(0.5 + 0.5 * LEVEL, max(freedom, 2)))
+
+
+def widening(freedom: float) -> float:
+    """Return the ratio of a 95 % interval with few degrees of freedom to that of a normal error.
+
+    Intervals and draws of the posterior contain this one factor, so that 95 % of the draws of a
+    parameter are its interval.
+    """
+    return _half_interval(freedom) / _half_interval(NORMAL_FREEDOM)
+
+
 class Group(Strict):
     """Numbers of a bearing with a common error."""
 
@@ -65,6 +80,7 @@ class Group(Strict):
     # Degrees of freedom (JCGM 100:2008, G.4.2): how well the uncertainty itself is known.
     freedom: float = Field(default=NORMAL_FREEDOM, gt=0.0)
     cause: str = ""  # another reason for which tests require another value
+    at: float | None = None  # of the tests at this ambient temperature only [degC]
 
     @model_validator(mode="after")
     def _one_uncertainty(self) -> "Group":
@@ -75,6 +91,31 @@ class Group(Strict):
     def step(self, value: float) -> float:
         """Return the standard uncertainty of a value, in its unit."""
         return self.absolute if self.absolute is not None else (self.relative or 0.0) * abs(value)
+
+    def moved(self, key: str, value: float, sigmas: float) -> float:
+        """Return the value of a key, changed by `sigmas` standard uncertainties.
+
+        Relative uncertainties are those of the logarithm, so that a number keeps its sign; a
+        parameter stays within the bounds of its search, which no bearing may leave.
+        """
+        if self.absolute is None:
+            changed = value * float(np.exp(sigmas * (self.relative or 0.0)))
+        else:
+            changed = value + sigmas * self.absolute
+        kind = kinds.KINDS.get(key)
+        if kind is None or kind.relative:
+            return changed
+        return min(max(changed, min(kind.lower, value)), max(kind.upper, value))
+
+    @property
+    def of_tests(self) -> bool:
+        """Whether the numbers are of the tests, and none of the bearing."""
+        return self.keys[0] in OF_TESTS
+
+    @property
+    def widening(self) -> float:
+        """Factor on its uncertainty, by which 95 % of a normal distribution are a 95 % interval."""
+        return widening(self.freedom)
 
 
 class Groups(Strict):
@@ -117,7 +158,7 @@ def shift(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
     values = {key: kinds.dotted_value(bearing, key) for key in group.keys}
     known = {key: value for key, value in values.items() if value is not None}
     return kinds.with_values(
-        bearing, {key: round(v + sigmas * group.step(v), 12) for key, v in known.items()}
+        bearing, {key: round(group.moved(key, v, sigmas), 12) for key, v in known.items()}
     )
 
 
@@ -146,47 +187,72 @@ def linearise_assumed(
     here = np.concatenate(problem.parts(cube, fine=fine))
     kept, columns = [], []
 
-    def _add(group: Group, bearing: Bearing, records: Sequence[TestRecord], part: float) -> None:
-        moved = problem.split_parts(bearing, records, fine=fine)
-        column = np.zeros(0) if moved is None else (np.concatenate(moved) - here) / part
-        if column.any():
-            kept.append(group)
-            columns.append(column)
+    def _add(group: Group, part: float) -> None:
+        moved = moved_parts(problem, bearing, [(group, part)], fine=fine)
+        column = np.zeros(len(here)) if moved is None else (np.concatenate(moved) - here) / part
+        kept.append(group)
+        columns.append(column)
 
     for group in _assumed_groups(bearing, identified, groups):
-        _add(group, shift(bearing, group, PART), problem.records, PART)
-    for group, records in _other_tests(problem.records, groups):
-        _add(group, bearing, records, 1.0)
+        _add(group, PART)
+    for group in _groups_of_tests(problem.records, groups):
+        _add(group, 1.0)
     shape = (len(here), len(kept))
     return Assumed(tuple(kept), np.array(columns).T if columns else np.zeros(shape))
 
 
-def _other_tests(
-    records: Sequence[TestRecord], groups: Sequence[Group]
-) -> Iterator[tuple[Group, list[TestRecord]]]:
-    """Yield the tests, shifted by one standard uncertainty of each systematic error.
+def moved_parts(
+    problem: Problem, bearing: Bearing, changes: Sequence[tuple[Group, float]], *, fine: bool = True
+) -> list[Floats] | None:
+    """Return the residuals with assumed groups changed by so many standard uncertainties.
+
+    None if the model ends early.
+    """
+    records = problem.records
+    for group, sigmas in changes:
+        if group.of_tests:
+            records = [_moved_record(record, group, sigmas) for record in records]
+        else:
+            bearing = shift(bearing, group, sigmas)
+    return problem.split_parts(bearing, records, fine=fine)
+
+
+def _groups_of_tests(records: Sequence[TestRecord], groups: Sequence[Group]) -> list[Group]:
+    """Return the systematic errors of the tests.
 
     Tests at the same temperature share its error: they had one chamber and thermometer.
     """
-    if not groups:  # everything is known exactly
-        return
-    by_key = {group.keys[0]: group for group in groups}
+    by_key = {group.keys[0]: group for group in groups if group.of_tests}
+    if not by_key:  # everything is known exactly
+        return []
     thermometer, turns, scale = (by_key[key] for key in OF_TESTS)
-    known = [record.ambient_uncertainty for record in records]
-    steps = [thermometer.step(0.0) if u is None else u for u in known]
+    found = []
     for ambient in dict.fromkeys(record.ambient for record in records):
-        off = [u if r.ambient == ambient else 0.0 for r, u in zip(records, steps, strict=True)]
-        update = {"name": f"{thermometer.name} of {ambient:.4g} degC", "absolute": max(off)}
-        warmer = [replace(r, ambient=r.ambient + u) for r, u in zip(records, off, strict=True)]
-        yield thermometer.model_copy(update=update), warmer
-    shorter = []  # their turns less far out, by the uncertainty from the noise
-    for record in records:
+        steps = [_kelvin(r, thermometer) for r in records if r.ambient == ambient]
+        update = {"name": f"{thermometer.name} of {ambient:.4g} degC", "absolute": max(steps)}
+        found.append(thermometer.model_copy(update=update | {"at": ambient}))
+    return [*found, turns, scale]
+
+
+def _kelvin(record: TestRecord, group: Group) -> float:
+    """Return the standard uncertainty of the ambient temperature of a test [K]."""
+    stated = record.ambient_uncertainty
+    return group.step(0.0) if stated is None else stated
+
+
+def _moved_record(record: TestRecord, group: Group, sigmas: float) -> TestRecord:
+    """Return a test, changed by some standard uncertainties of a systematic error."""
+    key = group.keys[0]
+    if key == AMBIENT:
+        if record.ambient != group.at:
+            return record
+        return replace(record, ambient=record.ambient + sigmas * _kelvin(record, group))
+    if key == TURNS:  # less far out, by the uncertainty from the noise
         x, less = record.displacement, record.displacement.copy()
         at = turning_points(x, dead_band(x))[1:-1]
-        less[at] -= turns.step(estimate_noise(x)) * np.sign(x[at] - x[at - 1])
-        shorter.append(replace(record, displacement=less))
-    yield turns, shorter
-    yield scale, [replace(r, force=(1.0 + scale.step(1.0)) * r.force) for r in records]
+        less[at] -= sigmas * group.step(estimate_noise(x)) * np.sign(x[at] - x[at - 1])
+        return replace(record, displacement=less)
+    return replace(record, force=(1.0 + sigmas * group.step(1.0)) * record.force)
 
 
 @dataclass(frozen=True)
@@ -224,8 +290,18 @@ class Propagated:
     """Effect of the uncertainty of the assumed numbers on the identified ones."""
 
     evidence: tuple[Evidence, ...]  # what the tests say about each group
-    shifts: Floats  # [parameter inside, group] of the optimum by one standard uncertainty
+    shifts: Floats  # [parameter, group] of the optimum by one standard uncertainty
     spread: Floats  # [group, group] mean square of the errors of the groups, given the tests
+
+    @property
+    def groups(self) -> tuple[Group, ...]:
+        """The groups, in the order of the columns."""
+        return tuple(item.group for item in self.evidence)
+
+    @property
+    def widening(self) -> Floats:
+        """The factors on the uncertainty of each group, for intervals and draws."""
+        return np.array([group.widening for group in self.groups])
 
     def _covariance(self, factors: Floats | float = 1.0) -> Floats:
         """Return the covariance of the parameters; `factors` multiply the uncertainty of groups."""
@@ -296,10 +372,11 @@ class Uncertainty:
     """Uncertainty of all free parameters."""
 
     estimates: dict[str, Estimate]  # by dotted key
-    covariance: Floats  # in the unit cube; zero for parameters at bounds
+    covariance: Floats  # in the unit cube, by the tests and the assumed values
+    of_tests: Floats  # in the unit cube, by the tests alone
+    widening: float  # factor on the errors by the tests, for intervals and draws
     correlation: Floats  # by the tests alone
     assumed: Propagated
-    inside: NDArray[np.bool_]  # of the free parameters, those that are not at a bound
     samples: int
     effective_samples: float  # independent samples that they are worth
     rms: float  # of the residuals, relative to the peak force
@@ -326,28 +403,24 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
     linear = linearise(problem, cube)
     groups = chosen_groups(None) if groups is None else groups
     assumed = _propagate(linear, linearise_assumed(problem, cube, groups))
-    inside = np.ix_(linear.inside, linear.inside)
-    of_tests, covariance = np.zeros((2, len(cube), len(cube)))
-    of_tests[inside] = linear.covariance()
-    covariance[inside] = of_tests[inside] + assumed._covariance()
-    half = np.zeros(len(cube))  # of the intervals: each part with its own degrees of freedom
-    wide = np.array([_wide(item.group.freedom) for item in assumed.evidence])
-    half[linear.inside] = np.diag(assumed._covariance(wide))
-    half += _wide(int(linear.blocks.max()) + 1 - len(cube)) ** 2 * np.diag(of_tests)
-    spread = np.sqrt(np.diag(of_tests))
+    of_tests = linear.covariance()
+    wide = widening(int(linear.blocks.max()) + 1 - len(cube))
+    # Of the intervals: each part with its own degrees of freedom.
+    square = np.diag(assumed._covariance(assumed.widening)) + wide**2 * np.diag(of_tests)
+    reach = _half_interval(NORMAL_FREEDOM) * np.sqrt(square)
+    covariance, spread = of_tests + assumed._covariance(), np.sqrt(np.diag(of_tests))
     safe = np.where(spread > 0.0, spread, 1.0)
     estimates = {
         p.kind.key: _estimate(p, *map(float, row))
-        for p, *row in zip(
-            problem.pset.free, cube, np.diag(covariance), spread, np.sqrt(half), strict=True
-        )
+        for p, *row in zip(problem.pset.free, cube, np.diag(covariance), spread, reach, strict=True)
     }
     found = Uncertainty(
         estimates=estimates,
         covariance=covariance,
+        of_tests=of_tests,
+        widening=wide,
         correlation=np.asarray(of_tests / np.outer(safe, safe)),
         assumed=assumed,
-        inside=linear.inside,
         samples=len(linear.weights),
         effective_samples=sum(_effective_samples(part) for part in linear.parts),
         rms=float(np.sqrt(np.mean(linear.residuals**2))),
@@ -358,8 +431,7 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
 
 def _estimate(p: Parameter, u: float, variance: float, spread: float, reach: float) -> Estimate:
     """Return a parameter with its errors; `reach` is half the 95 % interval in the unit cube."""
-    bound, value = not AT_BOUND < u < 1.0 - AT_BOUND, p.at(u)
-    slope = p.slope(u) if not bound else float("nan")
+    bound, value, slope = not AT_BOUND < u < 1.0 - AT_BOUND, p.at(u), p.slope(u)
     place, end = p.place(value), p.lower if p.place(value) < 0.5 else p.upper
     lost = min(place, 1.0 - place) < NEAR_BOUND and end != p.kind.end
     stderr, determined = float(np.sqrt(variance)) * slope, not (bound or lost)
@@ -380,13 +452,6 @@ def _estimate(p: Parameter, u: float, variance: float, spread: float, reach: flo
         relative_error=relative,
         where="at its bound" if bound else f"within {NEAR_BOUND:.0%} of its bound",
     )
-
-
-def _wide(freedom: float) -> float:
-    """Return half a 95 % interval over its standard error, by Student's distribution."""
-    from scipy.stats import t as student
-
-    return float(student.ppf(0.5 + 0.5 * LEVEL, max(freedom, 2)))
 
 
 def _warnings(problem: Problem, found: Uncertainty) -> list[str]:

@@ -3,15 +3,18 @@
 By default samples come from the normal distribution of the estimates (Laplace). With emcee
 (Foreman-Mackey et al. 2013, the optional extra `bayes`) they come from the posterior itself,
 whose likelihood is tempered by the effective number of samples (see covariance.py), flat
-within the bounds on the scale of the search; the uncertainty of the assumed values is added to
-its draws.
+within the bounds on the scale of the search.
+
+A sample has a value of every number that is uncertain: of the free parameters, and of all that are
+held at an assumed value. The optimum moves with the assumed values (covariance.py), so both are
+drawn together. Errors are widened by the factors that the intervals contain.
 """
 
 import csv
 import io
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,16 +28,26 @@ from thermobearing.border.schema import validated
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.forward import ForwardModel
-from thermobearing.identify.records.record import reached_values
+from thermobearing.identify.records.cycles import largest_measures
+from thermobearing.identify.records.record import TestRecord, reached_values
 from thermobearing.identify.result import Identification
+from thermobearing.identify.uncertainty.covariance import chosen_groups, shift
+from thermobearing.quantities.governing import order_from_largest
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
 from thermobearing.results.ranges import compare_with_tests, limits_passed, outside_tests
+from thermobearing.results.sums import product_in_order, sum_of_products
 from thermobearing.tables.text import read_text
 
 WALKERS_PER = 3  # walkers for each parameter
 LOW, HIGH = 0.025, 0.975
+# Of a forecast: the ends of a 95 % interval then vary by a tenth of its half width.
+DRAWS = 400
+MOST_ROUNDS = 50  # of draws until enough are within the bounds
+LEAST_SHARE = 0.05  # of a variance: smaller ones are not named
+PART = 0.5  # of a standard error: the step of a derivative
 STEPS, BURN = 300, 100  # of a walker, kept and thrown away
 MOST = 10_000  # of samples
+HEAT = "materials."  # thermal numbers, which have no size
 FAR = 10.0  # standard deviations from the mean of the samples, ...
 APART = 0.2  # ... and this part of it: not the bearing that they are of
 ALIKE = 1e-6  # relative difference of two compounds that are one, their files read and written
@@ -46,15 +59,41 @@ class Samples:
 
     cube: Floats  # [samples, parameters]
     source: str  # "laplace" or "emcee"
+    held: Floats  # [samples, groups] change of each assumed group, in standard uncertainties
     acceptance: float = 1.0
     autocorrelation: float = 1.0  # steps of a walker until it forgets; nan if not known
 
 
 @dataclass(frozen=True)
-class Band:
-    """95 % band of the force at the samples of a test, and of its peak.
+class Predicted:
+    """A quantity of a predicted test with its 95 % band, and where the band comes from."""
 
-    It contains the uncertainty of the parameters only, neither noise nor model error.
+    quantity: str  # "force", "K_eq", "Q_d" or "energy"
+    best: float  # [kN], [kN/mm], [kN], [kN mm]
+    lower: float
+    upper: float
+    # Share of its variance by each cause: "tests" for their scatter, and the assumed groups.
+    shares: dict[str, float] = field(default_factory=dict)
+    held_share: float = 0.0  # of numbers of the bearing that the tests did not determine
+
+    def summary(self) -> dict[str, Any]:
+        """Return the content of summary.json about the quantity."""
+        return {
+            "quantity": self.quantity,
+            "best": self.best,
+            "lower": self.lower,
+            "upper": self.upper,
+            "share_not_determined": self.held_share,
+            "shares": self.shares,
+        }
+
+
+@dataclass(frozen=True)
+class Band:
+    """95 % band of the force at the samples of a test, and of its measures.
+
+    It contains the uncertainty of the free parameters and of all that are held, neither noise nor
+    model error.
     """
 
     ambient: float  # [degC]
@@ -62,20 +101,35 @@ class Band:
     best: Floats  # force [kN]
     lower: Floats
     upper: Floats
-    peak: float  # largest force [kN]
-    peak_lower: float
-    peak_upper: float
+    predicted: tuple[Predicted, ...]  # the peak force first
     lead: tuple[float, float] | None = None  # coldest and warmest lead [degC]
     beyond_tested: str = ""  # quantities outside the calibration range
+
+    @property
+    def peak(self) -> float:
+        """Largest force with the calibrated parameters [kN]."""
+        return self.predicted[0].best
+
+    @property
+    def peak_lower(self) -> float:
+        """Lower end of the 95 % band of the largest force [kN]."""
+        return self.predicted[0].lower
+
+    @property
+    def peak_upper(self) -> float:
+        """Upper end of the 95 % band of the largest force [kN]."""
+        return self.predicted[0].upper
 
 
 @dataclass(frozen=True)
 class Forecast:
     """Draws of the parameters, and their bands at some temperatures."""
 
-    samples: Samples  # written as posterior.csv
+    samples: Samples
     bands: tuple[Band, ...] = ()
     warnings: tuple[str, ...] = ()  # statements on extrapolation beyond the tests
+    notes: tuple[str, ...] = ()  # where the bands come from
+    columns: dict[str, Floats] = field(default_factory=dict)  # of posterior.csv, by symbol or key
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json about the forecast."""
@@ -85,6 +139,7 @@ class Forecast:
             "acceptance": self.samples.acceptance,
             "autocorrelation_steps": self.samples.autocorrelation,
             "warnings": list(self.warnings),
+            "notes": list(self.notes),
             "peak_force": [
                 {
                     "ambient_degC": band.ambient,
@@ -94,6 +149,11 @@ class Forecast:
                     "beyond_tested": band.beyond_tested,
                 }
                 for band in self.bands
+            ],
+            "predicted": [
+                {"ambient_degC": band.ambient, **item.summary()}
+                for band in self.bands
+                for item in band.predicted
             ],
         }
 
@@ -138,23 +198,100 @@ def forecast(
         bands.append(replace(band, beyond_tested=limits_passed(compared, [name])[0]))
         rows += compared
     said = outside_tests(found.bearing.name, rows, tested)
-    return Forecast(samples, tuple(bands), tuple(said))
+    columns = _sample_columns(found, samples)
+    return Forecast(samples, tuple(bands), tuple(said), tuple(map(_share_note, bands)), columns)
 
 
-def _laplace_samples(found: Identification, count: int = 200, *, seed: int = 0) -> Samples:
+def _share_note(band: Band) -> str:
+    """Return a sentence on the share of a band that the tests did not determine."""
+    item = next((p for p in band.predicted if p.quantity == "K_eq"), band.predicted[0])
+    half = 0.5 * (item.upper - item.lower) / item.best
+    shares = {name: share for name, share in item.shares.items() if share >= LEAST_SHARE}
+    causes = ", ".join(f"{name} {share:.0%}" for name, share in shares.items())
+    return (
+        f"{item.quantity} at {band.ambient:g} degC is known to \N{PLUS-MINUS SIGN}{half:.1%}; "
+        f"{item.held_share:.0%} of its variance comes from what the tests did not determine "
+        f"({causes})"
+    )
+
+
+def _laplace_samples(found: Identification, count: int = DRAWS, *, seed: int = 0) -> Samples:
     """Draw from the normal distribution of the fit, within the bounds."""
-    draws = found.cube + _normal_draws(found.uncertainty.covariance, count, seed)
-    return Samples(np.clip(draws, 0.0, 1.0), "laplace")
+    cube, held = _draw(found, count, seed)
+    return Samples(cube, "laplace", held)
 
 
-def _normal_draws(covariance: Floats, count: int, seed: int) -> Floats:
-    """Return draws from a normal distribution [count, n], the same ones on every machine.
+def _draw(found: Identification, count: int, seed: int) -> tuple[Floats, Floats]:
+    """Return places in the unit cube [count, n] and changes of the assumed groups [count, m].
 
-    The symmetric root of the covariance is unique, signs and axes of eigenvectors are not.
+    Draws beyond a bound are drawn again: a parameter at its bound has draws on one side only, and
+    the parameters that are correlated with it follow.
     """
+    about, rng = found.uncertainty, np.random.default_rng(seed)
+    cubes, changes, kept = [], [], 0
+    for _ in range(MOST_ROUNDS):
+        held = _draw_held(found, count, rng)
+        errors = _normal_draws(about.widening**2 * about.of_tests, count, rng)
+        cube = found.cube + errors + product_in_order(held, about.assumed.shifts.T)
+        inside = ((cube >= 0.0) & (cube <= 1.0)).all(axis=1)
+        cubes.append(cube[inside])
+        changes.append(held[inside])
+        kept += int(inside.sum())
+        if kept >= count:
+            break
+    else:  # nearly all are beyond a bound
+        cubes.append(np.clip(cube, 0.0, 1.0))
+        changes.append(held)
+    return np.concatenate(cubes)[:count], np.concatenate(changes)[:count]
+
+
+def _draw_held(found: Identification, count: int, rng: np.random.Generator) -> Floats:
+    """Return changes of the assumed groups, in standard uncertainties [count, groups]."""
+    assumed = found.uncertainty.assumed
+    return _normal_draws(assumed.spread * np.outer(assumed.widening, assumed.widening), count, rng)
+
+
+def _normal_draws(covariance: Floats, count: int, rng: np.random.Generator) -> Floats:
+    """Return draws from a normal distribution [count, n], the same ones on every machine."""
+    draws = rng.normal(size=(count, len(covariance)))
+    return product_in_order(draws, _symmetric_root(covariance))
+
+
+def _symmetric_root(covariance: Floats) -> Floats:
+    """Return the symmetric root, which is unique: signs and axes of eigenvectors are not."""
     values, axes = np.linalg.eigh(covariance)
-    root = (axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T
-    return np.asarray(np.random.default_rng(seed).normal(size=(count, len(root))) @ root)
+    return np.asarray((axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T)
+
+
+def drawn_bearing(found: Identification, cube: Floats, held: Floats) -> Bearing:
+    """Return the bearing of a draw: its free parameters, and what is held at an assumed value."""
+    bearing = found.pset.bearing(cube)
+    for group, sigmas in zip(found.uncertainty.assumed.groups, held.tolist(), strict=True):
+        if not group.of_tests:
+            bearing = shift(bearing, group, sigmas)
+    return bearing
+
+
+def _sample_columns(found: Identification, samples: Samples) -> dict[str, Floats]:
+    """Return the columns of posterior.csv: free and tied parameters, then what is held."""
+    names = {p.kind.key: p.kind.symbol for p in found.pset.parameters}
+    keys = [p.kind.key for p in found.pset.free]
+    keys += [p.kind.key for p in found.pset.parameters if p.tie is not None]
+    keys += [
+        key
+        for group in found.uncertainty.assumed.groups
+        if not group.of_tests
+        for key in group.keys
+        if kinds.dotted_value(found.bearing, key) is not None
+    ]
+    bearings = [
+        drawn_bearing(found, place, held)
+        for place, held in zip(samples.cube, samples.held, strict=True)
+    ]
+    return {
+        names.get(key, key): np.array([kinds.dotted_value(bearing, key) for bearing in bearings])
+        for key in keys
+    }
 
 
 def need_emcee() -> None:
@@ -210,49 +347,109 @@ def _posterior_samples(
     sampler.random_state = np.random.RandomState(seed).get_state()
     sampler.run_mcmc(start, burn + steps, skip_initial_state_check=True)
     tau = float(np.mean(sampler.get_autocorr_time(quiet=True, tol=0)))
-    chain = _with_assumed(found, np.asarray(sampler.get_chain(discard=burn, flat=True)), seed)
-    return Samples(chain, "emcee", float(np.mean(sampler.acceptance_fraction)), tau)
-
-
-def _with_assumed(found: Identification, cube: Floats, seed: int) -> Floats:
-    """Return draws moved by the uncertainty of the assumed values."""
-    assumed, inside = found.uncertainty.assumed, found.uncertainty.inside
-    moved = cube.copy()
-    moved[:, inside] += _normal_draws(assumed.spread, len(cube), seed) @ assumed.shifts.T
-    return np.clip(moved, 0.0, 1.0)
+    chain = np.asarray(sampler.get_chain(discard=burn, flat=True))
+    held = _draw_held(found, len(chain), np.random.default_rng(seed))
+    moved = chain + product_in_order(held, found.uncertainty.assumed.shifts.T)
+    acceptance = float(np.mean(sampler.acceptance_fraction))
+    return Samples(np.clip(moved, 0.0, 1.0), "emcee", held, acceptance, tau)
 
 
 def _predictive_band(
-    found: Identification, samples: Samples, ambient: float, *, count: int = 60, seed: int = 0
+    found: Identification, samples: Samples, ambient: float, *, count: int = DRAWS, seed: int = 0
 ) -> Band:
-    """Return the band of loops as in the first test and of peak force at an ambient [degC]."""
+    """Return the band of loops as in the first test and of its measures at an ambient [degC]."""
     if not -100.0 <= ambient <= 100.0:
         raise InputError(f"ambient = {ambient} degC: must be between -100 and 100 degC")
-    test = found.records[0]
-    model = ForwardModel(test, found.bearing, fine=True, ambient=ambient)
-    picked = np.random.default_rng(seed).choice(len(samples.cube), size=count)
-    runs = [model.run(found.pset.bearing(samples.cube[i])) for i in picked]
-    forces = np.array([run.force for run in runs if run is not None])
-    best = model.run(found.bearing)
+    test, picked = found.records[0], np.arange(len(samples.cube))
+    if len(picked) > count:
+        picked = np.random.default_rng(seed).choice(len(picked), size=count, replace=False)
+    best = ForwardModel(test, found.bearing, fine=True, ambient=ambient).run(found.bearing)
+    # Draws differ from the best estimate alike with coarse steps, at a fifth of the time.
+    coarse = ForwardModel(test, found.bearing, ambient=ambient)
+    middle = coarse.run(found.bearing)
+
+    def _force(cube: Floats, held: Floats) -> Floats | None:
+        bearing = drawn_bearing(found, cube, held)
+        run = coarse.rebuilt(bearing).run(bearing)
+        if run is None or best is None or middle is None:
+            return None
+        return np.asarray(best.force + (run.force - middle.force))
+
+    runs = [_force(samples.cube[i], samples.held[i]) for i in picked]
+    forces = np.array([force for force in runs if force is not None])
     if best is None or len(forces) == 0:
         raise InputError(f"the model does not complete the test at {ambient:g} degC")
     lower, upper = np.quantile(forces, [LOW, HIGH], axis=0)
-    peak_lower, peak_upper = np.quantile(np.abs(forces).max(axis=1), [LOW, HIGH])
+    measures = [largest_measures(test, force) for force in forces]
+    middles = largest_measures(test, best.force)
+    sources = _sources(found, lambda *at: _measured(test, _force(*at)), middles)
+    predicted = []
+    for name, value in middles.items():
+        low, high = np.quantile([item[name] for item in measures], [LOW, HIGH]).tolist()
+        predicted.append(Predicted(name, value, low, high, *sources[name]))
     return Band(
         ambient=ambient,
         displacement=test.displacement,
         best=best.force,
         lower=lower,
         upper=upper,
-        peak=float(np.abs(best.force).max()),
-        peak_lower=float(peak_lower),
-        peak_upper=float(peak_upper),
+        predicted=tuple(predicted),
         lead=best.lead,
     )
 
 
+def _measured(test: TestRecord, force: Floats | None) -> dict[str, float] | None:
+    return None if force is None else largest_measures(test, force)
+
+
+def _sources(
+    found: Identification,
+    measure: Callable[[Floats, Floats], dict[str, float] | None],
+    middles: Mapping[str, float],
+) -> dict[str, tuple[dict[str, float], float]]:
+    """Return the share of each cause in the variance of each quantity, and that of what is held.
+
+    By derivatives at the best estimate: along the axes of the errors by the tests, and by one
+    standard uncertainty of each assumed group, with which the parameters move.
+    """
+    about = found.uncertainty
+    nothing = np.zeros(len(about.assumed.groups))
+    roots = _symmetric_root(about.widening**2 * about.of_tests)
+    shifts, widening = about.assumed.shifts, about.assumed.widening
+
+    def _slopes(along: Floats, held: Floats) -> dict[str, float]:
+        step = PART
+        place = found.cube + step * along
+        if ((place < 0.0) | (place > 1.0)).any():  # beyond a bound: the other way
+            step = -PART
+        moved = measure(np.clip(found.cube + step * along, 0.0, 1.0), step * held)
+        return {
+            name: 0.0 if moved is None else (moved[name] - value) / step
+            for name, value in middles.items()
+        }
+
+    of_tests = [_slopes(axis, nothing) for axis in roots]
+    of_groups = [
+        _slopes(shifts[:, k] * wide, np.where(np.arange(len(nothing)) == k, wide, 0.0))
+        for k, wide in enumerate(widening)
+    ]
+    shares = {}
+    for name in middles:
+        slope = np.array([one[name] for one in of_groups])
+        scatter = sum_of_products(*[[one[name] for one in of_tests]] * 2)
+        parts = slope * product_in_order(about.assumed.spread, slope)
+        whole = max(scatter + float(np.sum(parts)), 1e-300)
+        groups = about.assumed.groups
+        causes = {"tests": scatter / whole}
+        causes |= dict(zip((g.name for g in groups), (parts / whole).tolist(), strict=True))
+        held = sum(causes[group.name] for group in groups if not group.of_tests)
+        order = [list(causes)[k] for k in order_from_largest(list(causes.values()))]
+        shares[name] = {cause: causes[cause] for cause in order}, min(max(held, 0.0), 1.0)
+    return shares
+
+
 def posterior_bearings(
-    bearing: Bearing | str | Path, path: str | Path, count: int = 20
+    bearing: Bearing | str | Path, path: str | Path, count: int = 20, *, heat: bool = True
 ) -> list[Bearing]:
     r"""Return the calibrated bearing, followed by bearings of samples of its posterior.
 
@@ -264,6 +461,8 @@ def posterior_bearings(
     bearing : the calibrated one, or one made of its compound: a name, a file or a Bearing.
     path : posterior.csv of `identify`: a column for each parameter, a row for each sample.
     count : number of samples, 1 to 10 000, evenly through the file; all if it has fewer.
+    heat : draw the thermal numbers and the thickness of the rubber too. Studies leave them out,
+        since runs in lockstep have the same cells.
 
     Returns
     -------
@@ -299,13 +498,27 @@ def posterior_bearings(
     some = [_sample(fitted, keys, rows[k], k, where) for k in chosen.tolist()]
     if fitted is first:
         _refuse_others(first, keys, some, where)
-        return [first, *some]
+        cells = {} if heat else {"geometry": first.geometry, "materials": first.materials}
+        return [first, *(sample.model_copy(update=cells) for sample in some)]
+    warm = [key for key in keys if heat and key.startswith(HEAT)]
     sized = []
     for sample, number in zip(some, chosen, strict=True):
         parts = split_parts(extract_compound(sample), first.geometry, lead_cores(first))
         parts |= {"scragging": sample.scragging, "name": f"{first.name}, sample {number}"}
-        sized.append(first.model_copy(update=parts))
+        other = first.model_copy(update=parts)
+        sized.append(_with_ratios(other, sample, fitted, warm))
     return [first, *sized]
+
+
+def _with_ratios(bearing: Bearing, sample: Bearing, fitted: Bearing, keys: list[str]) -> Bearing:
+    """Return a bearing whose thermal numbers differ as those of a sample from the calibration's."""
+    values = {}
+    for key in keys:
+        numbers = [kinds.dotted_value(item, key) for item in (bearing, sample, fitted)]
+        mine, drawn, middle = (0.0 if value is None else value for value in numbers)
+        if middle:
+            values[key] = mine * drawn / middle
+    return kinds.with_values(bearing, values)
 
 
 def _fitted(bearing: Bearing, place: Path) -> Bearing:
@@ -350,7 +563,8 @@ def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where
 
 
 def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
-    known = kinds.keys_by_name(bearing)
+    held = [key for group in chosen_groups(None) if not group.of_tests for key in group.keys]
+    known = kinds.keys_by_name(bearing) | {key: key for key in held}
     faults, keys = [], []
     data = bearing.model_dump()
     for symbol in (text.strip() for text in head):
@@ -374,9 +588,12 @@ def _sample(bearing: Bearing, keys: list[str], cells: list[str], number: int, pa
         raise InputError(f"{len(cells)} numbers instead of {len(keys)}", where)
     data = bearing.model_dump()
     for key, cell in zip(keys, cells, strict=True):
-        table, name = key.split(".")
+        *tables, name = key.split(".")
+        inner = data
+        for table in tables:
+            inner = inner[table]
         try:
-            data[table][name] = float(cell)
+            inner[name] = float(cell)
         except ValueError:
             raise InputError(f'"{cell}" is not a number', where) from None
     data["name"] = f"{bearing.name}, sample {number}"

@@ -386,7 +386,7 @@ class Levels:
     def _each(self) -> list[list[AnyBearing]]:
         """Bearings of each level: the samples of a posterior, or a single one."""
         return [
-            list(posterior_bearings(one.bearing, Path(one.posterior), one.count)[1:])
+            list(posterior_bearings(one.bearing, Path(one.posterior), one.count, heat=False)[1:])
             if isinstance(one, Posterior)
             else [one]
             for one in self.study.factors.bearing.levels
