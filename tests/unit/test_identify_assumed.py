@@ -9,7 +9,7 @@ import pytest
 
 import thermobearing as tb
 from tests.unit.inputs import command, write_test
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, Scragging
 from thermobearing.commands.common import POOR_FIT
 from thermobearing.identify.fit import parameters
 from thermobearing.identify.fit.problem import Linear, Problem
@@ -350,6 +350,32 @@ def test_a_parameter_near_its_bound_is_not_determined(record: TestRecord) -> Non
         assert item.determined is (outcome == "completed")
         reported = found.summary()["parameters"]["hysteresis.layer_stiffness"]
         assert (_grade(reported) == "no") is (outcome == "poor_fit")
+
+
+SCRAGGING = {  # as docs/files/record.md prints it
+    "mullins_amplitude": 0.1, "mullins_decay": 2.0, "mullins_renewal": 0.1,
+    "amplitude": 0.0, "strain": 0.5,
+}  # fmt: skip
+
+
+def test_optional_parameters_that_tests_leave_open_stay_at_their_start(tmp_path: Path) -> None:
+    """Rubber that is not virgin, calibrated with a table of scragging: a poor fit in 0.3.0."""
+    bearing = HDR.model_copy(update={"scragging": Scragging(**SCRAGGING)})
+    test = tb.cyclic_test(strain=[0.5, 1.0, 1.75], cycles=3, rest=60)
+    tests = [synthetic_record(HDR, at, test, noise=0.01, seed=i) for i, at in enumerate((0, 23))]
+    found = identify_bearing(tests, bearing, starts=1)
+    assert found.outcome == "completed"
+    assert found.poor == []
+    estimates = found.uncertainty.estimates
+    assert not {"scragging.strain", "scragging.mullins_decay"} & set(estimates)
+    fixed = found.summary()["fixed"]
+    assert fixed["scragging.strain"]["value"] == SCRAGGING["strain"]
+    assert fixed["scragging.mullins_decay"]["value"] == SCRAGGING["mullins_decay"]
+    amplitude = estimates["scragging.amplitude"]
+    assert 0.0 == amplitude.lower <= amplitude.value < amplitude.upper < 0.1  # on one side
+    assert any("gamma_s" in text and "c_d" in text for text in found.warnings)
+    folder = found.save(tmp_path / "fit", figures=False)
+    assert tb.load_bearing(folder / "bearing.toml").kind == "HDR"
 
 
 def test_temperature_coefficients_are_held_at_one_temperature(record: TestRecord) -> None:

@@ -189,7 +189,7 @@ class Identification(Result):
             if fit.R2 < UNUSABLE and fit.record.weight > 0.0
         ]
         for item in self.uncertainty.estimates.values():
-            if item.lost:
+            if item.lost and not item.parameter.kind.optional:
                 value = f"{item.parameter.kind.symbol} = {item.value:.4g}"
                 said.append(f"{value} {item.parameter.kind.unit}".strip() + f" {item.where}")
         return said

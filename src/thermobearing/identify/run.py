@@ -25,6 +25,7 @@ from thermobearing.identify.fit.parameters import (
     M_T,
     ParameterSet,
     at_one_temperature,
+    dotted_value,
     parameter_set,
     remedy,
     split_at_one_temperature,
@@ -32,7 +33,13 @@ from thermobearing.identify.fit.parameters import (
 from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.search import polish as polished
 from thermobearing.identify.fit.search import search
-from thermobearing.identify.fit.start import Sensitivity, drop_needless, loop_start, sensitivities
+from thermobearing.identify.fit.start import (
+    Sensitivity,
+    drop_needless,
+    hold_undetermined,
+    loop_start,
+    sensitivities,
+)
 from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord
@@ -107,14 +114,19 @@ def run_identify(case: IdentifyCase) -> Identification:
     if case.free is None:
         added = [item.key for item in sensitivity if item.free and not item.usual]
         problem, cube = drop_needless(problem, cube, added)
-    if case.polish:
+    undetermined: list[str] = []
+    while case.polish:
         cube, converged = polished(problem, cube)
+        problem, cube, keys = hold_undetermined(problem, cube)
+        if not keys:
+            break
+        undetermined += keys
     predictions = [p for p in problem.predict(cube) if p is not None]
     if len(predictions) != len(records):
         raise InputError("the model did not complete these tests with any of the parameters tried")
     covered = _range_of_tests(records, predictions, base.total_rubber_thickness)
     uncertainty = estimate(problem, cube, chosen_groups(case.assumed))
-    uncertainty.warnings[:0] = held
+    uncertainty.warnings[:0] = [*held, *_left_open(undetermined, base)]
     names = ("method", "seed", "starts", "loss", "temperatures", "blind", "polish", "evaluations")
     inputs = {"start": case.bearing.name, **{name: getattr(case, name) for name in names}}
     inputs["free"] = None if case.free is None else list(case.free)
@@ -156,6 +168,18 @@ def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str
     if not others:
         raise InputError(f"free: nothing else is free; {why}")
     return replace(case, free=others), [why]
+
+
+def _left_open(keys: Sequence[str], bearing: Bearing) -> list[str]:
+    """Return a sentence on optional parameters that are held, since no test determines them."""
+    if not keys:
+        return []
+    some = [KINDS[key] for key in keys]
+    values = [f"{kind.symbol} = {dotted_value(bearing, kind.key):.4g}" for kind in some]
+    return [
+        f"{', '.join(values)} held at the start, because the tests do not determine "
+        f"{'it' if len(some) == 1 else 'them'}; {remedy(*some)}"
+    ]
 
 
 def _problem(

@@ -47,6 +47,7 @@ class Kind(Strict):
     end: float | None = None  # bound at which the law itself ends
     of_yielding: bool = False  # linear rubber has none
     usual: bool = True  # free by default
+    optional: bool = False  # of an effect that a bearing may lack
     group: str = ""  # of the remedies
     blind: float | None = None  # starting value of no bearing
 

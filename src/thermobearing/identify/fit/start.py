@@ -43,6 +43,7 @@ MISFIT = 0.03  # residual to come, of the peak force: fits of real tests leave 2
 WORTH = 4.0  # independent samples of a half cycle: residuals of a law are alike along a leg
 WIDE = 10.0  # standard uncertainties of the source: prior of a free parameter
 BETTER = 1.0  # of that of its source: what tests know better than this errs less when it is free
+OPEN = 0.5  # of the range of the search: the interval of a parameter that the tests leave open
 NOTHING = 0.9  # of WIDE: tests that leave so much say nothing
 
 
@@ -247,8 +248,31 @@ def drop_needless(problem: Problem, cube: Floats, added: Sequence[str]) -> tuple
             reach = max(CLEAR * error, AT_BOUND)
             if abs(u - p.place(ends[p.kind.key])) < reach and abs(u - p.place(file)) < reach:
                 needless.append(p.kind.key)
-    if not needless:
+    return _held(problem, cube, needless)
+
+
+def _held(problem: Problem, cube: Floats, keys: Sequence[str]) -> tuple[Problem, Floats]:
+    """Return a problem with some parameters held at the values of the bearing."""
+    if not keys:
         return problem, cube
-    pset = problem.pset.without(needless)
+    pset = problem.pset.without(keys)
     places = dict(zip((p.kind.key for p in problem.pset.free), cube.tolist(), strict=True))
     return problem.with_parameters(pset), np.array([places[p.kind.key] for p in pset.free])
+
+
+def hold_undetermined(problem: Problem, cube: Floats) -> tuple[Problem, Floats, list[str]]:
+    """Return a problem without the optional parameters that its tests leave open, and their keys.
+
+    Such a parameter has an interval of half its range or more at the optimum, as the strain of a
+    scragging of zero amplitude has. One parameter at least stays free.
+    """
+    optional = [p.kind.optional for p in problem.pset.free]
+    if not any(optional) or all(optional):
+        return problem, cube, []
+    errors = np.sqrt(np.diag(linearise(problem, cube).covariance())).tolist()
+    keys = [
+        p.kind.key
+        for p, error in zip(problem.pset.free, errors, strict=True)
+        if p.kind.optional and 2.0 * CLEAR * error > OPEN
+    ]
+    return *_held(problem, cube, keys), keys

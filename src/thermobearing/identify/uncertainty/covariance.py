@@ -48,6 +48,7 @@ MOST_CAUSES = 3  # that are named
 AS_LIKELY = 0.7  # of what the likeliest cause explains
 MUCH = 0.1  # of the squared misfit, which one more free parameter would take away ...
 SURELY = 3.0  # ... and by so many standard errors
+ROUNDING = 1e-9  # a parameter nearer to zero is at it
 SPEED_SPAN = 3.0  # ratio of speeds that fixes rate dependence
 
 
@@ -466,9 +467,13 @@ def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
         )
     for item in estimates.values():
         kind = item.parameter.kind
-        shown = f"{kind.symbol} = {item.value:.4g} {kind.unit}".strip()
+        value = 0.0 if abs(item.value) < ROUNDING else item.value
+        shown = f"{kind.symbol} = {value:.4g} {kind.unit}".strip()
         if not item.determined:
-            said.append(f"{shown} is not determined (it ended {item.where}): {kinds.remedy(kind)}")
+            ends = f"95 % interval {item.lower:.3g} to {item.upper:.3g}"
+            said.append(
+                f"{shown} is not determined (it ended {item.where}; {ends}): {kinds.remedy(kind)}"
+            )
         elif item.relative_error > POOR:
             error = f"standard error {item.stderr:.2g}"
             said.append(f"{shown} is poorly determined ({error}): {kinds.remedy(kind)}")
