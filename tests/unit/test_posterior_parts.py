@@ -145,10 +145,10 @@ def test_no_cause_is_named_for_no_misfit() -> None:
     )
     found = replace(exact.uncertainty, assumed=replace(assumed, evidence=evidence))
     assert found.rms < covariance.NEGLIGIBLE
-    tests: Any = SimpleNamespace(records=[SimpleNamespace(ambient=t) for t in (23.0, -20.0)])
-    assert covariance._misfit(tests, found) == []
+    assert (found.suspects, covariance._misfit(exact.problem, found)) == ([], [])
     large = replace(found, rms=2.0 * covariance.NEGLIGIBLE)
-    assert "likely causes" in " ".join(covariance._misfit(tests, large))
+    assert large.suspects
+    assert "likely causes" in " ".join(covariance._misfit(exact.problem, large))
 
 
 @pytest.mark.parametrize(("parameters", "walkers"), [(1, 4), (2, 6), (5, 15)])

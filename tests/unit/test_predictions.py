@@ -1,13 +1,17 @@
 """Predictions of a calibration contain everything that is uncertain."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import thermobearing as tb
+from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.parameters import M_T, N_T, dotted_value, with_values
 from thermobearing.identify.records.cycles import largest_measures
+from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.uncertainty.covariance import Evidence, chosen_groups
 from thermobearing.identify.uncertainty.posterior import drawn_bearing, forecast, posterior_bearings
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -97,3 +101,51 @@ def test_a_bearing_of_another_size_takes_what_is_held(
             for b in (specimen, other)
         ]
         assert moduli[0] == pytest.approx(moduli[1])
+
+
+def soaked(offset: float) -> list[TestRecord]:
+    """Tests at -20 and 23 degC; the specimen of the first is warmer than its chamber."""
+    rng, records = np.random.default_rng(0), []
+    for ambient, warmer in ((-20.0, offset), (23.0, 0.0)):
+        record = tb.synthetic_record(HDR, ambient, TEST, noise=0.0)
+        begun = replace(record, start_offset=warmer)
+        run = ForwardModel(begun, HDR, fine=True).run(HDR)
+        assert run is not None
+        noise = 0.005 * record.peak_force * rng.normal(size=len(run.force))
+        records.append(replace(record, force=run.force + noise))
+    return records
+
+
+def keys_of_suspects(found: tb.Identification) -> list[str]:
+    return [item["key"] for item in found.summary()["suspects"]]
+
+
+def test_a_specimen_that_was_not_soaked_is_the_first_suspect() -> None:
+    """In 0.3.0: "the tests require a larger scale of the force than assumed, by 201 times"."""
+    found = tb.identify_bearing(soaked(20.0), HDR, starts=1)
+    first = found.summary()["suspects"][0]
+    assert (first["key"], first["unit"]) == ("conditioning", "K")
+    cold = next(
+        item
+        for item in found.summary()["suspects"]
+        if item["key"] == "conditioning" and item["ambient_degC"] == -20.0
+    )
+    assert 15.0 < cold["size"] < 45.0  # linear in 20 K
+    assert keys_of_suspects(found).index("force") > keys_of_suspects(found).index("ambient")
+    assert "load cell" not in " ".join(found.warnings)
+    assert keys_of_suspects(tb.identify_bearing(soaked(0.0), HDR, starts=1)) == []
+
+
+def test_a_coefficient_of_one_temperature_is_a_suspect(warm_only: tb.Identification) -> None:
+    """n_T is -2.70 in truth and -2.19 in the file; self-heating shows it."""
+    first = warm_only.summary()["suspects"][0]
+    assert first["key"] == N_T
+    assert -0.9 < first["size"] < -0.4
+    assert "load cell" not in " ".join(warm_only.warnings)
+
+
+def test_a_suspect_is_conceivable() -> None:
+    (film,) = (g for g in chosen_groups(None) if g.keys == ["materials.side_film"])
+    assert Evidence(film, 5.0, 0.1, 0.5).conceivable  # exp(5 * 0.4) = 7.4
+    assert not Evidence(film, 6.0, 0.1, 0.5).conceivable
+    assert Evidence(film, -1.0, 0.1, 0.5).size == (pytest.approx(-32.97, abs=0.01), "%")

@@ -268,6 +268,7 @@ class Identification(Result):
                 for item in self.sensitivity
             },
             "assumed": [item.summary() for item in self.uncertainty.assumed.evidence],
+            "suspects": [item.suspicion() for item in self.uncertainty.suspects],
             "records": [*map(_record_summary, self.fits, self.checks)],
             "poor": self.poor,
             "thermocouples": self.thermocouples,

@@ -147,7 +147,7 @@ class ForwardModel:
         self._segment = Segment("recorded", record.name, grid.x, grid.dt, cycle, no_turns)
         at = record.ambient if ambient is None else ambient
         self._ambient = Ambient.constant(at)
-        self._initial = np.full(len(self._constants.cells.capacity), at)
+        self._initial = np.full(len(self._constants.cells.capacity), at + record.start_offset)
         self._groups = ("rubber",) if record.places else ()
         self._layers = self._thermocouples(bearing)
         self.ended = ""  # outcome of the last run

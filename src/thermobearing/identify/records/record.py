@@ -68,7 +68,7 @@ class TestRecord:
     name, file : name of the test, and the file that it was read from.
     time, displacement, force : samples [s, mm, kN]; force has the sign of displacement.
     block : number of the block that each sample belongs to.
-    ambient : temperature of the chamber [degC]; the bearing starts at it.
+    ambient : temperature of the chamber [degC]; the bearing starts at it, plus `start_offset`.
     temperatures : samples of thermocouples [degC] by title, and
     places : position of each of them, "rubber 1" (outer layer), ..., "lead".
     weight, first_cycle_weight : of this record in a calibration; of its first cycles in addition.
@@ -83,6 +83,7 @@ class TestRecord:
     detrend : signals whose drift is removed before a calibration: "force", "displacement",
         "both", or "".
     ambient_uncertainty : standard uncertainty of `ambient` [K], >= 0; None for the usual 0.5 K.
+    start_offset : temperature of the specimen at the start, less that of the chamber [K].
     about : specimen, laboratory, date and scragged (whether the rubber was loaded before), as
         stated.
     """
@@ -109,6 +110,7 @@ class TestRecord:
     rubber_thickness: float | None = None
     ambient_uncertainty: float | None = None
     guessed_places: tuple[str, ...] = ()
+    start_offset: float = 0.0
     about: dict[str, str | bool] = field(default_factory=dict)
 
     def of_bearing(self, bearing: Bearing) -> "TestRecord":

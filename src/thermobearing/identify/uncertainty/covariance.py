@@ -5,6 +5,7 @@ columns of derivatives by them propagate it to the calibrated ones, and show whe
 another value than that in the file. The covariance by the tests is that of problem.py; both add up.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -30,8 +31,8 @@ LARGEST_SPREAD = 2.0  # relative standard uncertainty
 SURE, BEYOND = 5.0, 3.0  # standard errors of the tests, of tests and source together
 CLEAR = 2.0  # standard errors between a determined number and its bounds
 NORMAL_FREEDOM = 10**6  # degrees of freedom with which Student's distribution is the normal one
-AMBIENT, TURNS = "ambient", "turns"
-OF_TESTS = (AMBIENT, TURNS, "force")  # keys of the tests, not of the bearing
+AMBIENT, TURNS, FORCE, CONDITIONING = "ambient", "turns", "force", "conditioning"
+OF_TESTS = (AMBIENT, TURNS, FORCE, CONDITIONING)  # keys of the tests, not of the bearing
 UNSEEN = 1e-3  # of the variance: numbers that move the residuals less are not seen by the tests
 WELL = 0.01  # relative standard error of a well determined parameter: three are within 3 %
 NEAR_BOUND = 0.05  # of the range of the search: nearer to a bound no parameter is determined
@@ -44,7 +45,8 @@ ALIKE = 0.2  # effective over actual samples, below which residuals are not nois
 TEMPERATURE_SPAN = 15.0  # K between tests that fix a temperature coefficient
 # Entropy stiffens warm rubber by T/T_0, a third in 100 K; no more.
 ENTROPIC = 0.35
-MOST_CAUSES = 3  # that are named
+MOST_CAUSES = 4  # that are named
+TENFOLD = 10.0
 AS_LIKELY = 0.7  # of what the likeliest cause explains
 MUCH = 0.1  # of the squared misfit, which one more free parameter would take away ...
 SURELY = 3.0  # ... and by so many standard errors
@@ -81,6 +83,7 @@ class Group(Strict):
     # Degrees of freedom (JCGM 100:2008, G.4.2): how well the uncertainty itself is known.
     freedom: float = Field(default=NORMAL_FREEDOM, gt=0.0)
     cause: str = ""  # another reason for which tests require another value
+    mistake: bool = False  # no uncertainty, but a suspect where residuals are not noise
     at: float | None = None  # of the tests at this ambient temperature only [degC]
 
     @model_validator(mode="after")
@@ -194,9 +197,10 @@ def linearise_assumed(
         kept.append(group)
         columns.append(column)
 
-    for group in _assumed_groups(bearing, identified, groups):
+    usual = [group for group in groups if not group.mistake]
+    for group in _assumed_groups(bearing, identified, usual):
         _add(group, PART)
-    for group in _groups_of_tests(problem.records, groups):
+    for group in _groups_of_tests(problem.records, usual):
         _add(group, 1.0)
     shape = (len(here), len(kept))
     return Assumed(tuple(kept), np.array(columns).T if columns else np.zeros(shape))
@@ -223,16 +227,19 @@ def _groups_of_tests(records: Sequence[TestRecord], groups: Sequence[Group]) -> 
 
     Tests at the same temperature share its error: they had one chamber and thermometer.
     """
-    by_key = {group.keys[0]: group for group in groups if group.of_tests}
-    if not by_key:  # everything is known exactly
-        return []
-    thermometer, turns, scale = (by_key[key] for key in OF_TESTS)
     found = []
-    for ambient in dict.fromkeys(record.ambient for record in records):
-        steps = [_kelvin(r, thermometer) for r in records if r.ambient == ambient]
-        update = {"name": f"{thermometer.name} of {ambient:.4g} degC", "absolute": max(steps)}
-        found.append(thermometer.model_copy(update=update | {"at": ambient}))
-    return [*found, turns, scale]
+    for group in groups:
+        if group.keys[0] not in (AMBIENT, CONDITIONING):
+            found += [group] if group.of_tests else []
+            continue
+        for ambient in dict.fromkeys(record.ambient for record in records):
+            name = f"{group.name} of {ambient:.4g} degC"
+            update: dict[str, Any] = {"name": name, "at": ambient}
+            if group.keys[0] == AMBIENT:
+                steps = [_kelvin(r, group) for r in records if r.ambient == ambient]
+                update["absolute"] = max(steps)
+            found.append(group.model_copy(update=update))
+    return found
 
 
 def _kelvin(record: TestRecord, group: Group) -> float:
@@ -248,6 +255,10 @@ def _moved_record(record: TestRecord, group: Group, sigmas: float) -> TestRecord
         if record.ambient != group.at:
             return record
         return replace(record, ambient=record.ambient + sigmas * _kelvin(record, group))
+    if key == CONDITIONING:
+        if record.ambient != group.at:
+            return record
+        return replace(record, start_offset=record.start_offset + sigmas * group.step(0.0))
     if key == TURNS:  # less far out, by the uncertainty from the noise
         x, less = record.displacement, record.displacement.copy()
         at = turning_points(x, dead_band(x))[1:-1]
@@ -270,6 +281,30 @@ class Evidence:
         """Whether the tests show that the values of the file are outside their uncertainty."""
         off = abs(self.sigmas)
         return off > SURE * self.stderr and off > BEYOND * float(np.hypot(1.0, self.stderr))
+
+    @property
+    def conceivable(self) -> bool:
+        """Whether the tests require less than a tenfold value, which no mistake explains."""
+        return abs(self.sigmas) * (self.group.relative or 0.0) < math.log(TENFOLD)
+
+    @property
+    def size(self) -> tuple[float, str]:
+        """The change that the tests require, and its unit: that of the key, or %."""
+        if self.group.absolute is not None:
+            return self.sigmas * self.group.absolute, self.group.unit
+        return 100.0 * float(np.expm1(self.sigmas * (self.group.relative or 0.0))), "%"
+
+    def suspicion(self) -> dict[str, Any]:
+        """Return the content of summary.json about the group as a suspect."""
+        size, unit = self.size
+        return {
+            "name": self.group.name,
+            "key": self.group.keys[0],
+            "ambient_degC": self.group.at,
+            "size": size,
+            "unit": unit,
+            "explained": self.explained,
+        }
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json about the group."""
@@ -350,6 +385,21 @@ def _weigh(linear: Linear, group: Group, column: Floats) -> Evidence:
     return Evidence(group, sigmas, float(np.sqrt(max(meat, least))) / norm, explained)
 
 
+def _weigh_mistakes(
+    problem: Problem, cube: Floats, groups: Sequence[Group], linear: Linear
+) -> tuple[Evidence, ...]:
+    """Return the evidence of the tests on mistakes that a calibration does not assume."""
+    bearing, here = problem.pset.bearing(cube), np.concatenate(problem.parts(cube, fine=True))
+    found = []
+    for group in _groups_of_tests(problem.records, [item for item in groups if item.mistake]):
+        moved = moved_parts(problem, bearing, [(group, PART)])
+        if moved is not None:
+            column = linear.weights * (np.concatenate(moved) - here) / PART
+            apart = column - linear.jacobian @ linear.solved(column)
+            found.append(_weigh(linear, group, apart))
+    return tuple(found)
+
+
 @dataclass(frozen=True)
 class Estimate:
     """A free parameter at the optimum, in its unit."""
@@ -378,11 +428,31 @@ class Uncertainty:
     widening: float  # factor on the errors by the tests, for intervals and draws
     correlation: Floats  # by the tests alone
     assumed: Propagated
+    mistakes: tuple[Evidence, ...]  # what the tests say about each
     samples: int
     effective_samples: float  # independent samples that they are worth
     rms: float  # of the residuals, relative to the peak force
     warnings: list[str] = field(default_factory=list)
     misfit: list[str] = field(default_factory=list)  # likely causes of residuals that are not noise
+
+    @property
+    def suspects(self) -> list[Evidence]:
+        """Likely causes of residuals that are not noise, the least surprising first.
+
+        These remove the residuals about as well as the best of all does. Which of them is the
+        cause is not known by the residuals, so that the one is first that is off by the least
+        part of its usual error. None where no value is contradicted by the tests.
+        """
+        every = [item for item in (*self.assumed.evidence, *self.mistakes) if item.conceivable]
+        clear = [item for item in every if abs(item.sigmas) > SURE * item.stderr]
+        if self.rms <= NEGLIGIBLE or not clear:
+            return []
+        best = max(item.explained for item in clear)
+        alike = [item for item in clear if item.explained > AS_LIKELY * best]
+        if not any(item.contradicted for item in alike):
+            return []
+        order = order_from_largest([-abs(item.sigmas) for item in alike])
+        return [alike[k] for k in order]
 
 
 def _effective_samples(residuals: Floats) -> float:
@@ -422,6 +492,7 @@ def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = No
         widening=wide,
         correlation=np.asarray(of_tests / np.outer(safe, safe)),
         assumed=assumed,
+        mistakes=_weigh_mistakes(problem, cube, groups, linear),
         samples=len(linear.weights),
         effective_samples=sum(_effective_samples(part) for part in linear.parts),
         rms=float(np.sqrt(np.mean(linear.residuals**2))),
@@ -492,21 +563,18 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
     """Return likely causes of residuals that are not noise; contradicted assumptions first."""
     if found.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
         return []
-    groups = found.assumed.evidence
-    evidence = [groups[k] for k in order_from_largest([item.explained for item in groups])]
-    if at_one_temperature(record.ambient for record in problem.records):
-        evidence = [item for item in evidence if item.group.keys[0] not in (kinds.M_T, kinds.N_T)]
     said = []
-    if evidence and evidence[0].contradicted:
-        worst = evidence[0]
-        least = AS_LIKELY * worst.explained
-        alike = [item for item in evidence if item.contradicted and item.explained > least]
-        causes = [item.group.cause or f"the value of {item.group.name}" for item in alike]
+    named = {item.group.keys[0]: item for item in reversed(found.suspects)}  # first of each key
+    if suspects := [item for item in found.suspects if named[item.group.keys[0]] is item]:
+        peak = max(record.peak_force for record in problem.records)
+        some = suspects[:MOST_CAUSES]
+        causes = "; ".join(_suspicion(item, problem.pset.base, peak) for item in some)
         said.append(
-            f"the tests require a {'larger' if worst.sigmas > 0.0 else 'smaller'} "
-            f"{worst.group.name} than assumed, by {abs(worst.sigmas):.0f} times its uncertainty; "
-            f"likely causes: {'; or '.join(causes[:MOST_CAUSES])}"
+            f"the residuals are not noise; likely causes, the least surprising first: {causes}"
         )
+    evidence = list(found.assumed.evidence)
+    if at_one_temperature(record.ambient for record in problem.records):  # freeing needs more
+        evidence = [item for item in evidence if item.group.keys[0] not in (kinds.M_T, kinds.N_T)]
     held = [
         item
         for item in evidence
@@ -528,6 +596,19 @@ def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
             "force was filtered; the standard errors hold for the parameters of this model"
         )
     return said
+
+
+def _suspicion(item: Evidence, bearing: Bearing, peak: float) -> str:
+    """Return a suspect with its size; `peak` is the largest force of the tests [kN]."""
+    (size, unit), key = item.size, item.group.keys[0]
+    words = f"{item.group.name} off by {size:+.2g} {unit}".rstrip()
+    if key in kinds.KINDS:
+        value = kinds.dotted_value(bearing, key) or 0.0
+        moved = item.group.moved(key, value, item.sigmas)
+        words = f"{item.group.name} = {moved:.3g} instead of {value:.3g}"
+    if key == FORCE:
+        words += f" ({0.01 * size * peak:+.2g} kN at the peak)"
+    return f"{words} ({item.group.cause})" if item.group.cause else words
 
 
 def _test_warnings(problem: Problem) -> list[str]:
