@@ -7,12 +7,27 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
+from thermobearing.bearing.model import Validity
 from thermobearing.identify.fit.forward import ForwardModel
-from thermobearing.identify.fit.parameters import M_T, N_T, dotted_value, with_values
+from thermobearing.identify.fit.parameters import (
+    D_Y,
+    HARDENING,
+    M_T,
+    N_T,
+    dotted_value,
+    parameter_set,
+    with_values,
+)
 from thermobearing.identify.records.cycles import largest_measures
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.uncertainty.covariance import Evidence, chosen_groups
-from thermobearing.identify.uncertainty.posterior import drawn_bearing, forecast, posterior_bearings
+from thermobearing.identify.uncertainty.covariance import Evidence, _estimate, chosen_groups
+from thermobearing.identify.uncertainty.posterior import (
+    OUTSIDE,
+    drawn_bearing,
+    forecast,
+    posterior_bearings,
+)
+from thermobearing.results.ranges import compare_with_tests, extrapolation, widened
 
 HDR = tb.load_bearing("shen-hdr-specimen")
 TEST = tb.cyclic_test(strain=[0.5, 1.0, 1.75], cycles=3, rest=None)
@@ -149,3 +164,110 @@ def test_a_suspect_is_conceivable() -> None:
     assert Evidence(film, 5.0, 0.1, 0.5).conceivable  # exp(5 * 0.4) = 7.4
     assert not Evidence(film, 6.0, 0.1, 0.5).conceivable
     assert Evidence(film, -1.0, 0.1, 0.5).size == (pytest.approx(-32.97, abs=0.01), "%")
+
+
+@pytest.fixture(scope="module")
+def at_bound() -> tb.Identification:
+    """A test at 25 % strain, whose noise moves b to 0; in truth it is 0.272."""
+    test = tb.cyclic_test(strain=[0.25], cycles=3, rest=None)
+    record = tb.synthetic_record(HDR, 23.0, test, noise=0.02, seed=20)
+    free = ["alpha_0", "K_r", "s", "d_y", "b"]
+    return tb.identify_bearing(record, HDR, starts=2, free=free)
+
+
+def test_a_parameter_at_its_bound_has_an_interval_on_one_side(at_bound: tb.Identification) -> None:
+    """In 0.3.0 the interval of b was 0 to 0, and that of d_y narrower by a third."""
+    b = at_bound.uncertainty.estimates[HARDENING]
+    assert b.at_bound
+    assert not b.determined
+    assert b.lower == pytest.approx(0.0, abs=1e-9)
+    assert b.lower < (dotted_value(HDR, HARDENING) or 0.0) < b.upper
+    for key, item in at_bound.uncertainty.estimates.items():
+        assert item.lower < (dotted_value(HDR, key) or 0.0) < item.upper, key
+    assert at_bound.uncertainty.estimates[D_Y].stderr > 0.04  # 0.041 without b
+
+
+def test_a_prediction_at_another_strain_contains_the_bound(at_bound: tb.Identification) -> None:
+    """K_eq at 175 %, of a fit whose hardening is open above 0."""
+    test = tb.cyclic_test(strain=[1.75], cycles=2, rest=None)
+    large = tb.synthetic_record(HDR, 23.0, test, noise=0.0)
+    model, values = ForwardModel(large, at_bound.bearing), []
+    samples = forecast(at_bound).samples
+    for cube, held in zip(samples.cube, samples.held, strict=True):
+        bearing = drawn_bearing(at_bound, cube, held)
+        run = model.rebuilt(bearing).run(bearing)
+        assert run is not None
+        values.append(largest_measures(large, run.force)["K_eq"])
+    low, high = np.quantile(values, [0.025, 0.975])
+    assert low < largest_measures(large, large.force)["K_eq"] < high
+
+
+def test_an_interval_of_half_the_range_is_not_determined() -> None:
+    (parameter,) = parameter_set(HDR, ["b"], [23.0]).free
+    for reach, determined in ((0.24, True), (0.26, False)):
+        item = _estimate(parameter, 0.4, 0.01, 0.1, reach)
+        assert item.determined is determined
+        assert not item.lost
+
+
+TESTED = {"ambient": (-20.0, 23.0), "strain": (0.5, 2.0), "strain_rate": (0.1, 1.0)}
+
+
+@pytest.mark.parametrize(
+    ("reached", "expected"),
+    [
+        ({"ambient": -20.0, "strain": 2.0, "strain_rate": 1.0}, 0.0),
+        ({"ambient": -40.0}, 0.003 * 20.0),
+        ({"ambient": 33.0}, 0.003 * 10.0),
+        ({"strain": 2.5}, 0.1 * 0.5),
+        ({"strain_rate": 8.0}, 0.05 * np.log(8.0)),
+        ({"ambient": -40.0, "strain": 2.5}, np.hypot(0.06, 0.05)),
+    ],
+)
+def test_extrapolation_by_hand(reached: dict[str, float], expected: float) -> None:
+    rows = compare_with_tests("run", reached, TESTED)
+    assert extrapolation(rows) == pytest.approx(expected)
+    only = 0.003 * max(-20.0 - reached.get("ambient", 0.0), reached.get("ambient", 0.0) - 23.0, 0.0)
+    assert extrapolation(rows, only=("ambient",)) == pytest.approx(only)
+
+
+def test_tests_at_one_temperature_have_their_coefficients_drawn() -> None:
+    rows = compare_with_tests("run", {"ambient": -40.0}, {"ambient": (23.0, 23.0)})
+    assert rows[0]["passed"]
+    assert extrapolation(rows) == 0.0
+
+
+def test_a_band_with_another_error() -> None:
+    low, high = widened(9.0, 12.0, 10.0, 0.1, 0.975)
+    assert (10.0 - low, high - 10.0) == pytest.approx(np.hypot([1.0, 2.0], 1.959964), rel=1e-6)
+    # A middle below the band, as the first of bearings that are no samples.
+    assert widened(11.0, 12.0, 10.0, 0.1, 0.975)[0] == pytest.approx(11.0 - 1.959964)
+    assert widened(11.0, 12.0, 10.0, 0.0, 0.975) == (11.0, 12.0)
+
+
+def test_bands_outside_the_tests_are_wider() -> None:
+    found = tb.identify_bearing(soaked(0.0), HDR, starts=1)
+    ahead = forecast(found, [-20.0, -40.0])
+    inside, outside = ahead.bands
+    assert (inside.beyond_tested, outside.beyond_tested) == ("", "ambient")
+    for item, other in zip(inside.predicted, outside.predicted, strict=True):
+        assert OUTSIDE not in item.shares
+        assert other.shares[OUTSIDE] > 0.3
+        assert sum(other.shares.values()) == pytest.approx(1.0)
+        half = 0.5 * (other.upper - other.lower) / other.best
+        assert half > 1.96 * 0.003 * 20.0 > 0.5 * (item.upper - item.lower) / item.best
+    rows = ahead.summary()["predicted"]
+    assert [row["beyond_tested"] for row in rows[3:5]] == ["", "ambient"]
+
+
+def test_factors_outside_the_tests_have_wider_bands() -> None:
+    """By 20 K times 0.3 % on either side of the factor, of samples that differ by nothing else."""
+    ranges = Validity(ambient=[-20.0, 23.0], strain=[0.5, 2.0])
+    bearing = HDR.model_copy(update={"tested_range": ranges})
+    table = tb.temperature_factors(
+        [bearing, bearing], reference_temperature=23.0, temperatures=[-40.0, -20.0], strains=[1.0]
+    )
+    for ambient, more in ((-40.0, 1.644854 * 0.06), (-20.0, 0.0)):
+        rows = table[table["ambient_degC"] == ambient]
+        half = 0.5 * (rows["factor_high"] - rows["factor_low"]) / rows["factor"]
+        assert half.to_numpy() == pytest.approx(np.full(len(rows), more), abs=1e-6)

@@ -15,7 +15,7 @@ from thermobearing.border.units import is_number, one_or_several
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.cyclic.run import run
-from thermobearing.results.ranges import Row, limits_passed
+from thermobearing.results.ranges import Row, extrapolation, limits_passed, widened
 
 TEMPERATURES = tuple(float(t) for t in range(-40, 41, 10))
 STRAINS = (1.0, 1.75)
@@ -130,7 +130,23 @@ def temperature_factors(
     found = found.reset_index().sort_values(
         ["strain", "quantity", "basis", "ambient_degC"], ignore_index=True
     )
-    return _with_tested(found, tested)
+    return _grown(_with_tested(found, tested), tested)
+
+
+def _grown(table: "pd.DataFrame", tested: list[Row]) -> "pd.DataFrame":
+    """Return factors whose bands are wider at ambient temperatures outside the tests.
+
+    Strain and rate change both values of a factor, and most of their error cancels.
+    """
+    by_run: dict[str, list[Row]] = {}
+    for row in tested:
+        by_run.setdefault(str(row["run"]), []).append(row)
+    pairs = zip(table["strain"], table["ambient_degC"], strict=True)
+    runs = [by_run.get(_place(float(strain), float(ambient)), []) for strain, ambient in pairs]
+    more = np.array([extrapolation(rows, only=("ambient",)) for rows in runs])
+    low, high, middle = (table[f"factor{end}"].to_numpy() for end in ("_low", "_high", ""))
+    table["factor_low"], table["factor_high"] = widened(low, high, middle, more, QUANTILES[1])
+    return table
 
 
 def factors_at_speed(

@@ -99,6 +99,8 @@ def factor_tables(summary: Summary) -> dict[str, Table]:
             for place, one in enumerate(each)
             if one is not None and "ambient" in str(one.get("beyond_tested") or "").split()
         }
+        outside = " ".join(str(one.get("beyond_tested") or "") for one in each if one).split()
+        marked |= {(at, 0)} if {"strain", "strain_rate"} & set(outside) else set()
     note = "first: the first cycle; heated: the last cycle, after self-heating; mean: the mean of "
     note += (
         "the cycles." + f" {BAND.format(summary['samples'])}" * bands + f" {MARKED}." * bool(marked)

@@ -30,7 +30,16 @@ from thermobearing.report.pieces import (
     ReportFigure,
     Trace,
 )
-from thermobearing.report.words import counted, degrees, joined, number, percent, quantity, tidy
+from thermobearing.report.words import (
+    counted,
+    degrees,
+    joined,
+    number,
+    percent,
+    printed_unit,
+    quantity,
+    tidy,
+)
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.directory import IDENTIFIED
 from thermobearing.results.ranges import MARKED, parted
@@ -239,14 +248,30 @@ def errors_table(caption: str, tests: Sequence[Row]) -> Table:
 
 
 def posterior_table(posterior: Row) -> Table:
-    """Return the peak forces that the samples of the posterior predict."""
-    rows = posterior.get("peak_force", [])
-    marks = ["ambient" in str(row.get("beyond_tested") or "").split() for row in rows]
+    """Return the quantities that the samples of the posterior predict."""
+    rows = []
+    for row in posterior.get("predicted", []):
+        _, factor = printed_unit(str(row["unit"]))
+        values = {name: factor * row[name] for name in ("best", "lower", "upper")}
+        beyond = str(row.get("beyond_tested") or "").split()
+        rows.append(
+            {
+                "ambient_degC": row["ambient_degC"],
+                "quantity": {"force": "peak force"}.get(row["quantity"], row["quantity"]),
+                "unit": printed_unit(str(row["unit"]))[0],
+                "predicted_best": values["best"],
+                "predicted_lower": values["lower"],
+                "predicted_upper": values["upper"],
+                "share_not_determined": row["share_not_determined"],
+                "outside_tests": ", ".join(beyond).replace("_", " ") or "nothing",
+            }
+        )
+    marks = [row["outside_tests"] != "nothing" for row in rows]
     note = f"From {posterior.get('samples')} samples of the posterior ({posterior.get('source')}), "
-    note += "in posterior.csv." + (f" {MARKED}." if any(marks) else "")
-    names = ("ambient_degC", "best_kN", "lower_kN", "upper_kN")
-    how: dict[str, Any] = {"keys": 0, "marked": {"ambient_degC": marks}, "note": note}
-    return make_table(pd.DataFrame(rows), names, "Predicted peak force", **how)
+    note += "in posterior.csv. Not determined: share of the variance from what the tests did not "
+    note += "determine." + (f" {MARKED}; the band is wider there." if any(marks) else "")
+    how: dict[str, Any] = {"keys": 2, "marked": {"ambient_degC": marks}, "note": note}
+    return make_table(pd.DataFrame(rows), caption="Predicted in the largest loop", **how)
 
 
 def _undetermined_table(summary: Row) -> Table:

@@ -3,17 +3,22 @@
 Input: names, units and numbers; output: table rows and sentences, for all analyses.
 """
 
+import math
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import product
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 
+from thermobearing.border.library import read_data
+from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats
 from thermobearing.quantities.governing import largest_by, place_of_largest
 
 Ends = tuple[float, float]
+FloatsOrNumber = Floats | float
 Row = dict[Any, Any]
 
 # Of a tested range (its width, or its upper end where that is more), beyond either end: what the
@@ -127,6 +132,60 @@ def compare_with_tests(
     """Return the rows of `compared` for the tested range of a bearing; none without a range."""
     units = {name: unit for name, (unit, _, _, _) in TESTED.items()}
     return compared(run, reached, ranges or {}, units, slack=SLACK)
+
+
+class Beyond(Strict):
+    """How much less is known of a force outside the calibration range."""
+
+    limit: str  # of `TESTED`
+    relative: float  # standard uncertainty for each unit of distance
+    ratio: bool = False  # of values, of which the logarithm is the distance
+    source: str
+    note: str = ""
+
+
+class _Table(Strict):
+    """Content of data/results/extrapolation.toml."""
+
+    beyond: list[Beyond]
+
+
+def extrapolation(rows: Iterable[Mapping[Any, Any]], *, only: Collection[str] = TESTED) -> float:
+    """Return the relative standard uncertainty of a force that lies outside the tests.
+
+    `rows` are those of `compare_with_tests` for a run, `only` the limits that count. Tests at one
+    ambient temperature determine no coefficient: it is held, and has its own uncertainty.
+    """
+    known = {one.limit: one for one in read_data(_Table, "results", "extrapolation.toml").beyond}
+    square = 0.0
+    for row in rows:
+        limit, low, high, asked = (row[k] for k in ("limit", "lowest", "largest", "asked"))
+        if not row["passed"] or limit not in known or limit not in only:
+            continue
+        if limit == "ambient" and low == high:
+            continue
+        distance = max(low - asked, asked - high)
+        if known[limit].ratio:
+            end = low if asked < low else high
+            distance = abs(math.log(asked / end)) if asked > 0.0 < end else 0.0
+        square += (known[limit].relative * distance) ** 2
+    return math.sqrt(square)
+
+
+def widened(
+    low: FloatsOrNumber,
+    high: FloatsOrNumber,
+    middle: FloatsOrNumber,
+    more: FloatsOrNumber,
+    level: float,
+) -> tuple[Any, Any]:
+    """Return the ends of a band with another error, independent of it.
+
+    `more` is its standard uncertainty over the middle, `level` the probability of the upper end.
+    """
+    reach = NormalDist().inv_cdf(level) * np.abs(middle) * more
+    below, above = np.maximum(middle - low, 0.0), np.maximum(high - middle, 0.0)
+    return low - (np.hypot(below, reach) - below), high + (np.hypot(above, reach) - above)
 
 
 def outside_tests(

@@ -28,7 +28,7 @@ from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.problem import AT_BOUND, Problem, half_cycles, linearise
 from thermobearing.identify.records.cycles import TURN, turning_points
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.uncertainty.covariance import CLEAR, Group, linearise_assumed
+from thermobearing.identify.uncertainty.covariance import CLEAR, OPEN, Group, linearise_assumed
 from thermobearing.quantities.governing import place_of_largest, place_of_least
 
 SATURATED = 0.55  # part of a leg after which Z counts as saturated
@@ -43,7 +43,6 @@ MISFIT = 0.03  # residual to come, of the peak force: fits of real tests leave 2
 WORTH = 4.0  # independent samples of a half cycle: residuals of a law are alike along a leg
 WIDE = 10.0  # standard uncertainties of the source: prior of a free parameter
 BETTER = 1.0  # of that of its source: what tests know better than this errs less when it is free
-OPEN = 0.5  # of the range of the search: the interval of a parameter that the tests leave open
 NOTHING = 0.9  # of WIDE: tests that leave so much say nothing
 
 

@@ -35,6 +35,7 @@ AMBIENT, TURNS, FORCE, CONDITIONING = "ambient", "turns", "force", "conditioning
 OF_TESTS = (AMBIENT, TURNS, FORCE, CONDITIONING)  # keys of the tests, not of the bearing
 UNSEEN = 1e-3  # of the variance: numbers that move the residuals less are not seen by the tests
 WELL = 0.01  # relative standard error of a well determined parameter: three are within 3 %
+OPEN = 0.5  # of the range of the search: the interval of a parameter that the tests leave open
 NEAR_BOUND = 0.05  # of the range of the search: nearer to a bound no parameter is determined
 POOR = 0.1  # relative standard error of a poorly determined one
 LEAST = 0.1  # m_T, n_T, b and s may be zero: errors are relative to this at least
@@ -415,7 +416,7 @@ class Estimate:
     determined: bool  # by the tests, and not by a bound of the search
     well_determined: bool  # three standard errors are within 3 % of the value
     relative_error: float  # standard error over the value; infinite if not determined
-    where: str  # how near to a bound it ended, in words
+    where: str  # how near to a bound it ended, or how far open it is, in words
 
 
 @dataclass(frozen=True)
@@ -506,8 +507,12 @@ def _estimate(p: Parameter, u: float, variance: float, spread: float, reach: flo
     bound, value, slope = not AT_BOUND < u < 1.0 - AT_BOUND, p.at(u), p.slope(u)
     place, end = p.place(value), p.lower if p.place(value) < 0.5 else p.upper
     lost = min(place, 1.0 - place) < NEAR_BOUND and end != p.kind.end
-    stderr, determined = float(np.sqrt(variance)) * slope, not (bound or lost)
+    wide = 2.0 * reach > OPEN
+    stderr, determined = float(np.sqrt(variance)) * slope, not (bound or lost or wide)
     least = 0.0 if p.kind.scale == "log" else LEAST
+    where = "at its bound" if bound else f"within {NEAR_BOUND:.0%} of its bound"
+    if wide and not (bound or lost):
+        where = "with an interval of half its range or more"
     known = determined and np.isfinite(stderr)
     relative = stderr / max(abs(value), least) if known else float("inf")
     return Estimate(
@@ -522,7 +527,7 @@ def _estimate(p: Parameter, u: float, variance: float, spread: float, reach: flo
         determined=determined,
         well_determined=relative <= WELL,
         relative_error=relative,
-        where="at its bound" if bound else f"within {NEAR_BOUND:.0%} of its bound",
+        where=where,
     )
 
 

@@ -34,7 +34,13 @@ from thermobearing.identify.result import Identification
 from thermobearing.identify.uncertainty.covariance import chosen_groups, shift
 from thermobearing.quantities.governing import order_from_largest
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
-from thermobearing.results.ranges import compare_with_tests, limits_passed, outside_tests
+from thermobearing.results.ranges import (
+    compare_with_tests,
+    extrapolation,
+    limits_passed,
+    outside_tests,
+    widened,
+)
 from thermobearing.results.sums import product_in_order, sum_of_products
 from thermobearing.tables.text import read_text
 
@@ -43,6 +49,8 @@ LOW, HIGH = 0.025, 0.975
 # Of a forecast: the ends of a 95 % interval then vary by a tenth of its half width.
 DRAWS = 400
 MOST_ROUNDS = 50  # of draws until enough are within the bounds
+UNITS = {"force": "kN", "K_eq": "kN/mm", "Q_d": "kN", "energy": "kN mm"}
+OUTSIDE = "outside the tests"  # among the causes of a band
 LEAST_SHARE = 0.05  # of a variance: smaller ones are not named
 PART = 0.5  # of a standard error: the step of a derivative
 STEPS, BURN = 300, 100  # of a walker, kept and thrown away
@@ -75,11 +83,13 @@ class Predicted:
     # Share of its variance by each cause: "tests" for their scatter, and the assumed groups.
     shares: dict[str, float] = field(default_factory=dict)
     held_share: float = 0.0  # of numbers of the bearing that the tests did not determine
+    draws: Floats = field(default_factory=lambda: np.zeros(0), repr=False)  # that completed
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json about the quantity."""
         return {
             "quantity": self.quantity,
+            "unit": UNITS[self.quantity],
             "best": self.best,
             "lower": self.lower,
             "upper": self.upper,
@@ -151,7 +161,11 @@ class Forecast:
                 for band in self.bands
             ],
             "predicted": [
-                {"ambient_degC": band.ambient, **item.summary()}
+                {
+                    "ambient_degC": band.ambient,
+                    **item.summary(),
+                    "beyond_tested": band.beyond_tested,
+                }
                 for band in self.bands
                 for item in band.predicted
             ],
@@ -195,11 +209,31 @@ def forecast(
         thickness = found.bearing.total_rubber_thickness
         reached = reached_values(found.records[0], thickness, one, band.lead)
         compared = list(compare_with_tests(name, reached, tested))
-        bands.append(replace(band, beyond_tested=limits_passed(compared, [name])[0]))
+        bands.append(_outside(band, limits_passed(compared, [name])[0], extrapolation(compared)))
         rows += compared
     said = outside_tests(found.bearing.name, rows, tested)
     columns = _sample_columns(found, samples)
     return Forecast(samples, tuple(bands), tuple(said), tuple(map(_share_note, bands)), columns)
+
+
+def _outside(band: Band, beyond: str, more: float) -> Band:
+    """Return a band with the quantities outside the tests, and as wide as that makes it.
+
+    `more` is the relative standard uncertainty of forces there.
+    """
+    if not more:
+        return replace(band, beyond_tested=beyond)
+    lower, upper = widened(band.lower, band.upper, band.best, more, HIGH)
+    predicted = []
+    for item in band.predicted:
+        low, high = map(float, widened(item.lower, item.upper, item.best, more, HIGH))
+        grown = ((high - low) / max(item.upper - item.lower, 1e-300)) ** 2  # of the variance
+        shares = {name: share / grown for name, share in item.shares.items()}
+        shares[OUTSIDE] = 1.0 - 1.0 / grown
+        held = item.held_share / grown + shares[OUTSIDE]
+        predicted.append(replace(item, lower=low, upper=high, shares=shares, held_share=held))
+    wide = replace(band, lower=lower, upper=upper, predicted=tuple(predicted))
+    return replace(wide, beyond_tested=beyond)
 
 
 def _share_note(band: Band) -> str:
@@ -207,7 +241,8 @@ def _share_note(band: Band) -> str:
     item = next((p for p in band.predicted if p.quantity == "K_eq"), band.predicted[0])
     half = 0.5 * (item.upper - item.lower) / item.best
     shares = {name: share for name, share in item.shares.items() if share >= LEAST_SHARE}
-    causes = ", ".join(f"{name} {share:.0%}" for name, share in shares.items())
+    names = [list(shares)[k] for k in order_from_largest(list(shares.values()))]
+    causes = ", ".join(f"{name} {shares[name]:.0%}" for name in names)
     return (
         f"{item.quantity} at {band.ambient:g} degC is known to \N{PLUS-MINUS SIGN}{half:.1%}; "
         f"{item.held_share:.0%} of its variance comes from what the tests did not determine "
@@ -385,8 +420,9 @@ def _predictive_band(
     sources = _sources(found, lambda *at: _measured(test, _force(*at)), middles)
     predicted = []
     for name, value in middles.items():
-        low, high = np.quantile([item[name] for item in measures], [LOW, HIGH]).tolist()
-        predicted.append(Predicted(name, value, low, high, *sources[name]))
+        drawn = np.array([item[name] for item in measures])
+        low, high = np.quantile(drawn, [LOW, HIGH]).tolist()
+        predicted.append(Predicted(name, value, low, high, *sources[name], drawn))
     return Band(
         ambient=ambient,
         displacement=test.displacement,
