@@ -34,14 +34,15 @@ ITEMS = {
     "energy": "Energy balance",
     "memory": "Memory",
     "identification": "Identification",
+    "coverage": "Coverage",
 }
 MARKS = {True: "[green]yes[/]", False: "[bold red]NO[/]", None: ""}
 
 
-def measured(item: str) -> list[Row]:
+def measured(item: str, **options: int) -> list[Row]:
     """Return the rows of one benchmark; one that fails becomes a row with its error."""
     try:
-        rows: list[Row] = import_module(f"benchmarks.{item}").rows()
+        rows: list[Row] = import_module(f"benchmarks.{item}").rows(**options)
     except Exception as error:
         return [failed(item, f"{type(error).__name__}: {error}", target="runs")]
     return rows
@@ -65,12 +66,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the same as JSON")
     parser.add_argument("--only", metavar="ITEM", nargs="+", choices=ITEMS, default=list(ITEMS))
+    parser.add_argument("--fits", metavar="N", type=int, help="of each cell of `coverage`; 60")
     options = parser.parse_args()
     begin, console = time.perf_counter(), Console(width=170)
     found: dict[str, list[Row]] = {}
     for item in options.only:
         console.print(f"measuring {item} ...", style="dim")
-        found[item] = measured(item)
+        fits = {"fits": options.fits} if item == "coverage" and options.fits else {}
+        found[item] = measured(item, **fits)
         if options.json:  # now, for benchmarks that are interrupted
             listed = {name: [asdict(row) for row in rows] for name, rows in found.items()}
             report = {"machine": machine(), "rows": listed, "seconds": time.perf_counter() - begin}
