@@ -54,7 +54,7 @@ def calibrated(kind: str, kelvin: float, seed: int) -> tuple[Identification, tb.
 def predictions_held(found: Identification, truth: tb.Bearing, seed: int) -> dict[str, bool]:
     """Whether the band of each prediction holds its truth."""
     test, values, draws = found.records[0], {}, {}
-    bands = forecast(found, [COLD, WARM], seed=seed).bands
+    bands = forecast(found, [COLD, WARM], seed=seed, narrow=False).bands
     for band in bands:
         run = ForwardModel(test, truth, fine=True, ambient=band.ambient).run(truth)
         assert run is not None

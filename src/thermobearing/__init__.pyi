@@ -44,7 +44,7 @@ from .identify.records.record import record_from_arrays as record_from_arrays
 from .identify.result import Identification as Identification
 from .identify.run import identify_bearing as identify_bearing
 from .identify.uncertainty.posterior import forecast as forecast
-from .identify.uncertainty.posterior import posterior_bearings as posterior_bearings
+from .identify.uncertainty.samples import posterior_bearings as posterior_bearings
 from .intake.run import take_in as take_in
 from .live.page import live_page as live_page
 from .loading import load_result as load_result

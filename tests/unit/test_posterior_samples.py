@@ -10,7 +10,7 @@ import thermobearing as tb
 from tests.unit.inputs import command, summary
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.equivalent import backbone, bilinear_parameters, post_yield_ratio
-from thermobearing.identify.uncertainty.posterior import posterior_bearings
+from thermobearing.identify.uncertainty.samples import posterior_bearings
 
 NAME = "shen-hdr-specimen"
 

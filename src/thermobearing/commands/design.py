@@ -159,7 +159,7 @@ def _lambda(
     from thermobearing.bearing.library import load_bearing
     from thermobearing.design.factors import PRESETS
     from thermobearing.design.run import run_factors
-    from thermobearing.identify.uncertainty.posterior import posterior_bearings
+    from thermobearing.identify.uncertainty.samples import posterior_bearings
 
     if "period" in given and "speed" in given:
         raise InputError("give --period or --speed, not both")

@@ -23,9 +23,13 @@ from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.fit.parameters import (
     KINDS,
     M_T,
+    SPAN,
     ParameterSet,
     at_one_temperature,
+    available,
+    default_free,
     dotted_value,
+    is_of_temperature,
     parameter_set,
     remedy,
     split_at_one_temperature,
@@ -155,7 +159,11 @@ def run_identify(case: IdentifyCase) -> Identification:
 
 def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str]]:
     ambients = [record.ambient for record in case.records]
-    if case.free is None or case.one_temperature or not at_one_temperature(ambients):
+    if not at_one_temperature(ambients):
+        return case, []
+    if case.free is None:
+        return case, _held_coefficients(case, ambients)
+    if case.one_temperature:
         return case, []
     others, held = split_at_one_temperature(case.bearing, case.free)
     if not held:
@@ -168,6 +176,26 @@ def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str
     if not others:
         raise InputError(f"free: nothing else is free; {why}")
     return replace(case, free=others), [why]
+
+
+def _held_coefficients(case: IdentifyCase, ambients: Sequence[float]) -> list[str]:
+    """Return a sentence on coefficients that tests at one temperature leave as they are."""
+    two = (ambients[0], ambients[0] + SPAN)
+    keys = [key for key in default_free(case.bearing, two) if is_of_temperature(key)]
+    groups = {key: group for group in chosen_groups(case.assumed) for key in group.keys}
+    symbols = {kind.key: kind.symbol for kind in available(case.bearing)}
+    values = []
+    for key in keys:
+        value = dotted_value(case.bearing, key) or 0.0
+        known = f" \N{PLUS-MINUS SIGN} {groups[key].step(value):.2g}" if key in groups else ""
+        values.append(f"{symbols[key]} = {value:.4g}{known}")
+    if not values:
+        return []
+    return [
+        f"{' and '.join(values)} held at the value of {case.bearing.name}, because the tests are "
+        f"at {ambients[0]:g} degC only; predictions at other temperatures are uncertain by that "
+        f"much; {remedy(KINDS[M_T])}"
+    ]
 
 
 def _left_open(keys: Sequence[str], bearing: Bearing) -> list[str]:

@@ -470,11 +470,13 @@ def _effective_samples(residuals: Floats) -> float:
     return float(n / (1.0 + 2.0 * rho[1:end].sum()))
 
 
-def estimate(problem: Problem, cube: Floats, groups: Sequence[Group] | None = None) -> Uncertainty:
+def estimate(
+    problem: Problem, cube: Floats, groups: Sequence[Group] | None = None, *, fine: bool = True
+) -> Uncertainty:
     """Return standard errors, intervals and warnings at the optimum of a fit."""
-    linear = linearise(problem, cube)
+    linear = linearise(problem, cube, fine=fine)
     groups = chosen_groups(None) if groups is None else groups
-    assumed = _propagate(linear, linearise_assumed(problem, cube, groups))
+    assumed = _propagate(linear, linearise_assumed(problem, cube, groups, fine=fine))
     of_tests = linear.covariance()
     wide = widening(int(linear.blocks.max()) + 1 - len(cube))
     # Of the intervals: each part with its own degrees of freedom.

@@ -10,30 +10,33 @@ held at an assumed value. The optimum moves with the assumed values (covariance.
 drawn together. Errors are widened by the factors that the intervals contain.
 """
 
-import csv
-import io
+import math
 import time
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
-from pathlib import Path
-from typing import Any
+from statistics import NormalDist
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from thermobearing.bearing.library import as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.scaling import extract_compound, lead_cores, split_parts
-from thermobearing.border.errors import InputError, is_file, nearest
-from thermobearing.border.schema import validated
+from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit import parameters as kinds
-from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.fit.forward import ForwardModel, Prediction
+from thermobearing.identify.fit.parameters import SPAN, ParameterSet
+from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.records.cycles import largest_measures
-from thermobearing.identify.records.record import TestRecord, reached_values
+from thermobearing.identify.records.record import reached_values
 from thermobearing.identify.result import Identification
-from thermobearing.identify.uncertainty.covariance import chosen_groups, shift
-from thermobearing.quantities.governing import order_from_largest
-from thermobearing.results.directory import IDENTIFIED, SAMPLES
+from thermobearing.identify.uncertainty.covariance import (
+    AMBIENT,
+    chosen_groups,
+    estimate,
+    shift,
+)
+from thermobearing.quantities.governing import order_from_largest, place_of_least
 from thermobearing.results.ranges import (
     compare_with_tests,
     extrapolation,
@@ -42,7 +45,6 @@ from thermobearing.results.ranges import (
     widened,
 )
 from thermobearing.results.sums import product_in_order, sum_of_products
-from thermobearing.tables.text import read_text
 
 WALKERS_PER = 3  # walkers for each parameter
 LOW, HIGH = 0.025, 0.975
@@ -51,14 +53,11 @@ DRAWS = 400
 MOST_ROUNDS = 50  # of draws until enough are within the bounds
 UNITS = {"force": "kN", "K_eq": "kN/mm", "Q_d": "kN", "energy": "kN mm"}
 OUTSIDE = "outside the tests"  # among the causes of a band
+CHAMBER = 0.2  # K, of a chamber that is known well
+NO_SHARE = 1e-3  # of a variance: smaller ones are left out
 LEAST_SHARE = 0.05  # of a variance: smaller ones are not named
 PART = 0.5  # of a standard error: the step of a derivative
 STEPS, BURN = 300, 100  # of a walker, kept and thrown away
-MOST = 10_000  # of samples
-HEAT = "materials."  # thermal numbers, which have no size
-FAR = 10.0  # standard deviations from the mean of the samples, ...
-APART = 0.2  # ... and this part of it: not the bearing that they are of
-ALIKE = 1e-6  # relative difference of two compounds that are one, their files read and written
 
 
 @dataclass(frozen=True)
@@ -84,6 +83,11 @@ class Predicted:
     shares: dict[str, float] = field(default_factory=dict)
     held_share: float = 0.0  # of numbers of the bearing that the tests did not determine
     draws: Floats = field(default_factory=lambda: np.zeros(0), repr=False)  # that completed
+
+    @property
+    def half_width(self) -> float:
+        """Half the width of the band, over the best estimate."""
+        return 0.5 * (self.upper - self.lower) / self.best
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json about the quantity."""
@@ -116,6 +120,11 @@ class Band:
     beyond_tested: str = ""  # quantities outside the calibration range
 
     @property
+    def main(self) -> Predicted:
+        """K_eq, or the peak force of a record without a loop."""
+        return next((p for p in self.predicted if p.quantity == "K_eq"), self.predicted[0])
+
+    @property
     def peak(self) -> float:
         """Largest force with the calibrated parameters [kN]."""
         return self.predicted[0].best
@@ -131,6 +140,13 @@ class Band:
         return self.predicted[0].upper
 
 
+class Narrowing(NamedTuple):
+    """Knowledge that would narrow a band."""
+
+    what: str
+    half_width: float  # of the 95 % band with it, over the best estimate
+
+
 @dataclass(frozen=True)
 class Forecast:
     """Draws of the parameters, and their bands at some temperatures."""
@@ -140,6 +156,7 @@ class Forecast:
     warnings: tuple[str, ...] = ()  # statements on extrapolation beyond the tests
     notes: tuple[str, ...] = ()  # where the bands come from
     columns: dict[str, Floats] = field(default_factory=dict)  # of posterior.csv, by symbol or key
+    narrowing: tuple[Narrowing, ...] = ()  # of the coldest band
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json about the forecast."""
@@ -150,6 +167,7 @@ class Forecast:
             "autocorrelation_steps": self.samples.autocorrelation,
             "warnings": list(self.warnings),
             "notes": list(self.notes),
+            "narrowing": [item._asdict() for item in self.narrowing],
             "peak_force": [
                 {
                     "ambient_degC": band.ambient,
@@ -173,7 +191,12 @@ class Forecast:
 
 
 def forecast(
-    found: Identification, ambients: Sequence[float] = (), *, posterior: bool = False, seed: int = 0
+    found: Identification,
+    ambients: Sequence[float] = (),
+    *,
+    posterior: bool = False,
+    seed: int = 0,
+    narrow: bool = True,
 ) -> Forecast:
     """Predict loops at ambient temperatures, with 95 % bands by the uncertainty of parameters.
 
@@ -183,6 +206,7 @@ def forecast(
     ambients : temperatures [degC], each in [-100, 100]; that of the first test by default.
     posterior : sample the posterior with emcee; otherwise the normal distribution of the estimates.
     seed : of the draws, >= 0.
+    narrow : compute what would narrow the coldest band.
 
     Raises
     ------
@@ -203,17 +227,33 @@ def forecast(
     at = list(ambients) or [found.records[0].ambient]
     assert found.bearing.tested_range is not None  # the range of the tests
     tested = found.bearing.tested_range.ranges()
-    bands, rows = [], []
+    bands, rows, beyond = [], [], []
     for one in at:
         band, name = _predictive_band(found, samples, one, seed=seed), f"predicted at {one:g} degC"
         thickness = found.bearing.total_rubber_thickness
         reached = reached_values(found.records[0], thickness, one, band.lead)
         compared = list(compare_with_tests(name, reached, tested))
-        bands.append(_outside(band, limits_passed(compared, [name])[0], extrapolation(compared)))
+        beyond.append(extrapolation(compared))
+        bands.append(_outside(band, limits_passed(compared, [name])[0], beyond[-1]))
         rows += compared
     said = outside_tests(found.bearing.name, rows, tested)
-    columns = _sample_columns(found, samples)
-    return Forecast(samples, tuple(bands), tuple(said), tuple(map(_share_note, bands)), columns)
+    columns, notes = _sample_columns(found, samples), [_share_note(band) for band in bands]
+    coldest = place_of_least(at)
+    narrowing = _narrower(found, bands[coldest], beyond[coldest]) if narrow else []
+    if narrowing:
+        notes.append(_narrowing_note(bands[coldest], narrowing))
+    return Forecast(samples, tuple(bands), tuple(said), tuple(notes), columns, tuple(narrowing))
+
+
+def _narrowing_note(band: Band, narrowing: Sequence[Narrowing]) -> str:
+    """Return a sentence on what would narrow a band."""
+    sign = "\N{PLUS-MINUS SIGN}"
+    options = "; ".join(f"{item.what}: {sign}{item.half_width:.1%}" for item in narrowing)
+    item = band.main
+    return (
+        f"What would narrow {item.quantity} at {band.ambient:g} degC from {sign}"
+        f"{item.half_width:.1%}: {options}"
+    )
 
 
 def _outside(band: Band, beyond: str, more: float) -> Band:
@@ -238,8 +278,8 @@ def _outside(band: Band, beyond: str, more: float) -> Band:
 
 def _share_note(band: Band) -> str:
     """Return a sentence on the share of a band that the tests did not determine."""
-    item = next((p for p in band.predicted if p.quantity == "K_eq"), band.predicted[0])
-    half = 0.5 * (item.upper - item.lower) / item.best
+    item = band.main
+    half = item.half_width
     shares = {name: share for name, share in item.shares.items() if share >= LEAST_SHARE}
     names = [list(shares)[k] for k in order_from_largest(list(shares.values()))]
     causes = ", ".join(f"{name} {shares[name]:.0%}" for name in names)
@@ -398,31 +438,24 @@ def _predictive_band(
     test, picked = found.records[0], np.arange(len(samples.cube))
     if len(picked) > count:
         picked = np.random.default_rng(seed).choice(len(picked), size=count, replace=False)
-    best = ForwardModel(test, found.bearing, fine=True, ambient=ambient).run(found.bearing)
-    # Draws differ from the best estimate alike with coarse steps, at a fifth of the time.
-    coarse = ForwardModel(test, found.bearing, ambient=ambient)
-    middle = coarse.run(found.bearing)
-
-    def _force(cube: Floats, held: Floats) -> Floats | None:
-        bearing = drawn_bearing(found, cube, held)
-        run = coarse.rebuilt(bearing).run(bearing)
-        if run is None or best is None or middle is None:
-            return None
-        return np.asarray(best.force + (run.force - middle.force))
-
-    runs = [_force(samples.cube[i], samples.held[i]) for i in picked]
-    forces = np.array([force for force in runs if force is not None])
-    if best is None or len(forces) == 0:
+    best = _best(found, ambient)
+    force_of = _forces(found, ambient)
+    runs = [force_of(samples.cube[i], samples.held[i]) for i in picked] if force_of else []
+    changes = [change for change in runs if change is not None]
+    if best is None or not changes:
         raise InputError(f"the model does not complete the test at {ambient:g} degC")
+    forces = best.force + np.array(changes)
     lower, upper = np.quantile(forces, [LOW, HIGH], axis=0)
     measures = [largest_measures(test, force) for force in forces]
     middles = largest_measures(test, best.force)
-    sources = _sources(found, lambda *at: _measured(test, _force(*at)), middles)
+    errors = _errors(found, ambient)
     predicted = []
     for name, value in middles.items():
         drawn = np.array([item[name] for item in measures])
         low, high = np.quantile(drawn, [LOW, HIGH]).tolist()
-        predicted.append(Predicted(name, value, low, high, *sources[name], drawn))
+        error = errors[name]
+        held = error.share_of_held
+        predicted.append(Predicted(name, value, low, high, error.shares, held, drawn))
     return Band(
         ambient=ambient,
         displacement=test.displacement,
@@ -434,19 +467,67 @@ def _predictive_band(
     )
 
 
-def _measured(test: TestRecord, force: Floats | None) -> dict[str, float] | None:
-    return None if force is None else largest_measures(test, force)
+def _best(found: Identification, ambient: float) -> Prediction | None:
+    """Return the calibrated bearing in the first test at an ambient; None if it ends early."""
+    test = found.records[0]
+    return ForwardModel(test, found.bearing, fine=True, ambient=ambient).run(found.bearing)
+
+
+def _forces(
+    found: Identification, ambient: float
+) -> Callable[[Floats, Floats], Floats | None] | None:
+    """Return a function of a draw: the change of the force of the first test at an ambient [kN].
+
+    With coarse steps, at a fifth of the time: the changes are those with fine steps. None if the
+    model ends early, and so does the function.
+    """
+    model = ForwardModel(found.records[0], found.bearing, ambient=ambient)
+    middle = model.run(found.bearing)
+
+    def _force(cube: Floats, held: Floats) -> Floats | None:
+        bearing = drawn_bearing(found, cube, held)
+        run = model.rebuilt(bearing).run(bearing)
+        return None if run is None or middle is None else run.force - middle.force
+
+    return None if middle is None else _force
+
+
+@dataclass(frozen=True)
+class _Error:
+    """Standard error of a prediction, and its causes."""
+
+    size: float  # in the unit of the quantity
+    shares: dict[str, float]  # of the variance, the largest first, without negligible ones
+    share_of_held: float  # of numbers of the bearing that the tests did not determine
+
+
+def _errors(found: Identification, ambient: float) -> dict[str, _Error]:
+    """Return the standard error of each quantity of the first test at an ambient [degC].
+
+    By derivatives at the best estimate.
+    """
+    test, force_of = found.records[0], _forces(found, ambient)
+    best = _best(found, ambient)
+    if force_of is None or best is None:
+        return {}
+    middles = largest_measures(test, best.force)
+
+    def _measure(cube: Floats, held: Floats) -> dict[str, float] | None:
+        change = force_of(cube, held)
+        return None if change is None else largest_measures(test, best.force + change)
+
+    return _sources(found, _measure, middles)
 
 
 def _sources(
     found: Identification,
     measure: Callable[[Floats, Floats], dict[str, float] | None],
     middles: Mapping[str, float],
-) -> dict[str, tuple[dict[str, float], float]]:
-    """Return the share of each cause in the variance of each quantity, and that of what is held.
+) -> dict[str, _Error]:
+    """Return the standard error of each quantity, by derivatives of `measure` at the best estimate.
 
-    By derivatives at the best estimate: along the axes of the errors by the tests, and by one
-    standard uncertainty of each assumed group, with which the parameters move.
+    Along the axes of the errors by the tests, and by one standard uncertainty of each assumed
+    group, with which the parameters move.
     """
     about = found.uncertainty
     nothing = np.zeros(len(about.assumed.groups))
@@ -469,7 +550,7 @@ def _sources(
         _slopes(shifts[:, k] * wide, np.where(np.arange(len(nothing)) == k, wide, 0.0))
         for k, wide in enumerate(widening)
     ]
-    shares = {}
+    errors = {}
     for name in middles:
         slope = np.array([one[name] for one in of_groups])
         scatter = sum_of_products(*[[one[name] for one in of_tests]] * 2)
@@ -480,157 +561,68 @@ def _sources(
         causes |= dict(zip((g.name for g in groups), (parts / whole).tolist(), strict=True))
         held = sum(causes[group.name] for group in groups if not group.of_tests)
         order = [list(causes)[k] for k in order_from_largest(list(causes.values()))]
-        shares[name] = {cause: causes[cause] for cause in order}, min(max(held, 0.0), 1.0)
-    return shares
+        share = min(max(held, 0.0), 1.0)
+        some = {cause: causes[cause] for cause in order if abs(causes[cause]) >= NO_SHARE}
+        errors[name] = _Error(math.sqrt(whole), some, share)
+    return errors
 
 
-def posterior_bearings(
-    bearing: Bearing | str | Path, path: str | Path, count: int = 20, *, heat: bool = True
-) -> list[Bearing]:
-    r"""Return the calibrated bearing, followed by bearings of samples of its posterior.
+def _narrower(found: Identification, band: Band, more: float) -> list[Narrowing]:
+    """Return what would narrow K_eq of a band, or its force if there is no loop.
 
-    A bearing of another size, made of the calibrated compound, is possible if `bearing.toml` of the
-    calibration is in the directory of the samples: each sample is then scaled to that size.
-
-    Parameters
-    ----------
-    bearing : the calibrated one, or one made of its compound: a name, a file or a Bearing.
-    path : posterior.csv of `identify`: a column for each parameter, a row for each sample.
-    count : number of samples, 1 to 10 000, evenly through the file; all if it has fewer.
-    heat : draw the thermal numbers and the thickness of the rubber too. Studies leave them out,
-        since runs in lockstep have the same cells.
-
-    Returns
-    -------
-    list of Bearing : the bearing itself first, then the samples, each with a unique name; for
-        `tb.sweep`, `tb.bridge` and `temperature_factors`.
-
-    Raises
-    ------
-    InputError : no such file, columns that are no parameters of the bearing, cells that are no
-        numbers or that a bearing may not have; samples of another bearing.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     file = Path(folder, "posterior.csv")
-    ...     _ = file.write_text("K_r,m_T\n30,-1.1\n31,-1.2\n")
-    ...     bearings = posterior_bearings("shen-hdr-specimen", file)
-    >>> [(item.name, item.hysteresis.layer_stiffness) for item in bearings[1:]]
-    [('shen-hdr-specimen, sample 1', 30.0), ('shen-hdr-specimen, sample 2', 31.0)]
+    A chamber that is known better, and one test like the first at the temperature of the band,
+    whose residuals are as large as those of the first. `more` is the relative standard uncertainty
+    outside the tests, which this test would remove.
     """
-    first, where = as_bearing(bearing), str(path)
-    if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST:
-        raise InputError(f"samples = {count!r}: must be an integer from 1 to {MOST}")
-    rows = [row for row in csv.reader(io.StringIO(read_text(Path(path)))) if any(row)]
-    if len(rows) < 2:
-        raise InputError(
-            "contains no samples: a line of symbols and a row for each sample are needed", where
-        )
-    fitted = _fitted(first, Path(path).parent / IDENTIFIED)
-    keys = _keys(rows[0], fitted, where)
-    chosen = np.unique(np.linspace(1, len(rows) - 1, min(count, len(rows) - 1)).round().astype(int))
-    some = [_sample(fitted, keys, rows[k], k, where) for k in chosen.tolist()]
-    if fitted is first:
-        _refuse_others(first, keys, some, where)
-        cells = {} if heat else {"geometry": first.geometry, "materials": first.materials}
-        return [first, *(sample.model_copy(update=cells) for sample in some)]
-    warm = [key for key in keys if heat and key.startswith(HEAT)]
-    sized = []
-    for sample, number in zip(some, chosen, strict=True):
-        parts = split_parts(extract_compound(sample), first.geometry, lead_cores(first))
-        parts |= {"scragging": sample.scragging, "name": f"{first.name}, sample {number}"}
-        other = first.model_copy(update=parts)
-        sized.append(_with_ratios(other, sample, fitted, warm))
-    return [first, *sized]
+    item = band.main
+    groups = [g for g in chosen_groups(found.inputs.get("assumed")) if not g.mistake]
+    problem, options = found.problem, []
+    of_chambers = [g.name for g in found.uncertainty.assumed.groups if g.keys[0] == AMBIENT]
+    if sum(item.shares.get(name, 0.0) for name in of_chambers) >= LEAST_SHARE:
+        better = copy(problem)
+        better.records = [replace(r, ambient_uncertainty=CHAMBER) for r in problem.records]
+        options.append((f"ambient temperatures known to {CHAMBER:g} K", better, found, more))
+    if min(abs(r.ambient - band.ambient) for r in found.records) >= SPAN:
+        planned, pset = _with_planned_test(found, band.ambient)
+        name = f"one test at {band.ambient:g} degC"
+        options.append((name, planned, replace(found, pset=pset, cube=pset.start), 0.0))
+    narrowed = []
+    for name, other, fit, beyond in options:
+        other.pset = fit.pset
+        about = estimate(other, fit.cube, groups, fine=False)
+        error = _errors(replace(fit, uncertainty=about), band.ambient)[item.quantity]
+        size = math.hypot(error.size / item.best, beyond)
+        narrowed.append(Narrowing(name, NormalDist().inv_cdf(HIGH) * size))
+    return narrowed
 
 
-def _with_ratios(bearing: Bearing, sample: Bearing, fitted: Bearing, keys: list[str]) -> Bearing:
-    """Return a bearing whose thermal numbers differ as those of a sample from the calibration's."""
-    values = {}
-    for key in keys:
-        numbers = [kinds.dotted_value(item, key) for item in (bearing, sample, fitted)]
-        mine, drawn, middle = (0.0 if value is None else value for value in numbers)
-        if middle:
-            values[key] = mine * drawn / middle
-    return kinds.with_values(bearing, values)
-
-
-def _fitted(bearing: Bearing, place: Path) -> Bearing:
-    """Return the bearing of the samples: the one in their directory if it has another size."""
-    if not is_file(place):
-        return bearing
-    try:
-        fitted = load_bearing(place)
-    except InputError:  # a poor fit does not load: the given bearing's numbers must do
-        return bearing
-    if fitted.geometry == bearing.geometry and lead_cores(fitted) == lead_cores(bearing):
-        return bearing
-    other = extract_compound(bearing).rubber
-    for key, value in extract_compound(fitted).rubber:
-        mine = getattr(other, key)
-        number = isinstance(mine, float) and isinstance(value, float)
-        if abs(mine - value) > ALIKE * abs(value) if number else mine != value:
-            shown, wanted = (f"{v:.6g}" if number else str(v) for v in (mine, value))
-            said = (
-                f"{bearing.name} differs in size from {fitted.name}, to which the samples belong, "
-            )
-            said += f"and is not made of its compound: {key} is {shown}, not {wanted}; create it "
-            said += f"with thermobearing new --compound {place}"
-            raise InputError(said, str(place.with_name(SAMPLES)))
-    return fitted
-
-
-def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where: str) -> None:
-    """Refuse samples of a bearing of another size, by the numbers that depend on the size."""
-    for kind in kinds.available(bearing):
-        if kind.key not in keys or not kind.relative:
-            continue
-        values = np.array([kinds.dotted_value(one, kind.key) for one in some])
-        own, mean = kinds.dotted_value(bearing, kind.key) or 0.0, float(values.mean())
-        if abs(own - mean) > max(FAR * float(values.std()), APART * abs(mean)):
-            said = f"{kind.symbol} is {mean:.4g} {kind.unit} in the samples and {own:.4g} in "
-            said += (
-                f"{bearing.name}: they belong to another bearing. A bearing of the same compound "
-            )
-            said += f"can use them if {IDENTIFIED} of the calibration is in their directory"
-            raise InputError(said, where)
-
-
-def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
-    held = [key for group in chosen_groups(None) if not group.of_tests for key in group.keys]
-    known = kinds.keys_by_name(bearing) | {key: key for key in held}
-    faults, keys = [], []
-    data = bearing.model_dump()
-    for symbol in (text.strip() for text in head):
-        if symbol not in known:
-            faults.append(f'no parameter is called "{symbol}"{nearest(symbol, known)}')
-            continue
-        key = known[symbol]
-        if not isinstance(data.get(key.split(".")[0]), dict):
-            faults.append(f'"{symbol}": {bearing.name} ({bearing.kind}) has none')
-        keys.append(key)
-    if len(set(keys)) < len(keys):
-        faults.append("a parameter has two columns")
-    if faults:
-        raise InputError(faults, where)
-    return keys
-
-
-def _sample(bearing: Bearing, keys: list[str], cells: list[str], number: int, path: str) -> Bearing:
-    where = f"{path}, row {number}"
-    if len(cells) != len(keys):
-        raise InputError(f"{len(cells)} numbers instead of {len(keys)}", where)
-    data = bearing.model_dump()
-    for key, cell in zip(keys, cells, strict=True):
-        *tables, name = key.split(".")
-        inner = data
-        for table in tables:
-            inner = inner[table]
-        try:
-            inner[name] = float(cell)
-        except ValueError:
-            raise InputError(f'"{cell}" is not a number', where) from None
-    data["name"] = f"{bearing.name}, sample {number}"
-    return validated(Bearing, data, where, from_file=False)
+def _with_planned_test(found: Identification, ambient: float) -> tuple[Problem, ParameterSet]:
+    """Return the problem with one more test like the first, and m_T and n_T free."""
+    two = (ambient, ambient + SPAN)
+    warm = {key for key in kinds.default_free(found.bearing, two) if kinds.is_of_temperature(key)}
+    values = found.values
+    parameters = tuple(
+        replace(p, value=values[p.kind.key], free=p.free or (p.kind.key in warm and p.tie is None))
+        for p in found.pset.parameters
+    )
+    first = found.records[0]
+    middle, there = _best(found, first.ambient), _best(found, ambient)
+    assert middle is not None
+    assert there is not None
+    scale = float(np.abs(there.force).max()) / first.peak_force
+    force = there.force + scale * (first.force - middle.force)
+    planned = replace(
+        first,
+        name="planned",
+        force=force,
+        ambient=ambient,
+        ambient_uncertainty=None,
+        temperatures={},
+        places={},
+    )
+    problem, pset = found.problem, ParameterSet(found.pset.base, parameters)
+    other = Problem(
+        [*problem.records, planned], pset, temperatures=problem.temperatures, loss=problem.loss
+    )
+    other.weights = [*problem.weights, problem.weights[0]]
+    return other, pset

@@ -18,7 +18,7 @@ from thermobearing.border.schema import Strict, validated
 from thermobearing.border.units import with_unit
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case, settle_surroundings
 from thermobearing.earthquake.motions import settle_motions
-from thermobearing.identify.uncertainty.posterior import posterior_bearings
+from thermobearing.identify.uncertainty.samples import posterior_bearings
 from thermobearing.motions.record import GroundMotion
 from thermobearing.report.title import case_table
 from thermobearing.results.directory import IDENTIFIED, SAMPLES

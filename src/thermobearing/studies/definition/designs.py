@@ -25,7 +25,7 @@ from thermobearing.border.schema import Strict, find_unit, validated
 from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.motions import Motion
 from thermobearing.identify.fit.parameters import ALIASES
-from thermobearing.identify.uncertainty.posterior import posterior_bearings
+from thermobearing.identify.uncertainty.samples import posterior_bearings
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
 from thermobearing.studies.definition.motions import factor_motions, motion_levels
