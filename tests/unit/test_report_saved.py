@@ -289,7 +289,8 @@ def test_factors(tmp_path) -> None:
     factors = pieces.tables["factors"]
     assert factors.columns[factors.keys].head.startswith("Value")  # after what it is of
     warm = [column.head for column in factors.columns].index("Factor at 40 °C")
-    assert {column for _, column in factors.marked} == {warm}  # tested up to 23
+    # Tested up to 23 degC; the sine is faster than the tests at every temperature.
+    assert {column for _, column in factors.marked} == {0, warm}
     # A rate above the tests is a note, as under earthquakes, and no exceeded limit.
     rates = [one for one in (*pieces.checks, *pieces.validity) if "strain rate" in str(one)]
     assert not rates
