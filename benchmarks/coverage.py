@@ -93,5 +93,5 @@ def cell(kind: str, kelvin: float, fits: int) -> list[Row]:
 
 
 def rows(fits: int = FITS) -> list[Row]:
-    """All bearings and errors; three hours of CPU time with 60 fits each."""
+    """All bearings and errors; some 80 minutes of CPU time with 60 fits each."""
     return [row for kind in NAMES for kelvin in ERRORS for row in cell(kind, kelvin, fits)]
