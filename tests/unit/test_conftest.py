@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 
-import conftest
 from tests.quick import quick_cases
 from tests.skip_reasons import OTHER
 
@@ -124,10 +123,6 @@ def test_skips_are_counted_by_reason(tmp_path: Path, workers: int) -> None:
     done = ended(tmp_path, workers, [], **bare)
     assert done.returncode == 1, done.stdout
     assert re.search(rf"^ +1 {OTHER}", done.stdout, re.MULTILINE), done.stdout
-
-
-def test_what_is_compiled_beforehand_runs() -> None:
-    exec(conftest.COMPILE, {})
 
 
 def test_cases_that_are_not_kept_are_left_to_the_thorough_tests() -> None:

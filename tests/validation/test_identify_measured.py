@@ -48,7 +48,7 @@ def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
     for words in ("first cycles", "no time column", "no ambient temperature"):
         assert words in said
     assert "first cycles" in found.warnings[0]  # the cause first, and none of its consequences
-    assert len(found.warnings) <= 5
+    assert len(found.warnings) <= 6  # one of them on m_T and n_T, which one temperature holds
 
 
 @pytest.mark.thorough
