@@ -95,15 +95,17 @@ def _recorded(kernels: list[Kernel]) -> Iterator[dict[str, tuple[Any, ...]]]:
     depth = 0
 
     def recorder(kernel: Kernel) -> Callable[..., Any]:
-        def call(*given: Any) -> Any:
+        def call(*arguments: Any) -> Any:
             nonlocal depth
             if not depth:  # the call is not made by another kernel
-                kinds.setdefault(kernel.name, tuple(numba.typeof(argument) for argument in given))
+                kinds.setdefault(
+                    kernel.name, tuple(numba.typeof(argument) for argument in arguments)
+                )
             if not is_for_pages(kernel):
                 raise Recorded(kernel.name)
             depth += 1
             try:
-                return kernel.py_func(*given)
+                return kernel.py_func(*arguments)
             finally:
                 depth -= 1
 

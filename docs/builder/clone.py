@@ -1,7 +1,7 @@
 """Run the blocks of pages in a clone as a reader types them: `python -m docs.builder.clone [PAGE]`.
 
 Commands run in a shell with the environment of this Python, each page in an empty folder and a
-process of its own. What the text between blocks says to run first, as `pip install ...`,
+separate process. What the text between blocks says to run first, as `pip install ...`,
 `apt-get install ...` or `make kernels`, is run where it stands; nothing else is. A page whose
 commands need more than its text says therefore fails. `--first` stops a page after its first
 command. Without PAGE: README and all guides, those that build kernels last.
@@ -56,7 +56,7 @@ def run_prerequisite(command: str) -> None:
 
 
 def run_command(*words: str) -> Any:
-    """Run a command of the package in a process of its own."""
+    """Run a command of the package in a separate process."""
     process = subprocess.run(
         [BIN / "thermobearing", *words], capture_output=True, text=True, check=False
     )

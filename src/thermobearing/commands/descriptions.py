@@ -15,11 +15,11 @@ from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 from thermobearing.commands.options import Fields
 
 
-def descriptions_text(made: Iterable[Fields]) -> str:
+def descriptions_text(fields: Iterable[Fields]) -> str:
     """Return the content of `options.json`: the options of all commands, by place and name."""
     names: dict[str, set[str]] = {}
-    for each in made:
-        names.setdefault(each.place, set()).update(each.names.split())
+    for field in fields:
+        names.setdefault(field.place, set()).update(field.names.split())
     table = {
         place: {key: describe(place, key) for key in sorted(keys)}
         for place, keys in sorted(names.items())
@@ -54,8 +54,8 @@ def describe(place: str, key: str) -> dict[str, Any]:
         "switched_on": kind is bool and default is True,
     }
     text = _help_text(item, key, choices, default)
-    held = {name: True for name, holds in properties.items() if holds}
-    return {"kind": kind.__name__, **held, "text": text}
+    flags = {name: True for name, holds in properties.items() if holds}
+    return {"kind": kind.__name__, **flags, "text": text}
 
 
 PLAIN = {str, int, float, bool, types.NoneType}
@@ -80,7 +80,7 @@ def _read_type(hint: Any) -> tuple[Any, bool, list[str], bool]:
         elif isinstance(part, type):
             leaves.add(part)
     text = str in leaves or bool(choices)
-    kind = next((one for one in (float, int, bool) if one in leaves and not text), str)
+    kind = next((number for number in (float, int, bool) if number in leaves and not text), str)
     return kind, several, choices, kind is str and bool(leaves - PLAIN)
 
 
@@ -105,10 +105,10 @@ def _help_text(item: Any, name: str, choices: Sequence[str] = (), default: Any =
     >>> _help_text(CyclicTest, "dt", default=0.005)
     'Largest time step while the bearing moves [s], in [1e-6, 10]; 0.005 by default.'
     """
-    texts = (inspect.getdoc(one) or "" for one in getattr(item, "__mro__", [item]))
+    texts = (inspect.getdoc(base) or "" for base in getattr(item, "__mro__", [item]))
     matches = (re.search(ENTRY.format(name), text, re.MULTILINE) for text in texts)
-    found = next(filter(None, matches), None)
-    first, _, rest = found[1].partition("\n") if found else (name.replace("_", " "), "", "")
+    match = next(filter(None, matches), None)
+    first, _, rest = match[1].partition("\n") if match else (name.replace("_", " "), "", "")
     sentence = rest if rest and TYPE.match(first) else f"{first} {rest}"
     text = " ".join(sentence.split()).rstrip(".")
     if hasattr(item, "model_fields") and "[" not in text:

@@ -48,7 +48,7 @@ class Compiled(NamedTuple):
     text: str  # the module in the language of LLVM, not optimised; it exports the symbol only
     results: list[Any]  # numba types
     for_pages: bool  # whether a page needs it
-    shared: list[Part]  # that have objects of their own, and that it needs
+    shared: list[Part]  # with separate objects, which it needs
 
 
 FACE = """
@@ -62,9 +62,9 @@ define void @{symbol}(ptr %table) {{
 
 
 def compile_face(kernel: Kernel, kinds_of_call: tuple[Any, ...]) -> Compiled:
-    """Write the function that calls a kernel with what stands in a table.
+    """Write the function that calls a kernel with the arguments in a table.
 
-    Records that are arguments stand in tables of their own, and results after all arguments.
+    Each record among the arguments has a separate table. The results follow all arguments.
 
     Raises
     ------
@@ -161,22 +161,22 @@ class Description:
         self.entries: dict[str, Any] = {}
         self._names = _named_rows((core_types, *modules))
 
-    def add(self, kernel: Kernel, given: tuple[Any, ...], face: Compiled) -> None:
-        """Describe a face. What it takes in lockstep has a name of its own."""
+    def add(self, kernel: Kernel, kinds: tuple[Any, ...], face: Compiled) -> None:
+        """Describe a face. Names of records and rows in lockstep end in "Lanes"."""
         names = kernel.py_func.__code__.co_varnames
         suffix = "Lanes" if is_lockstep(kernel) else ""
         self.entries[kernel.name] = {
             "symbol": face.symbol,
             "arguments": [
                 [name, self._kind(stored_type(kind), suffix)]
-                for name, kind in zip(names, given, strict=False)
+                for name, kind in zip(names, kinds, strict=False)
             ],
             "results": [self._kind(kind, suffix) for kind in face.results],
             "single": len(face.results) == 1,
         }
 
     def all(self, sources: str) -> dict[str, Any]:
-        """Return the whole description of faces that were compiled from some sources."""
+        """Return the description of all faces, and the digest of their sources."""
         return {
             "sources": sources,
             "entries": self.entries,
@@ -187,8 +187,8 @@ class Description:
     def _kind(self, kind: Any, suffix: str) -> Any:
         if isinstance(kind, types.BaseNamedTuple):
             fields = [
-                [name, self._kind(one, suffix)]
-                for name, one in zip(kind.fields, kind.types, strict=True)
+                [name, self._kind(field, suffix)]
+                for name, field in zip(kind.fields, kind.types, strict=True)
             ]
             name = kind.instance_class.__name__ + suffix
             return {"record": _add_named(self.records, name, fields)}
@@ -213,12 +213,12 @@ class Description:
         return _add_named(self.rows, name, {"fields": fields, "size": kind.size})
 
 
-def _add_named(known: dict[str, Any], name: str, content: Any) -> str:
-    """Return the name under which a content is known, after it is."""
+def _add_named(contents: dict[str, Any], name: str, content: Any) -> str:
+    """Add a content, with a number if another one has its name, and return its name."""
     number = 1
     while True:
         full = name if number == 1 else f"{name}{number}"
-        if known.setdefault(full, content) == content:
+        if contents.setdefault(full, content) == content:
             return full
         number += 1
 

@@ -106,9 +106,9 @@ class Part(codegen.JITCodeLibrary):
         super().__init__(*settings)
         self.texts: list[str] = []
         self.use = "inline"  # as of its kernel
-        self.symbol = ""  # of a function that has an object of its own
+        self.symbol = ""  # of a function with a separate object
         self.function = ""  # its name in the texts
-        self._whole_module: Any = None
+        self._linked_module: Any = None
 
     @property
     def codegen(self) -> Any:
@@ -133,42 +133,42 @@ class Part(codegen.JITCodeLibrary):
 
     def _get_module_for_linking(self) -> Any:
         """Return the part with all that it calls, for a function that numba compiles alone."""
-        if self._whole_module is None:
+        if self._linked_module is None:
             module = _linked(_called(self, lambda _: False))
             for function in module.functions:
                 if not function.is_declaration:
                     function.linkage = "linkonce_odr"
-            self._whole_module = module
-        return self._whole_module
+            self._linked_module = module
+        return self._linked_module
 
     @cached_property
     def text(self) -> str:
-        """The module of a part that has an object of its own, in the language of LLVM."""
+        """The module of a part with a separate object, in the language of LLVM."""
         return text_of(link(self)[0], self.symbol, is_called=True)
 
 
 def link(part: Part) -> tuple[Any, list[Part]]:
     """Return a module of LLVM with a part and all that it calls, each once.
 
-    The parts that have objects of their own are returned too, with those that they call; the
-    module only declares them.
+    The parts with separate objects are returned too, with those that they call; the module only
+    declares them.
     """
-    found: dict[Part, None] = {}
+    shared: dict[Part, None] = {}
 
     def is_outside(library: Any) -> bool:
         if library is part or not getattr(library, "symbol", ""):
             return False
-        found[library] = None
+        shared[library] = None
         return True
 
     module = _linked(_called(part, is_outside))
-    for outside in found:
+    for outside in shared:
         with contextlib.suppress(NameError):  # a rare part need not be called
             module.get_function(outside.function).name = outside.symbol
     if part.symbol:
         module.get_function(part.function).name = part.symbol
-    below = [one for outside in found for one in link(outside)[1]]
-    return module, list(dict.fromkeys([*found, *below]))
+    below = [inner for outside in shared for inner in link(outside)[1]]
+    return module, list(dict.fromkeys([*shared, *below]))
 
 
 def text_of(module: Any, symbol: str, *, is_called: bool) -> str:
@@ -178,7 +178,9 @@ def text_of(module: Any, symbol: str, *, is_called: bool) -> str:
     same kernel has the same text in every process.
     """
     missing = [
-        one.name for one in module.functions if one.is_declaration and one.name.startswith("_Z")
+        function.name
+        for function in module.functions
+        if function.is_declaration and function.name.startswith("_Z")
     ]
     if missing:
         raise RuntimeError(f"{symbol} calls what is not compiled: {', '.join(missing)}")

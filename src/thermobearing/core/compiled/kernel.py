@@ -51,22 +51,22 @@ class Kernel:
 
         return new_dispatcher(self.py_func)
 
-    def __call__(self, *given: Any, **named: Any) -> Any:
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
         """Run the kernel."""
         if named:
-            given = inspect.signature(self.py_func).bind(*given, **named).args
-        return self.run(*given)
+            arguments = inspect.signature(self.py_func).bind(*arguments, **named).args
+        return self.run(*arguments)
 
-    def _first_call(self, *given: Any) -> Any:
-        return self.chosen(given)(*given)
+    def _first_call(self, *arguments: Any) -> Any:
+        return self.chosen(arguments)(*arguments)
 
-    def chosen(self, given: tuple[Any, ...]) -> Callable[..., Any]:
+    def chosen(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
         """Return what runs the kernel, which its first arguments decide."""
         if self.run == self._first_call:
-            self.run = self._choose(given)
+            self.run = self._choose(arguments)
         return self.run
 
-    def _choose(self, given: tuple[Any, ...]) -> Callable[..., Any]:
+    def _choose(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
         """Return what runs the kernel from now on."""
         from thermobearing.core.compiled.native import find_face
 
@@ -76,11 +76,11 @@ class Kernel:
         if face is not None:
             return face
         if has_numba():
-            if "<locals>" in self.py_func.__qualname__:  # its name does not say what it does
+            if "<locals>" in self.py_func.__qualname__:  # several functions may share its name
                 return cast("Callable[..., Any]", self.dispatcher)
             from thermobearing.core.compiled.objects import find_faces
 
-            return find_faces(self).runner(given)
+            return find_faces(self).runner(arguments)
         if reason:
             raise MissingKernelsError(f"{reason} {NO_NUMBA}")
         return self.py_func
@@ -96,24 +96,24 @@ class Kernel:
         return self.py_func.__qualname__
 
 
-def prepare(kernel: Callable[..., R], *given: Any) -> Callable[..., R]:
+def prepare(kernel: Callable[..., R], *arguments: Any) -> Callable[..., R]:
     """Return what runs a kernel on the same records each time; it takes the numbers only.
 
     Parameters
     ----------
     kernel : marked with `compiled`.
-    given : all arguments of a call; those that are numbers stand for any.
+    arguments : all of a call; the values of numbers among them do not matter.
     """
-    face = getattr(cast("Kernel", kernel).chosen(given), "__self__", None)
-    places = [k for k, one in enumerate(given) if isinstance(one, float | int)]
+    face = getattr(cast("Kernel", kernel).chosen(arguments), "__self__", None)
+    places = [k for k, argument in enumerate(arguments) if isinstance(argument, float | int)]
 
     def call(*numbers: float) -> R:
-        arguments = [*given]
+        values = [*arguments]
         for place, number in zip(places, numbers, strict=True):
-            arguments[place] = number
-        return kernel(*arguments)
+            values[place] = number
+        return kernel(*values)
 
-    return (face and face.prepare(*given)) or call
+    return (face and face.prepare(*arguments)) or call
 
 
 NO_NUMBA = (

@@ -239,7 +239,7 @@ class RecordKind:
 
 
 class TableKind:
-    """Records or arrays in a table of their own: `counted` is whether their number follows.
+    """Records or arrays in a separate table: `counted` is whether their number follows.
 
     The tables of the last `reused` records are kept.
     """
@@ -299,7 +299,7 @@ class Face:
     function : of ctypes.
     description : of the records, rows and entries, among them that of the kernel.
     kernel : what the function runs.
-    other : runs the kernel with arguments that this face was not built for; numba by default.
+    fallback : runs the kernel with arguments that this face was not built for; numba by default.
     """
 
     def __init__(
@@ -307,11 +307,11 @@ class Face:
         function: Any,
         description: dict[str, Any],
         kernel: Kernel,
-        other: Callable[..., Any] | None = None,
+        fallback: Callable[..., Any] | None = None,
     ) -> None:
         entry = description["entries"][kernel.name]
         self.kernel = kernel
-        self.other = other or self._run_other
+        self.fallback = fallback or self._run_by_numba
         self.function = function
         self.function.restype = None
         self.kinds = []
@@ -328,7 +328,7 @@ class Face:
         self.table = ctypes.c_char * (8 * (len(arguments) + len(results)))
         self.single = entry["single"]
 
-    def prepare(self, *given: Any) -> Callable[..., Any] | None:
+    def prepare(self, *arguments: Any) -> Callable[..., Any] | None:
         """Return a function of the numbers among the arguments; None if they do not fit.
 
         The table of the call is filled once, with the addresses of the records.
@@ -340,7 +340,7 @@ class Face:
         views = {code: content.cast(code) for code in "dq"}  # type: ignore[call-overload]
         places = []
         try:
-            for kind, argument in zip(self.kinds, given, strict=True):
+            for kind, argument in zip(self.kinds, arguments, strict=True):
                 if isinstance(kind, NumberKind):
                     places.append((views[kind.format], len(slots)))
                 kind.add(argument, slots, held)
@@ -361,24 +361,24 @@ class Face:
 
         return call
 
-    def call(self, *given: Any) -> Any:
+    def call(self, *arguments: Any) -> Any:
         """Call the kernel; arguments that do not fit are left to another face."""
         slots: Slots = []
         held: Slots = []
         table = self.table()
         try:
-            for kind, argument in zip(self.kinds, given, strict=True):
+            for kind, argument in zip(self.kinds, arguments, strict=True):
                 kind.add(argument, slots, held)
             self.arguments.pack_into(table, 0, *slots)
         except (UnsuitableError, struct.error, ValueError) as problem:
             if not has_numba():
                 raise UnsuitableError(f"{self.kernel.name}(): {problem}") from None
-            return self.other(*given)
+            return self.fallback(*arguments)
         self.function(table)
         values = self.results.unpack_from(table, self.arguments.size)
         return values[0] if self.single else values or None
 
-    def _run_other(self, *given: Any) -> Any:
+    def _run_by_numba(self, *arguments: Any) -> Any:
         from thermobearing.core.compiled.objects import find_faces
 
-        return find_faces(self.kernel).call(*given)
+        return find_faces(self.kernel).call(*arguments)

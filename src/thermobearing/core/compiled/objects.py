@@ -80,25 +80,27 @@ class Faces:
 
     def __init__(self, kernel: Kernel) -> None:
         self.kernel = kernel
-        self.faces = [_load(kernel, self.call, *kept) for kept in _read_kept(kernel)]
+        self.faces = [_load(kernel, self.call, *code) for code in _read_kept(kernel)]
 
-    def call(self, *given: Any) -> Any:
+    def call(self, *arguments: Any) -> Any:
         """Call the kernel, with arguments of any kind."""
-        return self.runner(given)(*given)
+        return self.runner(arguments)(*arguments)
 
-    def runner(self, given: tuple[Any, ...]) -> Callable[..., Any]:
+    def runner(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
         """Return what runs the kernel with arguments like these."""
         for face in self.faces:
-            if face.prepare(*given):
+            if face.prepare(*arguments):
                 return face.call
         import numba
 
         try:
-            kept = compile_once(self.kernel, tuple(numba.typeof(argument) for argument in given))
+            code = compile_once(
+                self.kernel, tuple(numba.typeof(argument) for argument in arguments)
+            )
         except UnsuitableError:  # no table can hold them: numba compiles the kernel alone
             dispatcher: Callable[..., Any] = self.kernel.dispatcher
             return dispatcher
-        self.faces.append(_load(self.kernel, self.call, *kept))
+        self.faces.append(_load(self.kernel, self.call, *code))
         return self.faces[-1].call
 
 
@@ -128,15 +130,15 @@ def _read_kept(kernel: Kernel) -> Iterator[Kept]:
     """Yield the objects and descriptions of a kernel that are kept and not damaged."""
     folder = folder_of_objects()
     for file in sorted(folder.glob(f"{kernel.name}-*.json")) if folder else ():
-        kept = _read_one(file)
-        if kept is not None:
-            yield kept
+        code = _read_one(file)
+        if code is not None:
+            yield code
 
 
 def _read_one(file: Path) -> Kept | None:
     """Return an object and its description; None if they are absent or damaged.
 
-    The objects that it needs follow its own.
+    The objects that it needs follow it.
     """
     try:
         description = json.loads(file.read_text(encoding="utf-8"))
@@ -145,7 +147,7 @@ def _read_one(file: Path) -> Kept | None:
         shared = [_read_one(file.with_name(f"{name}.json")) for name in description["shared"]]
     except (OSError, ValueError, KeyError, TypeError):  # a power cut leaves anything
         return None
-    contents = [content, *(one.contents[0] for one in shared if one is not None)]
+    contents = [content, *(code.contents[0] for code in shared if code is not None)]
     return Kept(contents, description) if complete and None not in shared else None
 
 
@@ -166,12 +168,12 @@ def _made_once(name: str, make: Callable[[], Kept]) -> Kept:
     file = folder / f"{name}.json"
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     with _locked(file.with_suffix(".lock")):
-        kept = _read_one(file)
-        if kept is None:
-            kept = make()
+        code = _read_one(file)
+        if code is None:
+            code = make()
             with contextlib.suppress(OSError):  # a full disk must not end the run
-                _keep(file, *kept)
-    return kept
+                _keep(file, *code)
+    return code
 
 
 @contextlib.contextmanager
@@ -211,10 +213,10 @@ def _compile(kernel: Kernel, kinds: tuple[Any, ...]) -> Kept:
         _made_once(part.symbol, lambda part=part: _emit(part.text, {}))  # type: ignore[misc]
         for part in compiled.shared
     ]
-    own = _emit(compiled.text, description.all(sources_digest()))
-    contents = [*own.contents, *(one.contents[0] for one in shared)]
+    face = _emit(compiled.text, description.all(sources_digest()))
+    contents = [*face.contents, *(code.contents[0] for code in shared)]
     names = [part.symbol for part in compiled.shared]
-    return Kept(contents, {**own.description, "shared": names})
+    return Kept(contents, {**face.description, "shared": names})
 
 
 def _emit(text: str, described: dict[str, Any]) -> Kept:
@@ -232,11 +234,11 @@ def _initialize() -> None:
 
 
 def _load(
-    kernel: Kernel, other: Callable[..., Any], contents: list[bytes], description: dict[str, Any]
+    kernel: Kernel, fallback: Callable[..., Any], contents: list[bytes], description: dict[str, Any]
 ) -> Face:
-    """Return the face of some objects; `other` runs the kernel with arguments that do not fit it.
+    """Return the face of some objects; `fallback` runs the kernel with arguments that do not fit.
 
-    Objects of one kernel export the same name, so each has an engine of its own.
+    Objects of one kernel export the same name, so each has a separate engine.
     """
     _initialize()
     machine = llvm.Target.from_triple(this_processor().triple).create_target_machine(**IN_PROCESS)
@@ -247,4 +249,4 @@ def _load(
     address = engine.get_function_address(description["entries"][kernel.name]["symbol"])
     function: Any = ctypes.CFUNCTYPE(None)(address)
     function.engine = engine  # it owns the machine code
-    return Face(function, description, kernel, other)
+    return Face(function, description, kernel, fallback)

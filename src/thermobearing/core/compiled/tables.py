@@ -1,4 +1,4 @@
-"""Types of what stands in tables: records by their address, and any number of them.
+"""Types of arguments in tables: records by their address, and any number of them.
 
 The caller of a face has its arguments in tables (`native.py` describes them). Kernels get the
 address of a record and load a field where they use it, so that functions pass one address and not
@@ -36,7 +36,7 @@ BYTES = 8
 class Stored(types.Type):
     """A record in a table, by its address.
 
-    `stored` is the type of the named tuple whose fields stand there, and `viewed` that of the named
+    `stored` is the type of the named tuple whose fields are there, and `viewed` that of the named
     tuple which kernels find (`as_lanes` and `as_plane` change it).
     """
 
@@ -70,14 +70,14 @@ class Listed(types.Type):
 
 
 @cache
-def _name(full: str, made: Any) -> str:
-    return f"{made.__name__}_{hashlib.sha256(full.encode()).hexdigest()[:8]}"
+def _name(full: str, record: Any) -> str:
+    return f"{record.__name__}_{hashlib.sha256(full.encode()).hexdigest()[:8]}"
 
 
 def _short(kind: Any) -> str:
     """Return a short name of a type; the names of functions contain those of all arguments."""
-    made = getattr(kind, "instance_class", None)
-    return _name(kind.name, made) if made else str(kind)
+    record = getattr(kind, "instance_class", None)
+    return _name(kind.name, record) if record else str(kind)
 
 
 def _found(stored: Any, seen: Any) -> Any:
@@ -121,7 +121,7 @@ def _lower_field(context: Any, builder: Any, record: Stored, value: Any, name: s
 
 
 def _viewed(context: Any, builder: Any, stored: Any, seen: Any, table: Any, slot: int) -> Any:
-    """Return what stands in a table from a slot on, as kernels find it."""
+    """Return a field or an entry at a slot of a table, as kernels find it."""
     if isinstance(stored, types.BaseTuple):
         return _address(builder, table, slot)
     value = load(context, builder, stored, table, slot)
@@ -163,14 +163,14 @@ def _lower_entry(context: Any, builder: Any, called: Any, values: Any) -> Any:
 
 
 def stored_type(kind: Any) -> Any:
-    """Return the type with which an argument of a type stands in a table.
+    """Return the type that an argument of a type has in a table.
 
     Raises
     ------
     UnsuitableError : tables cannot hold such an argument.
     """
     if isinstance(kind, types.BaseNamedTuple):
-        inner = [stored_type(one) for one in kind.types]
+        inner = [stored_type(field) for field in kind.types]
         return types.BaseTuple.from_types(inner, kind.instance_class)
     if isinstance(kind, types.UniTuple) and not isinstance(kind.dtype, NUMBERS):
         return Listed(stored_type(kind.dtype))
@@ -182,21 +182,21 @@ def stored_type(kind: Any) -> Any:
 
 
 def argument_type(stored: Any) -> Any:
-    """Return the type with which a kernel gets an argument that stands in a table."""
+    """Return the type with which a kernel gets an argument from a table."""
     return _found(stored, stored)
 
 
 def count_slots(kind: Any) -> int:
     """Return the slots of eight bytes that an argument takes."""
     if isinstance(kind, types.BaseTuple):
-        return sum(count_slots(one) for one in kind.types)
+        return sum(count_slots(field) for field in kind.types)
     if isinstance(kind, Listed):
         return 2
     return 1 + kind.ndim if isinstance(kind, types.Array) else 1
 
 
 def load(context: Any, builder: Any, kind: Any, table: Any, slot: int) -> Any:
-    """Return the number, array or list that stands in a table from a slot on.
+    """Return the number, array or list that begins at a slot of a table.
 
     Tables do not change while a kernel runs, so that a load may be moved or repeated.
     """
@@ -219,24 +219,24 @@ def load(context: Any, builder: Any, kind: Any, table: Any, slot: int) -> Any:
         strides = [stride]
         for length in reversed(shape[1:]):
             strides.insert(0, builder.mul(strides[0], length))
-        made = context.make_array(kind)(context, builder)
+        array = context.make_array(kind)(context, builder)
         arrayobj.populate_array(
-            made,
+            array,
             data=builder.inttoptr(number(slot), item.as_pointer()),
             shape=shape,
             strides=strides,
             itemsize=stride,
             meminfo=None,
         )
-        return made._getvalue()
+        return array._getvalue()
     if isinstance(kind, types.Float):
         return number(slot, ir.DoubleType())
-    whole = number(slot)
-    return builder.trunc(whole, ir.IntType(1)) if kind == types.boolean else whole
+    integer = number(slot)
+    return builder.trunc(integer, ir.IntType(1)) if kind == types.boolean else integer
 
 
 def load_argument(context: Any, builder: Any, kind: Any, table: Any, slot: int) -> Any:
-    """Return an argument of a face; a record stands in a table of its own."""
+    """Return an argument of a face; a record has a separate table."""
     if isinstance(kind, types.BaseTuple):
         address = load(context, builder, types.int64, table, slot)
         return builder.inttoptr(address, ir.IntType(8).as_pointer())
