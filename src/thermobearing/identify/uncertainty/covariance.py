@@ -172,15 +172,15 @@ def _assumed_groups(
 ) -> list[Group]:
     """Return the groups that a calibration assumes: neither identified nor exact nor zero."""
     linear = bearing.hysteresis.post_yield_ratio == 1.0
-    found, without = [], {*identified, *kinds.replaced_by_laws(bearing)}
+    assumed, without = [], {*identified, *kinds.replaced_by_laws(bearing)}
     for group in groups:
         keys = [key for key in group.keys if key not in without]
         if linear:
             keys = [key for key in keys if key not in kinds.OF_YIELDING]
         values = [kinds.dotted_value(bearing, key) for key in keys]
         if any(value is not None and group.step(value) > 0.0 for value in values):
-            found.append(group.model_copy(update={"keys": keys}))
-    return found
+            assumed.append(group.model_copy(update={"keys": keys}))
+    return assumed
 
 
 def linearise_assumed(
@@ -228,10 +228,10 @@ def _groups_of_tests(records: Sequence[TestRecord], groups: Sequence[Group]) -> 
 
     Tests at the same temperature share its error: they had one chamber and thermometer.
     """
-    found = []
+    errors = []
     for group in groups:
         if group.keys[0] not in (AMBIENT, CONDITIONING):
-            found += [group] if group.of_tests else []
+            errors += [group] if group.of_tests else []
             continue
         for ambient in dict.fromkeys(record.ambient for record in records):
             name = f"{group.name} of {ambient:.4g} degC"
@@ -239,8 +239,8 @@ def _groups_of_tests(records: Sequence[TestRecord], groups: Sequence[Group]) -> 
             if group.keys[0] == AMBIENT:
                 steps = [_kelvin(r, group) for r in records if r.ambient == ambient]
                 update["absolute"] = max(steps)
-            found.append(group.model_copy(update=update))
-    return found
+            errors.append(group.model_copy(update=update))
+    return errors
 
 
 def _kelvin(record: TestRecord, group: Group) -> float:
@@ -390,15 +390,15 @@ def _weigh_mistakes(
     problem: Problem, cube: Floats, groups: Sequence[Group], linear: Linear
 ) -> tuple[Evidence, ...]:
     """Return the evidence of the tests on mistakes that a calibration does not assume."""
-    bearing, here = problem.pset.bearing(cube), np.concatenate(problem.parts(cube, fine=True))
-    found = []
+    bearing, residuals = problem.pset.bearing(cube), np.concatenate(problem.parts(cube, fine=True))
+    evidence = []
     for group in _groups_of_tests(problem.records, [item for item in groups if item.mistake]):
         moved = moved_parts(problem, bearing, [(group, PART)])
         if moved is not None:
-            column = linear.weights * (np.concatenate(moved) - here) / PART
+            column = linear.weights * (np.concatenate(moved) - residuals) / PART
             apart = column - linear.jacobian @ linear.solved(column)
-            found.append(_weigh(linear, group, apart))
-    return tuple(found)
+            evidence.append(_weigh(linear, group, apart))
+    return tuple(evidence)
 
 
 @dataclass(frozen=True)

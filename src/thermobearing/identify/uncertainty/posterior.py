@@ -228,21 +228,22 @@ def forecast(
     assert found.bearing.tested_range is not None  # the range of the tests
     tested = found.bearing.tested_range.ranges()
     bands, rows, beyond = [], [], []
-    for one in at:
-        band, name = _predictive_band(found, samples, one, seed=seed), f"predicted at {one:g} degC"
+    for ambient in at:
+        band = _predictive_band(found, samples, ambient, seed=seed)
+        name = f"predicted at {ambient:g} degC"
         thickness = found.bearing.total_rubber_thickness
-        reached = reached_values(found.records[0], thickness, one, band.lead)
+        reached = reached_values(found.records[0], thickness, ambient, band.lead)
         compared = list(compare_with_tests(name, reached, tested))
         beyond.append(extrapolation(compared))
         bands.append(_outside(band, limits_passed(compared, [name])[0], beyond[-1]))
         rows += compared
-    said = outside_tests(found.bearing.name, rows, tested)
+    warnings = outside_tests(found.bearing.name, rows, tested)
     columns, notes = _sample_columns(found, samples), [_share_note(band) for band in bands]
     coldest = place_of_least(at)
     narrowing = _narrower(found, bands[coldest], beyond[coldest]) if narrow else []
     if narrowing:
         notes.append(_narrowing_note(bands[coldest], narrowing))
-    return Forecast(samples, tuple(bands), tuple(said), tuple(notes), columns, tuple(narrowing))
+    return Forecast(samples, tuple(bands), tuple(warnings), tuple(notes), columns, tuple(narrowing))
 
 
 def _narrowing_note(band: Band, narrowing: Sequence[Narrowing]) -> str:
@@ -270,8 +271,8 @@ def _outside(band: Band, beyond: str, more: float) -> Band:
         grown = ((high - low) / max(item.upper - item.lower, 1e-300)) ** 2  # of the variance
         shares = {name: share / grown for name, share in item.shares.items()}
         shares[OUTSIDE] = 1.0 - 1.0 / grown
-        held = item.held_share / grown + shares[OUTSIDE]
-        predicted.append(replace(item, lower=low, upper=high, shares=shares, held_share=held))
+        held_share = item.held_share / grown + shares[OUTSIDE]
+        predicted.append(replace(item, lower=low, upper=high, shares=shares, held_share=held_share))
     wide = replace(band, lower=lower, upper=upper, predicted=tuple(predicted))
     return replace(wide, beyond_tested=beyond)
 
@@ -290,39 +291,41 @@ def _share_note(band: Band) -> str:
     )
 
 
-def _laplace_samples(found: Identification, count: int = DRAWS, *, seed: int = 0) -> Samples:
+def _laplace_samples(
+    identification: Identification, count: int = DRAWS, *, seed: int = 0
+) -> Samples:
     """Draw from the normal distribution of the fit, within the bounds."""
-    cube, held = _draw(found, count, seed)
-    return Samples(cube, "laplace", held)
+    cube, changes = _draw(identification, count, seed)
+    return Samples(cube, "laplace", changes)
 
 
-def _draw(found: Identification, count: int, seed: int) -> tuple[Floats, Floats]:
+def _draw(identification: Identification, count: int, seed: int) -> tuple[Floats, Floats]:
     """Return places in the unit cube [count, n] and changes of the assumed groups [count, m].
 
     Draws beyond a bound are drawn again: a parameter at its bound has draws on one side only, and
     the parameters that are correlated with it follow.
     """
-    about, rng = found.uncertainty, np.random.default_rng(seed)
-    cubes, changes, kept = [], [], 0
+    about, rng = identification.uncertainty, np.random.default_rng(seed)
+    cubes, changes, count_inside = [], [], 0
     for _ in range(MOST_ROUNDS):
-        held = _draw_held(found, count, rng)
+        change = _draw_held(identification, count, rng)
         errors = _normal_draws(about.widening**2 * about.of_tests, count, rng)
-        cube = found.cube + errors + product_in_order(held, about.assumed.shifts.T)
+        cube = identification.cube + errors + product_in_order(change, about.assumed.shifts.T)
         inside = ((cube >= 0.0) & (cube <= 1.0)).all(axis=1)
         cubes.append(cube[inside])
-        changes.append(held[inside])
-        kept += int(inside.sum())
-        if kept >= count:
+        changes.append(change[inside])
+        count_inside += int(inside.sum())
+        if count_inside >= count:
             break
     else:  # nearly all are beyond a bound
         cubes.append(np.clip(cube, 0.0, 1.0))
-        changes.append(held)
+        changes.append(change)
     return np.concatenate(cubes)[:count], np.concatenate(changes)[:count]
 
 
-def _draw_held(found: Identification, count: int, rng: np.random.Generator) -> Floats:
+def _draw_held(identification: Identification, count: int, rng: np.random.Generator) -> Floats:
     """Return changes of the assumed groups, in standard uncertainties [count, groups]."""
-    assumed = found.uncertainty.assumed
+    assumed = identification.uncertainty.assumed
     return _normal_draws(assumed.spread * np.outer(assumed.widening, assumed.widening), count, rng)
 
 
@@ -338,30 +341,31 @@ def _symmetric_root(covariance: Floats) -> Floats:
     return np.asarray((axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T)
 
 
-def drawn_bearing(found: Identification, cube: Floats, held: Floats) -> Bearing:
+def drawn_bearing(identification: Identification, cube: Floats, changes: Floats) -> Bearing:
     """Return the bearing of a draw: its free parameters, and what is held at an assumed value."""
-    bearing = found.pset.bearing(cube)
-    for group, sigmas in zip(found.uncertainty.assumed.groups, held.tolist(), strict=True):
+    bearing = identification.pset.bearing(cube)
+    groups = identification.uncertainty.assumed.groups
+    for group, sigmas in zip(groups, changes.tolist(), strict=True):
         if not group.of_tests:
             bearing = shift(bearing, group, sigmas)
     return bearing
 
 
-def _sample_columns(found: Identification, samples: Samples) -> dict[str, Floats]:
+def _sample_columns(identification: Identification, samples: Samples) -> dict[str, Floats]:
     """Return the columns of posterior.csv: free and tied parameters, then what is held."""
-    names = {p.kind.key: p.kind.symbol for p in found.pset.parameters}
-    keys = [p.kind.key for p in found.pset.free]
-    keys += [p.kind.key for p in found.pset.parameters if p.tie is not None]
+    names = {p.kind.key: p.kind.symbol for p in identification.pset.parameters}
+    keys = [p.kind.key for p in identification.pset.free]
+    keys += [p.kind.key for p in identification.pset.parameters if p.tie is not None]
     keys += [
         key
-        for group in found.uncertainty.assumed.groups
+        for group in identification.uncertainty.assumed.groups
         if not group.of_tests
         for key in group.keys
-        if kinds.dotted_value(found.bearing, key) is not None
+        if kinds.dotted_value(identification.bearing, key) is not None
     ]
     bearings = [
-        drawn_bearing(found, place, held)
-        for place, held in zip(samples.cube, samples.held, strict=True)
+        drawn_bearing(identification, place, changes)
+        for place, changes in zip(samples.cube, samples.held, strict=True)
     ]
     return {
         names.get(key, key): np.array([kinds.dotted_value(bearing, key) for bearing in bearings])
@@ -380,34 +384,34 @@ def need_emcee() -> None:
         ) from None
 
 
-def _walkers(found: Identification) -> int:
-    return max(2 * len(found.cube) + 2, WALKERS_PER * len(found.cube))
+def _walkers(identification: Identification) -> int:
+    return max(2 * len(identification.cube) + 2, WALKERS_PER * len(identification.cube))
 
 
 def posterior_effort(
-    found: Identification, *, steps: int = STEPS, burn: int = BURN
+    identification: Identification, *, steps: int = STEPS, burn: int = BURN
 ) -> tuple[int, float]:
     """Return the largest number of runs of `_posterior_samples`, and their approximate time [s].
 
     Draws beyond a bound need no run; the time is measured with one run.
     """
-    rounds = _walkers(found) * (burn + steps + 1)  # and each walker's begin
+    rounds = _walkers(identification) * (burn + steps + 1)  # and each walker's begin
     begin = time.perf_counter()
-    found.problem.parts(found.cube, fine=True)
-    return rounds * len(found.records), rounds * (time.perf_counter() - begin)
+    identification.problem.parts(identification.cube, fine=True)
+    return rounds * len(identification.records), rounds * (time.perf_counter() - begin)
 
 
 def _posterior_samples(
-    found: Identification, *, steps: int = STEPS, burn: int = BURN, seed: int = 0
+    identification: Identification, *, steps: int = STEPS, burn: int = BURN, seed: int = 0
 ) -> Samples:
     """Draw by the ensemble sampler of emcee: each walker makes `steps` after `burn`."""
     need_emcee()
     import emcee
 
-    problem, best = found.problem, found.cube
+    problem, best = identification.problem, identification.cube
     residual = np.concatenate(problem.parts(best, fine=True))
     variance = float(residual @ residual) / max(len(residual) - len(best), 1)
-    worth = found.uncertainty.effective_samples / found.uncertainty.samples
+    worth = identification.uncertainty.effective_samples / identification.uncertainty.samples
 
     def _log_probability(u: Floats) -> float:
         if (u < 0.0).any() or (u > 1.0).any():
@@ -415,47 +419,52 @@ def _posterior_samples(
         r = np.concatenate(problem.parts(u, fine=True))
         return -0.5 * worth * float(r @ r) / variance
 
-    walkers = _walkers(found)
-    start = _laplace_samples(found, walkers, seed=seed).cube
+    walkers = _walkers(identification)
+    start = _laplace_samples(identification, walkers, seed=seed).cube
     start = np.clip(start + 1e-6 * np.random.default_rng(seed).random(start.shape), 0.0, 1.0)
     sampler = emcee.EnsembleSampler(walkers, len(best), _log_probability)
     sampler.random_state = np.random.RandomState(seed).get_state()
     sampler.run_mcmc(start, burn + steps, skip_initial_state_check=True)
     tau = float(np.mean(sampler.get_autocorr_time(quiet=True, tol=0)))
     chain = np.asarray(sampler.get_chain(discard=burn, flat=True))
-    held = _draw_held(found, len(chain), np.random.default_rng(seed))
-    moved = chain + product_in_order(held, found.uncertainty.assumed.shifts.T)
+    changes = _draw_held(identification, len(chain), np.random.default_rng(seed))
+    moved = chain + product_in_order(changes, identification.uncertainty.assumed.shifts.T)
     acceptance = float(np.mean(sampler.acceptance_fraction))
-    return Samples(np.clip(moved, 0.0, 1.0), "emcee", held, acceptance, tau)
+    return Samples(np.clip(moved, 0.0, 1.0), "emcee", changes, acceptance, tau)
 
 
 def _predictive_band(
-    found: Identification, samples: Samples, ambient: float, *, count: int = DRAWS, seed: int = 0
+    identification: Identification,
+    samples: Samples,
+    ambient: float,
+    *,
+    count: int = DRAWS,
+    seed: int = 0,
 ) -> Band:
     """Return the band of loops as in the first test and of its measures at an ambient [degC]."""
     if not -100.0 <= ambient <= 100.0:
         raise InputError(f"ambient = {ambient} degC: must be between -100 and 100 degC")
-    test, picked = found.records[0], np.arange(len(samples.cube))
+    test, picked = identification.records[0], np.arange(len(samples.cube))
     if len(picked) > count:
         picked = np.random.default_rng(seed).choice(len(picked), size=count, replace=False)
-    best = _best(found, ambient)
-    force_of = _forces(found, ambient)
+    best = _best(identification, ambient)
+    force_of = _forces(identification, ambient)
     runs = [force_of(samples.cube[i], samples.held[i]) for i in picked] if force_of else []
-    changes = [change for change in runs if change is not None]
-    if best is None or not changes:
+    differences = [difference for difference in runs if difference is not None]
+    if best is None or not differences:
         raise InputError(f"the model does not complete the test at {ambient:g} degC")
-    forces = best.force + np.array(changes)
+    forces = best.force + np.array(differences)
     lower, upper = np.quantile(forces, [LOW, HIGH], axis=0)
     measures = [largest_measures(test, force) for force in forces]
     middles = largest_measures(test, best.force)
-    errors = _errors(found, ambient)
+    errors = _errors(identification, ambient)
     predicted = []
     for name, value in middles.items():
         drawn = np.array([item[name] for item in measures])
         low, high = np.quantile(drawn, [LOW, HIGH]).tolist()
         error = errors[name]
-        held = error.share_of_held
-        predicted.append(Predicted(name, value, low, high, error.shares, held, drawn))
+        share = error.share_of_held
+        predicted.append(Predicted(name, value, low, high, error.shares, share, drawn))
     return Band(
         ambient=ambient,
         displacement=test.displacement,
@@ -467,25 +476,25 @@ def _predictive_band(
     )
 
 
-def _best(found: Identification, ambient: float) -> Prediction | None:
+def _best(identification: Identification, ambient: float) -> Prediction | None:
     """Return the calibrated bearing in the first test at an ambient; None if it ends early."""
-    test = found.records[0]
-    return ForwardModel(test, found.bearing, fine=True, ambient=ambient).run(found.bearing)
+    test, bearing = identification.records[0], identification.bearing
+    return ForwardModel(test, bearing, fine=True, ambient=ambient).run(bearing)
 
 
 def _forces(
-    found: Identification, ambient: float
+    identification: Identification, ambient: float
 ) -> Callable[[Floats, Floats], Floats | None] | None:
     """Return a function of a draw: the change of the force of the first test at an ambient [kN].
 
     With coarse steps, at a fifth of the time: the changes are those with fine steps. None if the
     model ends early, and so does the function.
     """
-    model = ForwardModel(found.records[0], found.bearing, ambient=ambient)
-    middle = model.run(found.bearing)
+    model = ForwardModel(identification.records[0], identification.bearing, ambient=ambient)
+    middle = model.run(identification.bearing)
 
-    def _force(cube: Floats, held: Floats) -> Floats | None:
-        bearing = drawn_bearing(found, cube, held)
+    def _force(cube: Floats, changes: Floats) -> Floats | None:
+        bearing = drawn_bearing(identification, cube, changes)
         run = model.rebuilt(bearing).run(bearing)
         return None if run is None or middle is None else run.force - middle.force
 
@@ -501,26 +510,26 @@ class _Error:
     share_of_held: float  # of numbers of the bearing that the tests did not determine
 
 
-def _errors(found: Identification, ambient: float) -> dict[str, _Error]:
+def _errors(identification: Identification, ambient: float) -> dict[str, _Error]:
     """Return the standard error of each quantity of the first test at an ambient [degC].
 
     By derivatives at the best estimate.
     """
-    test, force_of = found.records[0], _forces(found, ambient)
-    best = _best(found, ambient)
+    test, force_of = identification.records[0], _forces(identification, ambient)
+    best = _best(identification, ambient)
     if force_of is None or best is None:
         return {}
     middles = largest_measures(test, best.force)
 
-    def _measure(cube: Floats, held: Floats) -> dict[str, float] | None:
-        change = force_of(cube, held)
-        return None if change is None else largest_measures(test, best.force + change)
+    def _measure(cube: Floats, changes: Floats) -> dict[str, float] | None:
+        difference = force_of(cube, changes)
+        return None if difference is None else largest_measures(test, best.force + difference)
 
-    return _sources(found, _measure, middles)
+    return _sources(identification, _measure, middles)
 
 
 def _sources(
-    found: Identification,
+    identification: Identification,
     measure: Callable[[Floats, Floats], dict[str, float] | None],
     middles: Mapping[str, float],
 ) -> dict[str, _Error]:
@@ -529,17 +538,17 @@ def _sources(
     Along the axes of the errors by the tests, and by one standard uncertainty of each assumed
     group, with which the parameters move.
     """
-    about = found.uncertainty
+    about = identification.uncertainty
     nothing = np.zeros(len(about.assumed.groups))
     roots = _symmetric_root(about.widening**2 * about.of_tests)
     shifts, widening = about.assumed.shifts, about.assumed.widening
 
-    def _slopes(along: Floats, held: Floats) -> dict[str, float]:
+    def _slopes(along: Floats, changes: Floats) -> dict[str, float]:
         step = PART
-        place = found.cube + step * along
+        place = identification.cube + step * along
         if ((place < 0.0) | (place > 1.0)).any():  # beyond a bound: the other way
             step = -PART
-        moved = measure(np.clip(found.cube + step * along, 0.0, 1.0), step * held)
+        moved = measure(np.clip(identification.cube + step * along, 0.0, 1.0), step * changes)
         return {
             name: 0.0 if moved is None else (moved[name] - value) / step
             for name, value in middles.items()
@@ -552,22 +561,22 @@ def _sources(
     ]
     errors = {}
     for name in middles:
-        slope = np.array([one[name] for one in of_groups])
-        scatter = sum_of_products(*[[one[name] for one in of_tests]] * 2)
+        slope = np.array([slopes[name] for slopes in of_groups])
+        scatter = sum_of_products(*[[slopes[name] for slopes in of_tests]] * 2)
         parts = slope * product_in_order(about.assumed.spread, slope)
-        whole = max(scatter + float(np.sum(parts)), 1e-300)
+        variance = max(scatter + float(np.sum(parts)), 1e-300)
         groups = about.assumed.groups
-        causes = {"tests": scatter / whole}
-        causes |= dict(zip((g.name for g in groups), (parts / whole).tolist(), strict=True))
-        held = sum(causes[group.name] for group in groups if not group.of_tests)
+        causes = {"tests": scatter / variance}
+        causes |= dict(zip((g.name for g in groups), (parts / variance).tolist(), strict=True))
+        undetermined = sum(causes[group.name] for group in groups if not group.of_tests)
         order = [list(causes)[k] for k in order_from_largest(list(causes.values()))]
-        share = min(max(held, 0.0), 1.0)
+        share = min(max(undetermined, 0.0), 1.0)
         some = {cause: causes[cause] for cause in order if abs(causes[cause]) >= NO_SHARE}
-        errors[name] = _Error(math.sqrt(whole), some, share)
+        errors[name] = _Error(math.sqrt(variance), some, share)
     return errors
 
 
-def _narrower(found: Identification, band: Band, more: float) -> list[Narrowing]:
+def _narrower(identification: Identification, band: Band, more: float) -> list[Narrowing]:
     """Return what would narrow K_eq of a band, or its force if there is no loop.
 
     A chamber that is known better, and one test like the first at the temperature of the band,
@@ -575,42 +584,52 @@ def _narrower(found: Identification, band: Band, more: float) -> list[Narrowing]
     outside the tests, which this test would remove.
     """
     item = band.main
-    groups = [g for g in chosen_groups(found.inputs.get("assumed")) if not g.mistake]
-    problem, options = found.problem, []
-    of_chambers = [g.name for g in found.uncertainty.assumed.groups if g.keys[0] == AMBIENT]
+    groups = [g for g in chosen_groups(identification.inputs.get("assumed")) if not g.mistake]
+    problem, options = identification.problem, []
+    of_chambers = [
+        g.name for g in identification.uncertainty.assumed.groups if g.keys[0] == AMBIENT
+    ]
     if sum(item.shares.get(name, 0.0) for name in of_chambers) >= LEAST_SHARE:
         better = copy(problem)
         better.records = [replace(r, ambient_uncertainty=CHAMBER) for r in problem.records]
-        options.append((f"ambient temperatures known to {CHAMBER:g} K", better, found, more))
-    if min(abs(r.ambient - band.ambient) for r in found.records) >= SPAN:
-        planned, pset = _with_planned_test(found, band.ambient)
+        options.append(
+            (f"ambient temperatures known to {CHAMBER:g} K", better, identification, more)
+        )
+    if min(abs(r.ambient - band.ambient) for r in identification.records) >= SPAN:
+        planned, pset = _with_planned_test(identification, band.ambient)
         name = f"one test at {band.ambient:g} degC"
-        options.append((name, planned, replace(found, pset=pset, cube=pset.start), 0.0))
+        options.append((name, planned, replace(identification, pset=pset, cube=pset.start), 0.0))
     narrowed = []
-    for name, other, fit, beyond in options:
-        other.pset = fit.pset
-        about = estimate(other, fit.cube, groups, fine=False)
+    for name, variant, fit, beyond in options:
+        variant.pset = fit.pset
+        about = estimate(variant, fit.cube, groups, fine=False)
         error = _errors(replace(fit, uncertainty=about), band.ambient)[item.quantity]
         size = math.hypot(error.size / item.best, beyond)
         narrowed.append(Narrowing(name, NormalDist().inv_cdf(HIGH) * size))
     return narrowed
 
 
-def _with_planned_test(found: Identification, ambient: float) -> tuple[Problem, ParameterSet]:
+def _with_planned_test(
+    identification: Identification, ambient: float
+) -> tuple[Problem, ParameterSet]:
     """Return the problem with one more test like the first, and m_T and n_T free."""
     two = (ambient, ambient + SPAN)
-    warm = {key for key in kinds.default_free(found.bearing, two) if kinds.is_of_temperature(key)}
-    values = found.values
+    warm = {
+        key
+        for key in kinds.default_free(identification.bearing, two)
+        if kinds.is_of_temperature(key)
+    }
+    values = identification.values
     parameters = tuple(
         replace(p, value=values[p.kind.key], free=p.free or (p.kind.key in warm and p.tie is None))
-        for p in found.pset.parameters
+        for p in identification.pset.parameters
     )
-    first = found.records[0]
-    middle, there = _best(found, first.ambient), _best(found, ambient)
+    first = identification.records[0]
+    middle, predicted = _best(identification, first.ambient), _best(identification, ambient)
     assert middle is not None
-    assert there is not None
-    scale = float(np.abs(there.force).max()) / first.peak_force
-    force = there.force + scale * (first.force - middle.force)
+    assert predicted is not None
+    scale = float(np.abs(predicted.force).max()) / first.peak_force
+    force = predicted.force + scale * (first.force - middle.force)
     planned = replace(
         first,
         name="planned",
@@ -620,9 +639,9 @@ def _with_planned_test(found: Identification, ambient: float) -> tuple[Problem, 
         temperatures={},
         places={},
     )
-    problem, pset = found.problem, ParameterSet(found.pset.base, parameters)
-    other = Problem(
+    problem, pset = identification.problem, ParameterSet(identification.pset.base, parameters)
+    extended = Problem(
         [*problem.records, planned], pset, temperatures=problem.temperatures, loss=problem.loss
     )
-    other.weights = [*problem.weights, problem.weights[0]]
-    return other, pset
+    extended.weights = [*problem.weights, problem.weights[0]]
+    return extended, pset

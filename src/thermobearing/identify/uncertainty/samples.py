@@ -80,8 +80,8 @@ def posterior_bearings(
     for sample, number in zip(some, chosen, strict=True):
         parts = split_parts(extract_compound(sample), first.geometry, lead_cores(first))
         parts |= {"scragging": sample.scragging, "name": f"{first.name}, sample {number}"}
-        other = first.model_copy(update=parts)
-        sized.append(_with_ratios(other, sample, fitted, warm))
+        scaled = first.model_copy(update=parts)
+        sized.append(_with_ratios(scaled, sample, fitted, warm))
     return [first, *sized]
 
 
@@ -90,9 +90,9 @@ def _with_ratios(bearing: Bearing, sample: Bearing, fitted: Bearing, keys: list[
     values = {}
     for key in keys:
         numbers = [kinds.dotted_value(item, key) for item in (bearing, sample, fitted)]
-        mine, drawn, middle = (0.0 if value is None else value for value in numbers)
+        nominal, drawn, middle = (0.0 if value is None else value for value in numbers)
         if middle:
-            values[key] = mine * drawn / middle
+            values[key] = nominal * drawn / middle
     return kinds.with_values(bearing, values)
 
 
@@ -106,18 +106,18 @@ def _fitted(bearing: Bearing, place: Path) -> Bearing:
         return bearing
     if fitted.geometry == bearing.geometry and lead_cores(fitted) == lead_cores(bearing):
         return bearing
-    other = extract_compound(bearing).rubber
+    rubber = extract_compound(bearing).rubber
     for key, value in extract_compound(fitted).rubber:
-        mine = getattr(other, key)
-        number = isinstance(mine, float) and isinstance(value, float)
-        if abs(mine - value) > ALIKE * abs(value) if number else mine != value:
-            shown, wanted = (f"{v:.6g}" if number else str(v) for v in (mine, value))
-            said = (
+        present = getattr(rubber, key)
+        number = isinstance(present, float) and isinstance(value, float)
+        if abs(present - value) > ALIKE * abs(value) if number else present != value:
+            shown, wanted = (f"{v:.6g}" if number else str(v) for v in (present, value))
+            message = (
                 f"{bearing.name} differs in size from {fitted.name}, to which the samples belong, "
             )
-            said += f"and is not made of its compound: {key} is {shown}, not {wanted}; create it "
-            said += f"with thermobearing new --compound {place}"
-            raise InputError(said, str(place.with_name(SAMPLES)))
+            message += f"and is not made of its compound: {key} is {shown}, not {wanted}; "
+            message += f"create it with thermobearing new --compound {place}"
+            raise InputError(message, str(place.with_name(SAMPLES)))
     return fitted
 
 
@@ -126,27 +126,27 @@ def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where
     for kind in kinds.available(bearing):
         if kind.key not in keys or not kind.relative:
             continue
-        values = np.array([kinds.dotted_value(one, kind.key) for one in some])
-        own, mean = kinds.dotted_value(bearing, kind.key) or 0.0, float(values.mean())
-        if abs(own - mean) > max(FAR * float(values.std()), APART * abs(mean)):
-            said = f"{kind.symbol} is {mean:.4g} {kind.unit} in the samples and {own:.4g} in "
-            said += (
+        values = np.array([kinds.dotted_value(sample, kind.key) for sample in some])
+        actual, mean = kinds.dotted_value(bearing, kind.key) or 0.0, float(values.mean())
+        if abs(actual - mean) > max(FAR * float(values.std()), APART * abs(mean)):
+            message = f"{kind.symbol} is {mean:.4g} {kind.unit} in the samples and {actual:.4g} in "
+            message += (
                 f"{bearing.name}: they belong to another bearing. A bearing of the same compound "
             )
-            said += f"can use them if {IDENTIFIED} of the calibration is in their directory"
-            raise InputError(said, where)
+            message += f"can use them if {IDENTIFIED} of the calibration is in their directory"
+            raise InputError(message, where)
 
 
 def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
-    held = [key for group in chosen_groups(None) if not group.of_tests for key in group.keys]
-    known = kinds.keys_by_name(bearing) | {key: key for key in held}
+    assumed = [key for group in chosen_groups(None) if not group.of_tests for key in group.keys]
+    keys_by_name = kinds.keys_by_name(bearing) | {key: key for key in assumed}
     faults, keys = [], []
     data = bearing.model_dump()
     for symbol in (text.strip() for text in head):
-        if symbol not in known:
-            faults.append(f'no parameter is called "{symbol}"{nearest(symbol, known)}')
+        if symbol not in keys_by_name:
+            faults.append(f'no parameter is called "{symbol}"{nearest(symbol, keys_by_name)}')
             continue
-        key = known[symbol]
+        key = keys_by_name[symbol]
         if not isinstance(data.get(key.split(".")[0]), dict):
             faults.append(f'"{symbol}": {bearing.name} ({bearing.kind}) has none')
         keys.append(key)
