@@ -261,15 +261,16 @@ def governing_checks(rows: "pd.DataFrame", *, every_part: bool) -> "pd.DataFrame
     size = rows["used"].where(rows["limit"].notna(), rows["value"]).astype(float).fillna(-np.inf)
     keys = [rows[name] for name in ("code", "bearing", *["part"] * every_part, "what")]
     groups = [values for _, values in size.groupby(keys, sort=False)]
-    found = rows.loc[[values.index[place_of_largest(values)] for values in groups]]
-    strains = found["what"].str.endswith("strain")
-    found.loc[strains, ["value", "limit"]] *= 100.0
-    found.loc[strains, "unit"] = "%"
-    pairs = zip(found["run"], found["bearing"], strict=True)
-    found["run"] = [run.removeprefix(f"{bearing}, ") for run, bearing in pairs]
-    parts = found[["bearing", "part"]] if found["bearing"].nunique() > 1 else found[["part"]]
-    found["part"] = [", ".join(filter(None, row)) for row in parts.itertuples(index=False)]
-    return found if found["part"].any() else found.drop(columns="part")
+    governing = rows.loc[[values.index[place_of_largest(values)] for values in groups]]
+    strains = governing["what"].str.endswith("strain")
+    governing.loc[strains, ["value", "limit"]] *= 100.0
+    governing.loc[strains, "unit"] = "%"
+    pairs = zip(governing["run"], governing["bearing"], strict=True)
+    governing["run"] = [run.removeprefix(f"{bearing}, ") for run, bearing in pairs]
+    names = ["bearing", "part"] if governing["bearing"].nunique() > 1 else ["part"]
+    parts = governing[names]
+    governing["part"] = [", ".join(filter(None, row)) for row in parts.itertuples(index=False)]
+    return governing if governing["part"].any() else governing.drop(columns="part")
 
 
 def bearing_check_tables(result: Result, *, every_part: bool = True) -> dict[str, Table]:

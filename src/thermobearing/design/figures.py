@@ -260,12 +260,12 @@ def _wrapped(label: str) -> str:
 def _draw_factors(ax: Axes, rows: "pd.DataFrame") -> None:
     """Draw factors of one quantity over temperature, a line and a band for each basis."""
     for basis, (colour, _) in LOOKS.items():
-        one = rows[rows["basis"] == basis].sort_values("ambient_degC", kind="stable")
-        x = one["ambient_degC"].to_numpy()
-        if np.isfinite(one["factor_low"]).all():
-            low, high = one["factor_low"].to_numpy(), one["factor_high"].to_numpy()
+        branch = rows[rows["basis"] == basis].sort_values("ambient_degC", kind="stable")
+        x = branch["ambient_degC"].to_numpy()
+        if np.isfinite(branch["factor_low"]).all():
+            low, high = branch["factor_low"].to_numpy(), branch["factor_high"].to_numpy()
             ax.fill_between(x, low, high, color=colour, alpha=0.2, linewidth=0)
-        ax.plot(x, one["factor"].to_numpy(), ".-", color=colour, linewidth=1.3, markersize=4.5)
+        ax.plot(x, branch["factor"].to_numpy(), ".-", color=colour, linewidth=1.3, markersize=4.5)
 
 
 def draw_scale(bearing: Bearing, results: dict[float, Result]) -> Figure:

@@ -91,15 +91,15 @@ def factor_tables(summary: Summary) -> dict[str, Table]:
     ]
     cells: list[list[Any]] = []
     marked: set[tuple[int, int]] = set()
-    for at, (key, found) in enumerate(lines.items()):
-        each = [found.get(temperature) for temperature in temperatures]
-        cells.append([*key, values.get(key), *(one and _cell(one) for one in each)])
+    for at, (key, by_temperature) in enumerate(lines.items()):
+        factors = [by_temperature.get(temperature) for temperature in temperatures]
+        cells.append([*key, values.get(key), *(row and _cell(row) for row in factors)])
         marked |= {
             (at, 5 + place)
-            for place, one in enumerate(each)
-            if one is not None and "ambient" in str(one.get("beyond_tested") or "").split()
+            for place, row in enumerate(factors)
+            if row is not None and "ambient" in str(row.get("beyond_tested") or "").split()
         }
-        outside = " ".join(str(one.get("beyond_tested") or "") for one in each if one).split()
+        outside = " ".join(str(row.get("beyond_tested") or "") for row in factors if row).split()
         marked |= {(at, 0)} if {"strain", "strain_rate"} & set(outside) else set()
     note = "first: the first cycle; heated: the last cycle, after self-heating; mean: the mean of "
     note += (

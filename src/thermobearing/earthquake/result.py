@@ -202,8 +202,8 @@ class EarthquakeResult(DatasetResult):
         data = self.dataset
         if DIRECTION in data.attrs or DIRECTION not in data.coords:
             return []
-        known = data[DIRECTION].values.tolist()
-        return list(dict.fromkeys(name for name in known if name != measures.DIRECTIONS[-1]))
+        names = data[DIRECTION].values.tolist()
+        return list(dict.fromkeys(name for name in names if name != measures.DIRECTIONS[-1]))
 
     @property
     def resultant(self) -> "EarthquakeResult":
@@ -214,8 +214,8 @@ class EarthquakeResult(DatasetResult):
     def _labels(self) -> list[str]:
         """Names of the labels of a run."""
         data = self.dataset
-        own = [name for name in LABELS if name in data.coords and data[name].dims == ("run",)]
-        return [name for name in own if name != "mode" or any(self.modes)]
+        labels = [name for name in LABELS if name in data.coords and data[name].dims == ("run",)]
+        return [name for name in labels if name != "mode" or any(self.modes)]
 
     @property
     def has_parts(self) -> bool:

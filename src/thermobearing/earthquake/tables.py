@@ -231,7 +231,7 @@ def _combined(x: Floats, y: Floats) -> dict[str, Floats]:
     return {"x": x, "y": y, "larger": larger, "rule": rule, "srss": np.hypot(x, y)}
 
 
-def components_frame(result: "EarthquakeResult", one: "EarthquakeResult") -> "pd.DataFrame":
+def components_frame(result: "EarthquakeResult", single: "EarthquakeResult") -> "pd.DataFrame":
     """Return two components of the ground motion compared with one at a time, a row for each peak.
 
     Of hinges and temperatures only the larger one is compared with that of two components. Runs
@@ -239,19 +239,19 @@ def components_frame(result: "EarthquakeResult", one: "EarthquakeResult") -> "pd
     """
     keys = list(measures.KEYS[:3])
     two = {name: _peaks_by_run(result.sel(direction=name), keys) for name in measures.DIRECTIONS}
-    apart = {name: _peaks_by_run(one.sel(direction=name), keys) for name in one.directions}
+    apart = {name: _peaks_by_run(single.sel(direction=name), keys) for name in single.directions}
     runs, none = two["x"].index, pd.DataFrame(columns=two["x"].columns, dtype=float)
     x, y = (apart.get(name, none).reindex(runs) for name in measures.DIRECTIONS[:2])
     still = ~runs.isin(apart["y"].index) if "y" in apart else np.ones(len(runs), dtype=bool)
     y.loc[still, list(COMPARED_PEAKS)] = 0.0  # no motion across the bridge
     parts = []
     for name in COMPARED_PEAKS:
-        found = _combined(x[name].to_numpy(float), y[name].to_numpy(float))
+        combinations = _combined(x[name].to_numpy(float), y[name].to_numpy(float))
         if name.startswith("pier_ductility"):
-            found = {key: found[key] for key in ("x", "y", "larger")}
+            combinations = {key: combinations[key] for key in ("x", "y", "larger")}
         elif name.endswith("_K"):
-            found = {"larger": found["larger"]}
-        for key, values in found.items():
+            combinations = {"larger": combinations["larger"]}
+        for key, values in combinations.items():
             both = two[key if key in measures.DIRECTIONS else measures.DIRECTIONS[-1]][name]
             frame = pd.DataFrame({"one_component": values, "two_components": both.to_numpy()})
             frame["two_over_one"] = frame["two_components"] / frame["one_component"].replace(

@@ -79,12 +79,12 @@ def write_quofem(found: Identification, folder: str | Path) -> Path:
     def _fill(target: Path) -> None:
         for file in loaded_files():
             shutil.copy(file, target)
-        starts = {_name(one): _searched(one, one.value) for one in found.pset.free}
+        starts = {_name(p): _searched(p, p.value) for p in found.pset.free}
         data = found.problem.data()
-        held = dict.fromkeys(map(_held_name, _groups(found)), 0.0)
+        changes = dict.fromkeys(map(_held_name, _groups(found)), 0.0)
         texts = {
             DRIVER: MODEL,
-            PARAMETERS: "".join(f"{k} = {value!r}\n" for k, value in (starts | held).items()),
+            PARAMETERS: "".join(f"{k} = {value!r}\n" for k, value in (starts | changes).items()),
             MEASURED: _row(data, ","),
             PROBLEM: json.dumps(_problem_table(found), default=np.ndarray.tolist),
             README: _readme(found),
@@ -109,8 +109,8 @@ def write_responses(params: Mapping[str, Any], folder: str | Path = ".") -> None
     for file in table["laws"]:
         load(place / file)
     problem = _problem(table)
-    scales = [(one, BACKWARD[one.kind.scale]) for one in problem.pset.free]
-    cube = np.array([one.place(back(float(params[_name(one)]))) for one, back in scales])
+    scales = [(p, BACKWARD[p.kind.scale]) for p in problem.pset.free]
+    cube = np.array([p.place(back(float(params[_name(p)]))) for p, back in scales])
     groups = [Group(**group) for group in table["assumed"]]
     changes = [(group, float(params.get(_held_name(group), 0.0))) for group in groups]
     residuals: list[Floats] | None = problem.parts(cube, fine=True)
@@ -131,9 +131,9 @@ def _name(parameter: Parameter) -> str:
     return BEFORE[parameter.kind.scale] + re.sub(r"\W", "_", parameter.kind.symbol)
 
 
-def _groups(found: Identification) -> tuple[Group, ...]:
+def _groups(identification: Identification) -> tuple[Group, ...]:
     """Return the groups of numbers that a calibration assumes."""
-    return found.uncertainty.assumed.groups
+    return identification.uncertainty.assumed.groups
 
 
 def _held_name(group: Group) -> str:
@@ -147,21 +147,22 @@ def _searched(parameter: Parameter, value: float) -> float:
     return low + parameter.place(value) * (high - low)
 
 
-def _problem_table(found: Identification) -> dict[str, Any]:
+def _problem_table(identification: Identification) -> dict[str, Any]:
     """Return the least-squares problem of a calibration as JSON takes it, without rounding."""
-    ties = {p.kind.key: p.tie for p in found.pset.parameters if p.tie is not None}
-    free = {p.kind.key: (p.lower, p.upper) for p in found.pset.free}
+    ties = {p.kind.key: p.tie for p in identification.pset.parameters if p.tie is not None}
+    free = {p.kind.key: (p.lower, p.upper) for p in identification.pset.free}
     tests = []
-    for record, weights in zip(found.problem.records, found.problem.weights, strict=True):
+    problem = identification.problem
+    for record, weights in zip(problem.records, problem.weights, strict=True):
         test = {name: getattr(record, name) for name in KEPT}
         tests.append(test | {"clipped": np.flatnonzero(weights == 0.0)})
     return {
-        "bearing": found.pset.base.model_dump(mode="json"),
+        "bearing": identification.pset.base.model_dump(mode="json"),
         "free": [*free, *(f"{key} = {factor!r} * {of}" for key, (of, factor) in ties.items())],
         "bounds": free,
-        "temperatures": found.problem.temperatures,
+        "temperatures": problem.temperatures,
         "laws": [Path(file).name for file in loaded_files()],
-        "assumed": [group.model_dump() for group in _groups(found)],
+        "assumed": [group.model_dump() for group in _groups(identification)],
         "tests": tests,
     }
 
@@ -182,11 +183,11 @@ def _problem(table: dict[str, Any]) -> Problem:
 
 
 def _input(
-    found: Identification, name: str, starts: dict[str, float], lengths: list[int]
+    identification: Identification, name: str, starts: dict[str, float], lengths: list[int]
 ) -> dict[str, Any]:
     """Return an input of quoFEM: applications, their settings, responses and parameters."""
     variables: list[dict[str, Any]] = []
-    for parameter, (symbol, start) in zip(found.pset.free, starts.items(), strict=True):
+    for parameter, (symbol, start) in zip(identification.pset.free, starts.items(), strict=True):
         low, high = parameter.ends
         kind: dict[str, Any] = {"distribution": "Uniform", "variableClass": "Uncertain"}
         if name == INPUTS[0]:  # versions of quoFEM differ in the spelling of the start
@@ -194,7 +195,7 @@ def _input(
             kind |= {"initialpoint": start, "initialPoint": start}
         ends = {"lowerbound": low, "upperbound": high, "inputType": "Parameters", "refCount": 1}
         variables.append({"name": symbol, "value": f"RV.{symbol}", **kind, **ends})
-    for group in _groups(found) if name != INPUTS[0] else ():
+    for group in _groups(identification) if name != INPUTS[0] else ():
         symbol = _held_name(group)
         normal = {"distribution": "Normal", "mean": 0.0, "stdDev": group.widening}
         about = {"variableClass": "Uncertain", "inputType": "Parameters", "refCount": 1}
@@ -207,15 +208,16 @@ def _input(
     return table | {"EDP": responses, "randomVariables": variables}
 
 
-def _readme(found: Identification) -> str:
-    estimates = [(one.parameter, one.value) for one in found.uncertainty.estimates.values()]
+def _readme(identification: Identification) -> str:
+    uncertainty = identification.uncertainty
+    estimates = [(item.parameter, item.value) for item in uncertainty.estimates.values()]
     return _template(README).format(
-        bearing=found.bearing.name,
+        bearing=identification.bearing.name,
         version=thermobearing.__version__,
-        tests=", ".join(record.name for record in found.records),
-        samples=found.uncertainty.samples,
-        worth=found.uncertainty.effective_samples,
-        wider=(found.uncertainty.samples / found.uncertainty.effective_samples) ** 0.5,
+        tests=", ".join(record.name for record in identification.records),
+        samples=uncertainty.samples,
+        worth=uncertainty.effective_samples,
+        wider=(uncertainty.samples / uncertainty.effective_samples) ** 0.5,
         found=", ".join(f"{_name(one)} = {_searched(one, value):.6g}" for one, value in estimates),
     )
 

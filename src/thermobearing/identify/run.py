@@ -187,8 +187,8 @@ def _held_coefficients(case: IdentifyCase, ambients: Sequence[float]) -> list[st
     values = []
     for key in keys:
         value = dotted_value(case.bearing, key) or 0.0
-        known = f" \N{PLUS-MINUS SIGN} {groups[key].step(value):.2g}" if key in groups else ""
-        values.append(f"{symbols[key]} = {value:.4g}{known}")
+        uncertainty = f" \N{PLUS-MINUS SIGN} {groups[key].step(value):.2g}" if key in groups else ""
+        values.append(f"{symbols[key]} = {value:.4g}{uncertainty}")
     if not values:
         return []
     return [

@@ -125,19 +125,19 @@ class MotionResult(Result):
         """The spectrum as in spectrum.csv."""
         return self._spectrum_frame(self.spectrum)
 
-    def _spectrum_frame(self, found: ResponseSpectrum) -> "pd.DataFrame":
+    def _spectrum_frame(self, spectrum: ResponseSpectrum) -> "pd.DataFrame":
         """Return the spectrum, that of the second record, RotD50 and RotD100 at its periods."""
         columns = {
-            "period_s": found.periods,
-            "acceleration_gal": found.acceleration / MM_S2_PER_GAL,
-            "pseudo_acceleration_gal": found.pseudo_acceleration / MM_S2_PER_GAL,
-            "velocity_cm_s": found.velocity / MM_PER_CM,
-            "displacement_cm": found.displacement / MM_PER_CM,
+            "period_s": spectrum.periods,
+            "acceleration_gal": spectrum.acceleration / MM_S2_PER_GAL,
+            "pseudo_acceleration_gal": spectrum.pseudo_acceleration / MM_S2_PER_GAL,
+            "velocity_cm_s": spectrum.velocity / MM_PER_CM,
+            "displacement_cm": spectrum.displacement / MM_PER_CM,
         }
         if self.pair is not None:
-            columns |= _rotated_columns(self.pair, found)
+            columns |= _rotated_columns(self.pair, spectrum)
         if self.reference is not None:
-            columns["standard_gal"] = self.reference.at(found.periods) / MM_S2_PER_GAL
+            columns["standard_gal"] = self.reference.at(spectrum.periods) / MM_S2_PER_GAL
         return pd.DataFrame(columns)
 
     def tables(self) -> dict[str, Table]:

@@ -204,7 +204,9 @@ def _labels(histories: Sequence[Served]) -> list[str]:
     ]
 
 
-def _dataset(case: ServedCase, histories: Sequence[Served], said: Sequence[str]) -> "xr.Dataset":
+def _dataset(
+    case: ServedCase, histories: Sequence[Served], warnings: Sequence[str]
+) -> "xr.Dataset":
     """Return the labelled dataset of histories."""
     model = build_model(case.bearing, case.analysis)
     stack = stack_labels(model)
@@ -229,16 +231,16 @@ def _dataset(case: ServedCase, histories: Sequence[Served], said: Sequence[str])
         "cell": ("cell", np.arange(1, len(stack.depth) + 1)),
         "depth": ("cell", stack.depth, depth_attributes(model.stack.fold == 2)),
     }
-    attributes = _attributes(case, model, histories, said)
-    found = labelled_dataset(data, coordinates, attributes)
-    for key, variable in found.variables.items():
+    attributes = _attributes(case, model, histories, warnings)
+    dataset = labelled_dataset(data, coordinates, attributes)
+    for key, variable in dataset.variables.items():
         if not variable.attrs:
             variable.attrs = dict(quantity(str(key)).attributes)
-    return found
+    return dataset
 
 
 def _attributes(
-    case: ServedCase, model: Any, histories: Sequence[Served], said: Sequence[str]
+    case: ServedCase, model: Any, histories: Sequence[Served], warnings: Sequence[str]
 ) -> dict[str, Any]:
     """Return provenance, warnings and the calibration range as attributes."""
     bearing, constants = case.bearing, model.constants
@@ -283,7 +285,7 @@ def _attributes(
             *describe_all(factors),
             *law,
             *outside_tests(bearing.name, rows, ranges),
-            *said,
+            *warnings,
         ],
         **({"tested_range": rows} if rows else {}),
         **exposure_attribute(factors),

@@ -26,9 +26,9 @@ def places_of_largest(values: ArrayLike) -> Places:
     array([1, 1])
     """
     numbers: Any = np.asarray(values, dtype=float)
-    known = np.where(np.isnan(numbers), -np.inf, numbers)
-    least = known.max(axis=-1, keepdims=True) - TIE * _scale(numbers)
-    return np.asarray((known >= least).argmax(axis=-1))
+    comparable = np.where(np.isnan(numbers), -np.inf, numbers)
+    least = comparable.max(axis=-1, keepdims=True) - TIE * _scale(numbers)
+    return np.asarray((comparable >= least).argmax(axis=-1))
 
 
 def place_of_largest(values: ArrayLike) -> int:
@@ -64,9 +64,9 @@ def order_from_largest(values: ArrayLike) -> Places:
     [2, 3, 0, 1]
     """
     numbers: Any = np.ravel(np.asarray(values, dtype=float))
-    known = np.where(np.isnan(numbers), -np.inf, numbers)
-    order = np.argsort(-known, kind="stable")
-    ranked = known[order]
+    comparable = np.where(np.isnan(numbers), -np.inf, numbers)
+    order = np.argsort(-comparable, kind="stable")
+    ranked = comparable[order]
     lower = ranked[1:] < ranked[:-1] - TIE * _scale(numbers)
     ranks = np.concatenate([[0], np.cumsum(lower)])[: len(order)]
     # NaN below -inf: both are numbers of the sort, only one is a value.

@@ -156,19 +156,20 @@ def extrapolation(rows: Iterable[Mapping[Any, Any]], *, only: Collection[str] = 
     `rows` are those of `compare_with_tests` for a run, `only` the limits that count. Tests at one
     ambient temperature determine no coefficient: it is held, and has its own uncertainty.
     """
-    known = {one.limit: one for one in read_data(_Table, "results", "extrapolation.toml").beyond}
+    table = read_data(_Table, "results", "extrapolation.toml")
+    limits = {item.limit: item for item in table.beyond}
     square = 0.0
     for row in rows:
-        limit, low, high, asked = (row[k] for k in ("limit", "lowest", "largest", "asked"))
-        if not row["passed"] or limit not in known or limit not in only:
+        limit, low, high, value = (row[k] for k in ("limit", "lowest", "largest", "asked"))
+        if not row["passed"] or limit not in limits or limit not in only:
             continue
         if limit == "ambient" and low == high:
             continue
-        distance = max(low - asked, asked - high)
-        if known[limit].ratio:
-            end = low if asked < low else high
-            distance = abs(math.log(asked / end)) if asked > 0.0 < end else 0.0
-        square += (known[limit].relative * distance) ** 2
+        distance = max(low - value, value - high)
+        if limits[limit].ratio:
+            end = low if value < low else high
+            distance = abs(math.log(value / end)) if value > 0.0 < end else 0.0
+        square += (limits[limit].relative * distance) ** 2
     return math.sqrt(square)
 
 

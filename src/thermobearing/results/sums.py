@@ -30,9 +30,9 @@ def product_in_order(left: Floats, right: Floats) -> Floats:
     >>> product_in_order(np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([10.0, 1.0])).tolist()
     [12.0, 34.0]
     """
-    found = np.zeros((*left.shape[:-1], *right.shape[1:]))
+    product = np.zeros((*left.shape[:-1], *right.shape[1:]))
     for k in range(len(right)):
         if right[k].any():
             column = left[..., k]
-            found += column[..., np.newaxis] * right[k] if right.ndim > 1 else column * right[k]
-    return found
+            product += column[..., np.newaxis] * right[k] if right.ndim > 1 else column * right[k]
+    return product

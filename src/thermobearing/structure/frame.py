@@ -403,7 +403,9 @@ def _condense(frame: Frame) -> tuple[Structure, dict[str, str]]:
         own |= {"body": of[upper], "base": of[lower], "count": one.bearings}
         size = one.stiffness[0] / one.bearings / METRE if one.stiffness else 0.0
         bearings.append(BearingLine(name=one.name, equivalent_stiffness=size, **own))
-    deck = largest_by([one for one in masses if one.body.startswith("deck")], lambda one: one.mass)
+    deck = largest_by(
+        [mass for mass in masses if mass.body.startswith("deck")], lambda mass: mass.mass
+    )
     report = {"deck": deck.body}
     if on_piers := [line for line in bearings if line.base != GROUND]:
         name = min(on_piers, key=lambda line: line.body != deck.body).base

@@ -291,10 +291,10 @@ def with_shared_cells(constants: Constants) -> Constants:
 
 def _scratch(kind: Kind) -> tuple[Workspace, Floats, Floats]:
     """Return scratch for the lines of a kind, as `split` takes it."""
-    one = kind.constants
-    elastic, hysteretic = np.zeros((2, len(kind.lines), len(one.multiplicity)))
+    constants = kind.constants
+    elastic, hysteretic = np.zeros((2, len(kind.lines), len(constants.multiplicity)))
     components = kind.states.books["displacement"].ndim - 1
-    return new_workspace(one, components), elastic, hysteretic
+    return new_workspace(constants, components), elastic, hysteretic
 
 
 class Company:

@@ -64,9 +64,9 @@ def _legend(figure: Figure, ax: Axes) -> None:
     drawing.legend_below(figure, ax.get_legend_handles_labels()[0])
 
 
-def _draw_demand(found: "pd.DataFrame", result: StudyResult, across: str, note: str) -> Figure:
+def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, note: str) -> Figure:
     demand, by, capacity = result.demand_name, result.things, result.question.capacity or np.nan
-    groups = found.groupby(list(by), sort=False, observed=True) if by else [((), found)]
+    groups = quantiles.groupby(list(by), sort=False, observed=True) if by else [((), quantiles)]
     cells = [(label, rows) for label, rows in groups]
     columns = min(len(cells), MOST_COLUMNS)
     count = -(-len(cells) // columns)
@@ -84,11 +84,13 @@ def _draw_demand(found: "pd.DataFrame", result: StudyResult, across: str, note: 
         least, median, most = (
             rows[name].to_numpy(dtype=float) for name in ("median_low", "0.5", "median_high")
         )
-        known = np.isfinite(least) & np.isfinite(most)
-        reach = [(median - least)[known], (most - median)[known]]
+        finite = np.isfinite(least) & np.isfinite(most)
+        reach = [(median - least)[finite], (most - median)[finite]]
         points: drawing.Look = {"marker": "o", "markersize": 3, "label": "median, 95 % band"}
         ax.plot(x, median, color=COLOUR, linewidth=1.4, **points)
-        ax.errorbar(x[known], median[known], yerr=reach, fmt="none", ecolor=COLOUR, elinewidth=1.0)
+        ax.errorbar(
+            x[finite], median[finite], yerr=reach, fmt="none", ecolor=COLOUR, elinewidth=1.0
+        )
         ax.plot(x, rows["mean"], color=drawing.INK, linewidth=0.9, linestyle="--", label="mean")
         if np.isfinite(capacity):
             ax.axhline(capacity, label="capacity", **drawing.LIMIT)
@@ -96,7 +98,7 @@ def _draw_demand(found: "pd.DataFrame", result: StudyResult, across: str, note: 
         drawing.name_axes(ax, _title(across) if last else "", _title(demand) if first else "")
         ax.set_title(", ".join(map(str, label)), **look)
         ax.tick_params(labelbottom=last)
-    top = np.nanmax(np.where(np.isinf(found["0.95"]), np.nan, found["0.95"]), initial=0.0)
+    top = np.nanmax(np.where(np.isinf(quantiles["0.95"]), np.nan, quantiles["0.95"]), initial=0.0)
     largest = max(float(top), capacity if np.isfinite(capacity) else 0.0)
     axes[0].set_ylim(0.0, 1.08 * largest or 1.0)
     _legend(figure, axes[0])
@@ -297,12 +299,12 @@ KINDS = {
 }
 
 
-def _draw_variance(found: "pd.DataFrame", demand: str) -> Figure:
-    kinds = [kind for kind in KINDS if kind in found]
-    by = "total" if "total" in found else "share"
-    rest = found["factor"] == REST
-    factors = found[~rest]
-    rows = pd.concat([found[rest], factors.iloc[order_from_least(factors[by])]])
+def _draw_variance(contributions: "pd.DataFrame", demand: str) -> Figure:
+    kinds = [kind for kind in KINDS if kind in contributions]
+    by = "total" if "total" in contributions else "share"
+    rest = contributions["factor"] == REST
+    factors = contributions[~rest]
+    rows = pd.concat([contributions[rest], factors.iloc[order_from_least(factors[by])]])
     size = (5.6, 1.2 + 0.42 * len(rows))
     title = f"Variance contributions, {column_words(demand)}"
     figure, (ax,) = drawing.panels(1, 1, size, title)
@@ -320,8 +322,8 @@ def _draw_variance(found: "pd.DataFrame", demand: str) -> Figure:
     ax.set_yticks(places, [column_words(str(name)).replace(", ", ",\n") for name in rows["factor"]])
     ax.grid(False, axis="y")
     ax.axvline(0.0, color=drawing.GREY, linewidth=0.7)
-    lost, many = int(found["left_out"].iloc[0]), int(found["rows"].iloc[0])
-    kind = "samples" if "total" in found else "runs"
+    lost, many = int(contributions["left_out"].iloc[0]), int(contributions["rows"].iloc[0])
+    kind = "samples" if "total" in contributions else "runs"
     drawing.name_axes(ax, f"share of the variance [%], {many} {kind}, {lost} failed and left out")
     _legend(figure, ax)
     return figure

@@ -154,10 +154,10 @@ class ForwardModel:
 
     def rebuilt(self, bearing: Bearing) -> "ForwardModel":
         """Return the model of a bearing of other sizes or materials, with the same steps."""
-        other = copy(self)
+        forward = copy(self)
         model = build_model(bearing, self._options, backbone=bilinear_parameters)
-        other._stack, other._constants = model.stack, model.constants
-        return other
+        forward._stack, forward._constants = model.stack, model.constants
+        return forward
 
     def _thermocouples(self, bearing: Bearing) -> dict[str, int | None]:
         """Return the modelled layer of each thermocouple, from the outside; None in lead."""

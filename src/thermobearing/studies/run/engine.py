@@ -174,11 +174,13 @@ def count_failures(table: "pd.DataFrame") -> "pd.DataFrame":
     """
     failed = table[table["outcome"] != COMPLETED]
     groups = failed.groupby("outcome", sort=True, observed=True)
-    found = groups.agg(runs=("run", "size"), first=("run", "min"), sentence=("sentence", "first"))
-    found.insert(1, "share", found["runs"] / max(len(table), 1))
-    found = found.sort_values("runs", ascending=False, kind="stable").reset_index()
-    found = found.sort_values("outcome", key=lambda names: names != MELTED, kind="stable")
-    return found.reset_index(drop=True)
+    failures = groups.agg(
+        runs=("run", "size"), first=("run", "min"), sentence=("sentence", "first")
+    )
+    failures.insert(1, "share", failures["runs"] / max(len(table), 1))
+    failures = failures.sort_values("runs", ascending=False, kind="stable").reset_index()
+    failures = failures.sort_values("outcome", key=lambda names: names != MELTED, kind="stable")
+    return failures.reset_index(drop=True)
 
 
 def failures_table(failures: "pd.DataFrame") -> Table:

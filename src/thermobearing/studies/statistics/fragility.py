@@ -349,9 +349,9 @@ def fragility_curves(
     return found
 
 
-def _resample(table: "pd.DataFrame", given: Options) -> tuple[Draw, dict[str, Any]]:
+def _resample(table: "pd.DataFrame", settings: Options) -> tuple[Draw, dict[str, Any]]:
     """Return the bootstrap of options, and the other options."""
-    options = {**DEFAULTS, **given}
+    options = {**DEFAULTS, **settings}
     groups = options.pop("groups")
     labels = table[groups].tolist() if groups is not None and groups in table else None
     draw = Draw.of_labels(labels, len(table), options.pop("samples"), options.pop("seed"))
