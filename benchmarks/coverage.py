@@ -51,10 +51,12 @@ def calibrated(kind: str, kelvin: float, seed: int) -> tuple[Identification, tb.
     return identify_bearing(records, bearing, starts=1), truth
 
 
-def predictions_held(found: Identification, truth: tb.Bearing, seed: int) -> dict[str, bool]:
+def predictions_held(
+    identification: Identification, truth: tb.Bearing, seed: int
+) -> dict[str, bool]:
     """Whether the band of each prediction holds its truth."""
-    test, values, draws = found.records[0], {}, {}
-    bands = forecast(found, [COLD, WARM], seed=seed, narrow=False).bands
+    test, values, draws = identification.records[0], {}, {}
+    bands = forecast(identification, [COLD, WARM], seed=seed, narrow=False).bands
     for band in bands:
         run = ForwardModel(test, truth, fine=True, ambient=band.ambient).run(truth)
         assert run is not None
@@ -77,9 +79,9 @@ def cell(kind: str, kelvin: float, fits: int) -> list[Row]:
     """Coverage of one bearing and one error of the ambient temperatures."""
     counts: dict[str, list[bool]] = {}
     for seed in range(fits):
-        found, truth = calibrated(kind, kelvin, seed)
-        counts.setdefault("parameters", []).extend(held(found, truth))
-        for name, inside in predictions_held(found, truth, seed).items():
+        identification, truth = calibrated(kind, kelvin, seed)
+        counts.setdefault("parameters", []).extend(held(identification, truth))
+        for name, inside in predictions_held(identification, truth, seed).items():
             counts.setdefault(name, []).append(inside)
     what = f"{kind}, ambient temperatures off by {kelvin:g} K, {fits} fits"
     target = f"{LEAST:g} to {MOST:g} %"

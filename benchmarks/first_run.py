@@ -78,7 +78,9 @@ def _hot_size(compiled: Path) -> float:
     for file in compiled.glob("*/*/thermobearing_core_step_*.o"):
         sections = llvm.ObjectFileRef.from_data(file.read_bytes()).sections()
         size += sum(
-            one.size() for one in sections if one.is_text() and b"unlikely" not in one.name()
+            section.size()
+            for section in sections
+            if section.is_text() and b"unlikely" not in section.name()
         )
     return size / 1e3
 
@@ -116,18 +118,18 @@ def rows() -> list[Row]:
             "first `thermobearing serve` until it listens": (_serve, 15.0),
             "all kernels for this machine, `python -m kernels cache`": (kernels, 60.0),
         }
-        found = []
+        measured = []
         for number, (what, (run, limit)) in enumerate(commands.items()):
             try:
                 spent = run(str(folder / f"compiled{number}")).processor
-                found.append(at_most(what, spent, limit, "s"))
+                measured.append(at_most(what, spent, limit, "s"))
             except CommandError as error:
-                found.append(failed(what, str(error), f"<= {limit:g} s"))
-        if found[0].value is None:
-            return found
+                measured.append(failed(what, str(error), f"<= {limit:g} s"))
+        if measured[0].value is None:
+            return measured
         compiled = folder / "compiled0"
         warm = sorted(cyclic(str(compiled), number) for number in (1, 2, 3))
         note = f"median {warm[1].wall:.2f} s, processor {warm[0].processor:.2f} s"
-        found.append(at_most(WARM, warm[0].wall, WARM_LIMIT, "s", note))
-        found.append(at_most(HOT, _hot_size(compiled), HOT_LIMIT, "kB"))
-        return found
+        measured.append(at_most(WARM, warm[0].wall, WARM_LIMIT, "s", note))
+        measured.append(at_most(HOT, _hot_size(compiled), HOT_LIMIT, "kB"))
+        return measured

@@ -123,12 +123,12 @@ class Runs:
 
     def bearing(self, name: str) -> Bearing:
         """Return a bearing of the library with the changes."""
-        found = source_bearing(name)
+        bearing = source_bearing(name)
         for symbol, factor in self.change.items():
             parameter = parameters()[symbol]
             if parameter.of == "bearing":
-                found = _changed(found, parameter.key, factor)
-        return found
+                bearing = _changed(bearing, parameter.key, factor)
+        return bearing
 
     def number(self, symbol: str) -> float:
         """Return a printed number with the changes of `of = "print"`."""

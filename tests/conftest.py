@@ -27,7 +27,7 @@ COARSE = 50  # points an inch of saved figures
 Value = str | float
 Recorder = Callable[[str, Value, str], None]
 KEY = "measured"  # of the properties of a test's report that hold its numbers
-SKIPPED: dict[str, str] = {}  # tests, and files that skip as a whole: why
+SKIPPED: dict[str, str] = {}  # reasons, by the test or by the file that is skipped entirely
 PROPERTIES: list[tuple[str, Any]] = []  # of all tests, in the order in which they ended
 
 

@@ -91,22 +91,22 @@ def list_targets(*, numba: bool) -> list[Target]:
     """Return the targets of this machine; those of numba compile for minutes."""
     features = processor_features()
     supported = {"Prescott": "pni", "Haswell": "avx2", "SkylakeX": "avx512vl"}
-    found = [Target("native", {})]
+    targets = [Target("native", {})]
     for name, feature in supported.items():
         if feature in features:
             variables = {"OPENBLAS_CORETYPE": name}
-            found.append(Target(f"openblas-{name}", variables, frozenset(BLAS[name])))
+            targets.append(Target(f"openblas-{name}", variables, frozenset(BLAS[name])))
     simd = np.show_config(mode="dicts")["SIMD Extensions"].get("found", [])
     if simd:
         variables = {"NPY_DISABLE_CPU_FEATURES": " ".join(simd)}
-        found.append(Target("numpy-baseline", variables, plain_numpy=True))
-    found += [Target(f"kernels-{at}", {CHOICE: at}, kernels=at) for at in built_levels()]
+        targets.append(Target("numpy-baseline", variables, plain_numpy=True))
+    targets += [Target(f"kernels-{at}", {CHOICE: at}, kernels=at) for at in built_levels()]
     if numba:
         jit = {CHOICE: "jit"}
-        found.append(Target("numba-native", jit, kernels="jit"))
+        targets.append(Target("numba-native", jit, kernels="jit"))
         older = {"NUMBA_CPU_NAME": "x86-64-v2", "NUMBA_CPU_FEATURES": ""}
-        found.append(Target("numba-x86-64-v2", jit | older, kernels="jit"))
-    return found
+        targets.append(Target("numba-x86-64-v2", jit | older, kernels="jit"))
+    return targets
 
 
 def _run(command: list[str], environment: Mapping[str, str]) -> subprocess.CompletedProcess[str]:

@@ -33,15 +33,15 @@ def folder(request: pytest.FixtureRequest) -> Iterator[Path]:
     if native.open_library()[0] is not None:
         yield native.FOLDER
         return
-    made = request.getfixturevalue("library_with_step")
-    library = native._load(made, native.library_name()), ""
+    directory = request.getfixturevalue("library_with_step")
+    library = native._load(directory, native.library_name()), ""
     built = SimpleNamespace(
-        FOLDER=made, open_library=lambda: library, library_name=native.library_name
+        FOLDER=directory, open_library=lambda: library, library_name=native.library_name
     )
     material._material_library.cache_clear()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(material, "native", built)
-        yield made
+        yield directory
     material._material_library.cache_clear()
 
 

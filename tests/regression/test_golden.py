@@ -21,7 +21,7 @@ SHOWN = 20
 READ_AGAIN = {"cyclic-steps": "case", "sequence": "sequence case", "design": "design case"}
 READ_AGAIN |= dict.fromkeys(["bridge-weather", "hybrid-slow"], "earthquake case")
 READ_AGAIN |= {"identify-robust": ""}
-LONG = ("identify-posterior",)  # the walk of a posterior, which tests of its own look at
+LONG = ("identify-posterior",)  # the walk of a posterior, which has separate tests
 
 
 @pytest.mark.parametrize(

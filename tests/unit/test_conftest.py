@@ -115,14 +115,14 @@ def test_skips_are_counted_by_reason(tmp_path: Path, workers: int) -> None:
     (tmp_path / "test_skips.py").write_text(SKIPS)
     (tmp_path / "pytest.ini").write_text("[pytest]\n")
     bare = {"CI": "", "THERMOBEARING_BARE": "1"}
-    done = ended(tmp_path, workers, [], **bare)
-    assert done.returncode == 0, done.stdout
+    process = ended(tmp_path, workers, [], **bare)
+    assert process.returncode == 0, process.stdout
     for count, kind in {(3, "browser or node"), (1, "OpenSees"), (1, "real records")}:
-        assert re.search(rf"^ +{count} .*{kind}", done.stdout, re.MULTILINE), done.stdout
+        assert re.search(rf"^ +{count} .*{kind}", process.stdout, re.MULTILINE), process.stdout
     (tmp_path / "test_whole.py").write_text(WHOLE_FILE)
-    done = ended(tmp_path, workers, [], **bare)
-    assert done.returncode == 1, done.stdout
-    assert re.search(rf"^ +1 {OTHER}", done.stdout, re.MULTILINE), done.stdout
+    process = ended(tmp_path, workers, [], **bare)
+    assert process.returncode == 1, process.stdout
+    assert re.search(rf"^ +1 {OTHER}", process.stdout, re.MULTILINE), process.stdout
 
 
 def test_cases_that_are_not_kept_are_left_to_the_thorough_tests() -> None:

@@ -182,8 +182,8 @@ def listed_files() -> set[str]:
     """The files under version control; without git, those that .gitignore does not exclude."""
     if shutil.which("git"):
         command = ["git", "ls-files"]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
-        return set(done.stdout.splitlines())
+        process = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+        return set(process.stdout.splitlines())
     excluded = GitIgnoreSpec.from_lines([*(ROOT / ".gitignore").read_text().splitlines(), ".git"])
     names: set[str] = set()
     for place, folders, files in os.walk(ROOT):

@@ -46,9 +46,9 @@ COMMANDS = dict(commands(typer.main.get_command(app)))
 @cache
 def help_of(words: tuple[str, ...]) -> str:
     """Return what a command prints for --help, which it does once for all tests."""
-    done = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "400"})
-    assert done.exit_code == 0
-    return done.output
+    result = CliRunner().invoke(app, [*words, "--help"], env={"COLUMNS": "400"})
+    assert result.exit_code == 0
+    return result.output
 
 
 def squeezed(text: str) -> str:
@@ -90,8 +90,8 @@ def test_help_imports_no_analysis() -> None:
         "print(*sys.modules)"
     )
     words = [sys.executable, "-c", code, "bridge", "--help"]
-    done = subprocess.run(words, capture_output=True, text=True, check=True)
-    modules = set(done.stdout.splitlines()[-1].split())
+    process = subprocess.run(words, capture_output=True, text=True, check=True)
+    modules = set(process.stdout.splitlines()[-1].split())
     assert "thermobearing.commands.earthquake" in modules
     heavy = {"numpy", "scipy", "pandas", "xarray", "matplotlib", "rich.progress"}
     assert not modules & (heavy | {"thermobearing.border.schema", "thermobearing.earthquake.case"})
@@ -151,8 +151,8 @@ def test_commands_stand_in_groups() -> None:
 
 def test_a_test_in_a_few_words(tmp_path: Path) -> None:
     words = ["--strain", 1.75, "--wave", "sine", "--frequency", 0.5, "--cycles", 11]
-    done = cyclic(*words, "--dt", 0.05, "--ambient", 23, "-o", tmp_path / "out", "-q")
-    assert done.exit_code == 0
+    result = cyclic(*words, "--dt", 0.05, "--ambient", 23, "-o", tmp_path / "out", "-q")
+    assert result.exit_code == 0
     (step,) = tb.load_case(tmp_path / "out" / "case.resolved.toml").test.steps
     assert isinstance(step, Cycles)
     assert (step.strain, step.wave, step.frequency, step.count) == (1.75, "sine", 0.5, 11)
@@ -169,9 +169,9 @@ def test_a_test_in_a_few_words(tmp_path: Path) -> None:
     ],
 )
 def test_bad_words_of_a_test(words: list[Any], message: str, tmp_path: Path) -> None:
-    done = cyclic(*words, "-o", tmp_path / "out")
-    assert done.exit_code == 2
-    assert message in done.stderr
+    result = cyclic(*words, "-o", tmp_path / "out")
+    assert result.exit_code == 2
+    assert message in result.stderr
     assert not (tmp_path / "out").exists()
 
 
@@ -206,10 +206,10 @@ def said(folder: Path, *words: str) -> str:
     for name, text in files.items():
         (folder / name).write_text(text)
     given = [str(folder / word) if word in files else word for word in words]
-    done = CliRunner().invoke(app, [*given, "-o", str(folder / "out")])
-    assert done.exit_code == 2, done.output
+    result = CliRunner().invoke(app, [*given, "-o", str(folder / "out")])
+    assert result.exit_code == 2, result.output
     assert not (folder / "out").exists()
-    return done.stderr
+    return result.stderr
 
 
 FIT = ("identify", "t.csv", "--bearing", "shen-hdr-specimen")
@@ -297,8 +297,8 @@ def test_rate(seconds: float, reported: str) -> None:
     bar.get_time = lambda: now[0]
     task = bar.add_task("runs", total=None)
     bar.start_task(task)
-    for done in (700, 701, 702, 703):
-        bar.update(task, completed=done, total=1000)
+    for completed in (700, 701, 702, 703):
+        bar.update(task, completed=completed, total=1000)
         now[0] += seconds
     assert Rate().render(bar.tasks[0]).plain == reported
 
@@ -373,17 +373,17 @@ def test_table_of_cycles_is_whole_and_has_the_lead(
 
 def test_study_shows_rubber_and_lead_in_a_pipe(tmp_path: Path) -> None:
     words = ["--bearing", "shen-lhdr-bridge", "--motion", "jra-ii-i-1", "--duration", "2"]
-    done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
-    assert not FRAMES.search(done.stdout)
-    assert {"Strain", "Ductility", "Deck", "Rubber", "Lead", "[°C]"} <= set(done.stdout.split())
+    result = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
+    assert not FRAMES.search(result.stdout)
+    assert {"Strain", "Ductility", "Deck", "Rubber", "Lead", "[°C]"} <= set(result.stdout.split())
 
 
 def test_a_program_in_a_pipe_writes_plain_text() -> None:
     plain = {k: v for k, v in os.environ.items() if not k.startswith(("FORCE", "TERM", "GITHUB"))}
     words = [sys.executable, "-m", "thermobearing.cli", "cyclic", "--wrong"]
-    done = subprocess.run(words, capture_output=True, text=True, env=plain, check=False)
-    assert "Usage" in done.stderr
-    assert not FRAMES.search(done.stdout + done.stderr)
+    process = subprocess.run(words, capture_output=True, text=True, env=plain, check=False)
+    assert "Usage" in process.stderr
+    assert not FRAMES.search(process.stdout + process.stderr)
 
 
 @pytest.mark.parametrize(("ambients", "shown"), [((0,), False), ((0, 23), True)])
@@ -392,5 +392,5 @@ def test_energy_ratio_needs_a_warmer_run(
 ) -> None:
     words = ["--bearing", "shen-hdr-bridge", "--motion", "jra-ii-i-1", "--duration", "0.5"]
     words += [word for at in ambients for word in ("--ambient", str(at))]
-    done = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
-    assert ("ratio" in done.stdout.split()) is shown
+    result = command("bridge", *words, "--no-figures", "-o", tmp_path / "out")
+    assert ("ratio" in result.stdout.split()) is shown

@@ -363,18 +363,18 @@ def test_optional_parameters_that_tests_leave_open_stay_at_their_start(tmp_path:
     bearing = HDR.model_copy(update={"scragging": Scragging(**SCRAGGING)})
     test = tb.cyclic_test(strain=[0.5, 1.0, 1.75], cycles=3, rest=60)
     tests = [synthetic_record(HDR, at, test, noise=0.01, seed=i) for i, at in enumerate((0, 23))]
-    found = identify_bearing(tests, bearing, starts=1)
-    assert found.outcome == "completed"
-    assert found.poor == []
-    estimates = found.uncertainty.estimates
+    identification = identify_bearing(tests, bearing, starts=1)
+    assert identification.outcome == "completed"
+    assert identification.poor == []
+    estimates = identification.uncertainty.estimates
     assert not {"scragging.strain", "scragging.mullins_decay"} & set(estimates)
-    fixed = found.summary()["fixed"]
+    fixed = identification.summary()["fixed"]
     assert fixed["scragging.strain"]["value"] == SCRAGGING["strain"]
     assert fixed["scragging.mullins_decay"]["value"] == SCRAGGING["mullins_decay"]
     amplitude = estimates["scragging.amplitude"]
     assert 0.0 == amplitude.lower <= amplitude.value < amplitude.upper < 0.1  # on one side
-    assert any("gamma_s" in text and "c_d" in text for text in found.warnings)
-    folder = found.save(tmp_path / "fit", figures=False)
+    assert any("gamma_s" in text and "c_d" in text for text in identification.warnings)
+    folder = identification.save(tmp_path / "fit", figures=False)
     assert tb.load_bearing(folder / "bearing.toml").kind == "HDR"
 
 

@@ -82,8 +82,8 @@ def test_numba_alone_gives_the_numbers_of_a_face() -> None:
     ours, theirs = calls()["core.march.hours_at_rest"], calls()["core.march.hours_at_rest"]
     find_faces(march.hours_at_rest).call(*ours)  # type: ignore[arg-type]
     KERNELS["core.march.hours_at_rest"].dispatcher(*theirs)
-    for mine, other in zip(arrays(ours), arrays(theirs), strict=True):
-        np.testing.assert_allclose(mine, other, rtol=1e-14)
+    for array, expected in zip(arrays(ours), arrays(theirs), strict=True):
+        np.testing.assert_allclose(array, expected, rtol=1e-14)
 
 
 def test_a_face_gives_the_bits_of_numba(small_library: Path) -> None:
@@ -91,19 +91,19 @@ def test_a_face_gives_the_bits_of_numba(small_library: Path) -> None:
         ours, theirs = calls()[name], calls()[name]
         face(small_library, name)(*ours)
         find_faces(KERNELS[name]).call(*theirs)
-        for mine, other in zip(arrays(ours), arrays(theirs), strict=True):
-            assert_array_equal(mine, other)
+        for array, expected in zip(arrays(ours), arrays(theirs), strict=True):
+            assert_array_equal(array, expected)
 
 
 @pytest.mark.thorough
 def test_a_march_gives_the_bits_of_numba(library_with_march: Path) -> None:
     name = "core.march.march"
     ours, theirs = calls("march")[name], calls("march")[name]
-    found = face(library_with_march, name)(*ours)
-    assert found == find_faces(KERNELS[name]).call(*theirs)
-    assert found[:3] == (300, 300, types.COMPLETED)
-    for mine, other in zip(arrays(ours), arrays(theirs), strict=True):
-        assert_array_equal(mine, other)
+    results = face(library_with_march, name)(*ours)
+    assert results == find_faces(KERNELS[name]).call(*theirs)
+    assert results[:3] == (300, 300, types.COMPLETED)
+    for array, expected in zip(arrays(ours), arrays(theirs), strict=True):
+        assert_array_equal(array, expected)
 
 
 def test_arguments_that_do_not_fit_are_left_to_numba(small_library: Path) -> None:
@@ -115,8 +115,8 @@ def test_arguments_that_do_not_fit_are_left_to_numba(small_library: Path) -> Non
     wide = np.zeros((3, 8))[:, ::2]
     run(kept, early, late, air, places, now.copy(), after, wide)
     assert_array_equal(wide, expected)
-    for given in (air, places):
-        given.flags.writeable = False
+    for array in (air, places):
+        array.flags.writeable = False
     fixed = np.zeros_like(found)
     run(kept, early, late, air, places, now.copy(), after, fixed)
     assert_array_equal(fixed, expected)
@@ -132,18 +132,18 @@ def test_arguments_that_do_not_fit_are_refused_without_numba(
 ) -> None:
     monkeypatch.setattr(native, "has_numba", lambda: False)
     name = "core.march.hours_at_rest"
-    given: list[Any] = [*calls()[name]]
-    given[0] = {
-        "type": given[0].astype(np.float32),
-        "order": given[0].T,
-        "dimensions": given[0][0],
-        "kind": given[0].tolist(),
-        "record": given[0],
+    arguments: list[Any] = [*calls()[name]]
+    arguments[0] = {
+        "type": arguments[0].astype(np.float32),
+        "order": arguments[0].T,
+        "dimensions": arguments[0][0],
+        "kind": arguments[0].tolist(),
+        "record": arguments[0],
     }[wrong]
     if wrong == "record":
-        name, given = "core.march.copy_state", [np.zeros(3), np.zeros(3)]
+        name, arguments = "core.march.copy_state", [np.zeros(3), np.zeros(3)]
     with pytest.raises(native.UnsuitableError, match=name):
-        face(small_library, name)(*given)
+        face(small_library, name)(*arguments)
 
 
 def test_states_may_change_between_calls(small_library: Path) -> None:

@@ -109,15 +109,15 @@ def test_band_is_that_of_95_percent_of_the_draws(monkeypatch: pytest.MonkeyPatch
 def test_shares_of_a_linear_prediction_by_hand() -> None:
     """y = 10 u_0 + 4 z, and z moves u_0 by 0.03: errors 0.12 by the tests, 0.5 * 1.5 * 4.3 by z."""
     fit = fit_with(None, np.array([0.5, 0.5]))
-    found = posterior._sources(
-        fit, lambda cube, held: {"y": float(10.0 * cube[0] + 4.0 * held[0])}, {"y": 5.0}
+    errors = posterior._sources(
+        fit, lambda cube, changes: {"y": float(10.0 * cube[0] + 4.0 * changes[0])}, {"y": 5.0}
     )
-    error = found["y"]
-    shares, held = error.shares, error.share_of_held
+    error = errors["y"]
+    shares, held_share = error.shares, error.share_of_held
     of_tests, of_group = (10.0 * 1.2 * 0.01) ** 2, 0.25 * (1.5 * 4.3) ** 2
     assert error.size == pytest.approx(np.sqrt(of_tests + of_group))
     assert shares["tests"] == pytest.approx(of_tests / (of_tests + of_group))
-    assert shares["b"] == held == pytest.approx(of_group / (of_tests + of_group))
+    assert shares["b"] == held_share == pytest.approx(of_group / (of_tests + of_group))
 
 
 def test_draws_are_widened_as_the_intervals_are() -> None:

@@ -39,9 +39,9 @@ TRUTH = with_values(HDR, {key: (dotted_value(HDR, key) or 0.0) + off for key, of
 def warm_only() -> tb.Identification:
     """Tests at 23 degC only, of rubber whose m_T and n_T are not those of the file."""
     record = tb.synthetic_record(TRUTH, 23.0, TEST, noise=0.01)
-    found = tb.identify_bearing(record, HDR, starts=1)
-    assert {M_T, N_T}.isdisjoint(found.uncertainty.estimates)
-    return found.with_forecast(forecast(found, [-20.0, 23.0]))
+    identification = tb.identify_bearing(record, HDR, starts=1)
+    assert {M_T, N_T}.isdisjoint(identification.uncertainty.estimates)
+    return identification.with_forecast(forecast(identification, [-20.0, 23.0]))
 
 
 def test_the_band_in_the_cold_contains_what_is_held(warm_only: tb.Identification) -> None:
@@ -81,12 +81,12 @@ def test_factors_of_the_samples_contain_the_truth(
     """The factor of K_eq at -20 degC, whose band of 90 % was 1.91 to 1.93 without m_T and n_T."""
     folder = warm_only.save(tmp_path / "fit", figures=False)
     bearings = posterior_bearings(folder / "bearing.toml", folder / "posterior.csv", 40)
-    asked = {"reference_temperature": 23.0, "temperatures": [-20.0], "strains": [1.75]}
+    options = {"reference_temperature": 23.0, "temperatures": [-20.0], "strains": [1.75]}
     rows, truth = (
         table.query("basis == 'first' and quantity == 'K_eq' and ambient_degC == -20").iloc[0]
         for table in (
-            tb.temperature_factors(bearings, cycles=[1], **asked),
-            tb.temperature_factors(TRUTH, cycles=[1], **asked),
+            tb.temperature_factors(bearings, cycles=[1], **options),
+            tb.temperature_factors(TRUTH, cycles=[1], **options),
         )
     )
     assert rows["factor_low"] < truth["factor"] < rows["factor_high"]
@@ -131,23 +131,25 @@ def soaked(offset: float) -> list[TestRecord]:
     return records
 
 
-def keys_of_suspects(found: tb.Identification) -> list[str]:
-    return [item["key"] for item in found.summary()["suspects"]]
+def keys_of_suspects(identification: tb.Identification) -> list[str]:
+    return [item["key"] for item in identification.summary()["suspects"]]
 
 
 def test_a_specimen_that_was_not_soaked_is_the_first_suspect() -> None:
     """In 0.3.0: "the tests require a larger scale of the force than assumed, by 201 times"."""
-    found = tb.identify_bearing(soaked(20.0), HDR, starts=1)
-    first = found.summary()["suspects"][0]
+    identification = tb.identify_bearing(soaked(20.0), HDR, starts=1)
+    first = identification.summary()["suspects"][0]
     assert (first["key"], first["unit"]) == ("conditioning", "K")
     cold = next(
         item
-        for item in found.summary()["suspects"]
+        for item in identification.summary()["suspects"]
         if item["key"] == "conditioning" and item["ambient_degC"] == -20.0
     )
     assert 15.0 < cold["size"] < 45.0  # linear in 20 K
-    assert keys_of_suspects(found).index("force") > keys_of_suspects(found).index("ambient")
-    assert "load cell" not in " ".join(found.warnings)
+    assert keys_of_suspects(identification).index("force") > keys_of_suspects(identification).index(
+        "ambient"
+    )
+    assert "load cell" not in " ".join(identification.warnings)
     assert keys_of_suspects(tb.identify_bearing(soaked(0.0), HDR, starts=1)) == []
 
 
@@ -246,16 +248,16 @@ def test_a_band_with_another_error() -> None:
 
 
 def test_bands_outside_the_tests_are_wider() -> None:
-    found = tb.identify_bearing(soaked(0.0), HDR, starts=1)
-    ahead = forecast(found, [-20.0, -40.0])
+    identification = tb.identify_bearing(soaked(0.0), HDR, starts=1)
+    ahead = forecast(identification, [-20.0, -40.0])
     inside, outside = ahead.bands
     assert (inside.beyond_tested, outside.beyond_tested) == ("", "ambient")
-    for item, other in zip(inside.predicted, outside.predicted, strict=True):
-        assert OUTSIDE not in item.shares
-        assert other.shares[OUTSIDE] > 0.3
-        assert sum(other.shares.values()) == pytest.approx(1.0, abs=0.01)
-        half = 0.5 * (other.upper - other.lower) / other.best
-        assert half > 1.96 * 0.003 * 20.0 > 0.5 * (item.upper - item.lower) / item.best
+    for near, far in zip(inside.predicted, outside.predicted, strict=True):
+        assert OUTSIDE not in near.shares
+        assert far.shares[OUTSIDE] > 0.3
+        assert sum(far.shares.values()) == pytest.approx(1.0, abs=0.01)
+        half = 0.5 * (far.upper - far.lower) / far.best
+        assert half > 1.96 * 0.003 * 20.0 > 0.5 * (near.upper - near.lower) / near.best
     rows = ahead.summary()["predicted"]
     assert [row["beyond_tested"] for row in rows[3:5]] == ["", "ambient"]
 
@@ -294,12 +296,12 @@ def test_a_planned_test_narrows_as_the_test_itself_does(warm_only: tb.Identifica
     assert wide > 0.15
     assert planned.half_width < 0.2 * wide
     cold = tb.synthetic_record(TRUTH, -20.0, TEST, noise=0.01, seed=3)
-    made = tb.identify_bearing([*warm_only.records, cold], HDR, starts=1)
-    band = forecast(made, [-20.0])
+    identification = tb.identify_bearing([*warm_only.records, cold], HDR, starts=1)
+    band = forecast(identification, [-20.0])
     assert planned.half_width == pytest.approx(band.bands[0].main.half_width, rel=0.3)
     (chamber,) = band.narrowing
-    known = [replace(record, ambient_uncertainty=0.2) for record in made.records]
-    exact = forecast(tb.identify_bearing(known, HDR, starts=1), [-20.0], narrow=False)
+    records = [replace(record, ambient_uncertainty=0.2) for record in identification.records]
+    exact = forecast(tb.identify_bearing(records, HDR, starts=1), [-20.0], narrow=False)
     assert exact.narrowing == ()
     assert chamber.half_width == pytest.approx(exact.bands[0].main.half_width, rel=0.3)
     assert chamber.half_width < 0.7 * band.bands[0].main.half_width

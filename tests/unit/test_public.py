@@ -70,8 +70,10 @@ from thermobearing.results.writing import labelled_dataset
 labelled_dataset({"force": ("time", np.zeros(3), {"units": "kN"})}, {"time": np.arange(3.0)})
 print(*sys.modules)
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert not set(done.stdout.split()) & {"pint", "dask.array", "sparse", "cupy"}
+    process = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert not set(process.stdout.split()) & {"pint", "dask.array", "sparse", "cupy"}
 
 
 def test_labelled_datasets_are_those_of_xarray() -> None:
@@ -84,14 +86,14 @@ def test_labelled_datasets_are_those_of_xarray() -> None:
         "component": ("component", np.array(["x", "y"], dtype=object)),
         "depth": ("time", np.ones(3)),
     }
-    made = labelled_dataset(data, coords, {"title": "x"})
-    usual = xr.Dataset(data, coords=coords, attrs={"title": "x"})
-    assert made.identical(usual)
-    assert list(made.variables) == list(usual.variables)
-    assert {n: v.dtype for n, v in made.variables.items()} == {
-        n: v.dtype for n, v in usual.variables.items()
+    dataset = labelled_dataset(data, coords, {"title": "x"})
+    expected = xr.Dataset(data, coords=coords, attrs={"title": "x"})
+    assert dataset.identical(expected)
+    assert list(dataset.variables) == list(expected.variables)
+    assert {n: v.dtype for n, v in dataset.variables.items()} == {
+        n: v.dtype for n, v in expected.variables.items()
     }
-    assert all(made.indexes[n].equals(usual.indexes[n]) for n in usual.indexes)
+    assert all(dataset.indexes[n].equals(expected.indexes[n]) for n in expected.indexes)
 
 
 def section(text: str, title: str) -> str:

@@ -64,8 +64,8 @@ def test_rounding_is_zero_in_files_and_a_bound_for_readers(name: str, limit: flo
         assert row.without_rounding(value) == value
     assert row.text(np.nan) == ""
     assert row.without_rounding(None) is None
-    kept = row.without_rounding(np.array([0.5 * limit, np.nan, 2.0 * limit]))
-    assert_array_equal(kept, [0.0, np.nan, 2.0 * limit])
+    rounded = row.without_rounding(np.array([0.5 * limit, np.nan, 2.0 * limit]))
+    assert_array_equal(rounded, [0.0, np.nan, 2.0 * limit])
 
 
 def test_files_have_no_digits_of_rounding(tmp_path: Path) -> None:

@@ -139,27 +139,27 @@ def test_inputs_have_what_quofem_reads(engine: str, found: tb.Identification, fo
     files += [data["MS_Path"] + data["mainScript"], data["PA_Path"] + data["parametersScript"]]
     for file in files:
         assert Path(file.replace("{Current_Dir}", str(folder))).is_file()
-    assert {one["type"] for one in table["EDP"]} == {"field"}
+    assert {item["type"] for item in table["EDP"]} == {"field"}
     length = len(numbers((folder / "measured.csv").read_text()))
-    assert sum(one["length"] for one in table["EDP"]) == length
-    free = [one for one in table["randomVariables"] if not one["name"].startswith("z_")]
-    held = table["randomVariables"][len(free) :]
-    for one, group in zip(held, found.uncertainty.assumed.groups, strict=engine == "bayesian"):
-        assert one["name"].isidentifier()
-        assert (one["distribution"], one["mean"]) == ("Normal", 0.0)
-        assert one["stdDev"] == group.widening >= 1.0
-    assert bool(held) is (engine == "bayesian")
-    for one, parameter in zip(free, found.pset.free, strict=True):
-        assert one["value"] == f"RV.{one['name']}"
-        assert one["name"].isidentifier()
-        back = {"ln_": np.exp, "ln1p_": np.expm1}.get(re.sub(r"_.*", "_", one["name"]), float)
+    assert sum(item["length"] for item in table["EDP"]) == length
+    free = [item for item in table["randomVariables"] if not item["name"].startswith("z_")]
+    changes = table["randomVariables"][len(free) :]
+    for item, group in zip(changes, found.uncertainty.assumed.groups, strict=engine == "bayesian"):
+        assert item["name"].isidentifier()
+        assert (item["distribution"], item["mean"]) == ("Normal", 0.0)
+        assert item["stdDev"] == group.widening >= 1.0
+    assert bool(changes) is (engine == "bayesian")
+    for item, parameter in zip(free, found.pset.free, strict=True):
+        assert item["value"] == f"RV.{item['name']}"
+        assert item["name"].isidentifier()
+        back = {"ln_": np.exp, "ln1p_": np.expm1}.get(re.sub(r"_.*", "_", item["name"]), float)
         for end, value in (("lowerbound", parameter.lower), ("upperbound", parameter.upper)):
-            assert back(one[end]) == pytest.approx(value, rel=tol.ROUNDING)
+            assert back(item[end]) == pytest.approx(value, rel=tol.ROUNDING)
         if engine == "deterministic":
-            assert one["distribution"] == "ContinuousDesign"
-            assert back(one["initialpoint"]) == pytest.approx(parameter.value, rel=tol.ROUNDING)
+            assert item["distribution"] == "ContinuousDesign"
+            assert back(item["initialpoint"]) == pytest.approx(parameter.value, rel=tol.ROUNDING)
         else:
-            assert one["distribution"] == "Uniform"
+            assert item["distribution"] == "Uniform"
     worth = found.uncertainty
     ratio = np.sqrt(worth.samples / worth.effective_samples)
     assert f"by {ratio:.2f}, the square root" in (folder / "README.md").read_text()

@@ -563,14 +563,14 @@ time.sleep(60.0)
 
 
 def test_a_server_that_compiles_is_not_ended() -> None:
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", SILENT],
         capture_output=True,
         text=True,
         timeout=3 * LIMIT,
         check=False,
     )
-    assert (done.stdout, done.returncode) == ("compiled\n", -signal.SIGKILL)
+    assert (process.stdout, process.returncode) == ("compiled\n", -signal.SIGKILL)
 
 
 def test_kernels_of_two_directions_are_there_before_an_element_connects(

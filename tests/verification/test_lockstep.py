@@ -145,8 +145,8 @@ def test_a_temperature_table_in_lockstep() -> None:
 def leaving_tests(constants: list[types.Constants]) -> list[types.Constants]:
     """Lead that leaves its tests at another temperature in every lane, or never."""
     return [
-        one._replace(lead=one.lead._replace(warmest_tested=-20.0 + 10.0 * lane))
-        for lane, one in enumerate(constants)
+        item._replace(lead=item.lead._replace(warmest_tested=-20.0 + 10.0 * lane))
+        for lane, item in enumerate(constants)
     ]
 
 

@@ -392,7 +392,9 @@ def _sources(found: "Identification", tests: str) -> dict[str, str]:
     return sources
 
 
-def _fit_table(found: "Identification") -> "pd.DataFrame":
+def _fit_table(identification: "Identification") -> "pd.DataFrame":
     """Return tests and model sample by sample: number of the record, s, mm, kN, degC."""
-    frames = (pd.DataFrame({"record": k, **fit.samples}) for k, fit in enumerate(found.fits))
+    frames = (
+        pd.DataFrame({"record": k, **fit.samples}) for k, fit in enumerate(identification.fits)
+    )
     return pd.concat(frames)
