@@ -6,6 +6,7 @@ numbers that are there, and the descriptions of options that help reads, which t
 that nobody typed a number by hand.
 """
 
+import argparse
 import ast
 import json
 import os
@@ -491,11 +492,19 @@ def draw_guides() -> None:
 
 
 def main() -> None:
-    """Measure (unless --texts-only), draw, write; --guides draws the figures of guides alone."""
-    if "--guides" in sys.argv:
+    """Measure, draw and write, or a part of that."""
+    parser = argparse.ArgumentParser(
+        "python -m docs.generate",
+        description="Run the measuring tests and benchmarks, draw all figures, and write all "
+        "generated texts; this takes half an hour or more.",
+    )
+    parser.add_argument("--texts-only", action="store_true", help="write the generated texts only")
+    parser.add_argument("--guides", action="store_true", help="draw the figures of guides only")
+    options = parser.parse_args()
+    if options.guides:
         draw_guides()
         return
-    if "--texts-only" not in sys.argv:
+    if not options.texts_only:
         environment = os.environ | {"THERMOBEARING_MEASURED": str(MEASURED)}
         numeric = [f"tests/{kind}" for kind in ("verification", "cross_code", "validation")]
         pytest = [sys.executable, "-m", "pytest", "-q", *numeric]
