@@ -57,6 +57,7 @@ CHAMBER = 0.2  # K, of a chamber that is known well
 NO_SHARE = 1e-3  # of a variance: smaller ones are left out
 LEAST_SHARE = 0.05  # of a variance: smaller ones are not named
 PART = 0.5  # of a standard error: the step of a derivative
+START_DIGITS = 4  # of a walker in the unit cube: far less than a standard error
 STEPS, BURN = 300, 100  # of a walker, kept and thrown away
 
 
@@ -420,7 +421,9 @@ def _posterior_samples(
         return -0.5 * worth * float(r @ r) / variance
 
     walkers = _walkers(identification)
-    start = _laplace_samples(identification, walkers, seed=seed).cube
+    # Moves of the walkers multiply differences of their starts. Rounded starts are the same on all
+    # processors, on which the fit ends at places that differ by rounding.
+    start = np.round(_laplace_samples(identification, walkers, seed=seed).cube, START_DIGITS)
     start = np.clip(start + 1e-6 * np.random.default_rng(seed).random(start.shape), 0.0, 1.0)
     sampler = emcee.EnsembleSampler(walkers, len(best), _log_probability)
     sampler.random_state = np.random.RandomState(seed).get_state()
