@@ -86,6 +86,23 @@ def test_numba_alone_gives_the_numbers_of_a_face() -> None:
         np.testing.assert_allclose(array, expected, rtol=1e-14)
 
 
+def test_records_with_lists_of_unlike_lengths_are_one_list() -> None:
+    """Lines of bearings of several kinds: two of one kind and one of the other."""
+    import numba
+
+    from thermobearing.core.compiled.native import UnsuitableError
+    from thermobearing.core.compiled.tables import Listed, stored_type
+
+    one, two = (numba.typeof((np.zeros((2, 2)),) * count) for count in (1, 2))
+    numbers = numba.typeof((1.0, 2.0))
+    lists = stored_type(numba.types.Tuple((one, two)))
+    assert isinstance(lists, Listed)
+    assert lists.stored == stored_type(one) == stored_type(two)
+    for unlike in (numba.types.Tuple((one, numba.typeof(np.zeros(2)))), numbers):
+        with pytest.raises(UnsuitableError):
+            stored_type(unlike)
+
+
 def test_a_face_gives_the_bits_of_numba(small_library: Path) -> None:
     for name in ("core.march.copy_state", "core.march.hours_at_rest"):
         ours, theirs = calls()[name], calls()[name]

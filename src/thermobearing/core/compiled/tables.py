@@ -172,8 +172,11 @@ def stored_type(kind: Any) -> Any:
     if isinstance(kind, types.BaseNamedTuple):
         inner = [stored_type(field) for field in kind.types]
         return types.BaseTuple.from_types(inner, kind.instance_class)
-    if isinstance(kind, types.UniTuple) and not isinstance(kind.dtype, NUMBERS):
-        return Listed(stored_type(kind.dtype))
+    if isinstance(kind, types.BaseTuple) and not isinstance(next(iter(kind), None), NUMBERS):
+        # Tuples of records are of one type for numba only if all lists in them have one length.
+        entries = {stored_type(entry) for entry in kind.types}
+        if len(entries) == 1:
+            return Listed(entries.pop())
     if isinstance(kind, types.Array) and kind.layout == "C":
         return kind.copy(readonly=False)
     if isinstance(kind, NUMBERS):
