@@ -172,7 +172,7 @@ def test_wide_figures_stand_on_turned_pages_with_their_headings() -> None:
     blocks = _laid_out(document(pieces, {}), None)["blocks"]
     assert not [block for block in blocks if block["kind"] == "turned"]  # it is not drawn yet
     assert A4[::-1] in {
-        tuple(round(v) for v in p.mediabox[2:]) for p in opened(written(pieces)).pages
+        tuple(round(v) for v in list(p.mediabox)[2:]) for p in opened(written(pieces)).pages
     }
 
 

@@ -204,24 +204,24 @@ def _linked(libraries: Iterator[Any]) -> Any:
     for library in libraries:
         if isinstance(library, Part):
             for text in library.texts:
-                part_module = llvm.parse_assembly(text)
-                if library.use in KEPT_APART:
-                    _keep_apart(part_module, KEPT_APART[library.use])
-                module.link_in(part_module)
+                attributes = KEPT_APART.get(library.use, "")
+                module.link_in(llvm.parse_assembly(_with_attributes(text, attributes)))
         else:
             module.link_in(library._get_module_for_linking(), preserve=True)
     return module
 
 
-KEPT_APART = {"once": ["noinline"], "rare": ["noinline", "cold"]}
+# Attributes of functions that are called, and not written into what calls them.
+KEPT_APART = {"once": "noinline", "rare": "noinline cold"}
+DEFINITION = re.compile(r"^(define .*\)[^()\n{]*)\{$", re.MULTILINE)
 
 
-def _keep_apart(module: Any, attributes: list[str]) -> None:
-    """Let the functions of a module be called, and not be written into what calls them."""
-    for function in module.functions:
-        if not function.is_declaration:
-            for attribute in attributes:
-                function.add_function_attribute(attribute)
+def _with_attributes(text: str, attributes: str) -> str:
+    """Return a module in the language of LLVM whose functions have attributes.
+
+    `add_function_attribute` of llvmlite 0.45 gives them to the value that a function returns.
+    """
+    return DEFINITION.sub(rf"\1 {attributes} {{", text) if attributes else text
 
 
 def _called(library: Any, is_outside: Callable[[Any], bool]) -> Iterator[Any]:
