@@ -246,3 +246,15 @@ def test_two_processes_compile_the_same_kernel_at_once(tmp_path: Path) -> None:
     assert len({*first, *later}) == 1
     assert len(list(tmp_path.rglob("*.json"))) == 1
     assert not list(tmp_path.rglob("*.json.*"))
+
+
+@pytest.mark.parametrize("begin", [" {", "\n{"])
+def test_rare_functions_are_not_written_into_what_calls_them(begin: str) -> None:
+    """numba begins the body of a function on a new line; llvmlite does not."""
+    import llvmlite.binding as llvm
+
+    from thermobearing.core.compiled.jit import KEPT_APART, _with_attributes
+
+    text = f"define double @rare(double %x){begin}\n  ret double %x\n}}\n"
+    (function,) = llvm.parse_assembly(_with_attributes(text, KEPT_APART["rare"])).functions
+    assert {"noinline", "cold"} <= set(b" ".join(function.attributes).decode().split())

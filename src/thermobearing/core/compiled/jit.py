@@ -213,7 +213,7 @@ def _linked(libraries: Iterator[Any]) -> Any:
 
 # Attributes of functions that are called, and not written into what calls them.
 KEPT_APART = {"once": "noinline", "rare": "noinline cold"}
-DEFINITION = re.compile(r"^(define .*\)[^()\n{]*)\{$", re.MULTILINE)
+DEFINITION = re.compile(r"^(define .*\)[^()\n{]*?)\s*\{$", re.MULTILINE)
 
 
 def _with_attributes(text: str, attributes: str) -> str:
