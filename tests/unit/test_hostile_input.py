@@ -251,7 +251,7 @@ WRONG: dict[str, Any] = {
     "table": {},
     "complex": 1j,
     "decimal": decimal.Decimal(1),
-    "date": np.datetime64("NaT"),
+    "date": np.datetime64("NaT", "s"),
     "true": True,
     "object": object(),
 }
