@@ -68,7 +68,9 @@ def test_it_is_collected_and_what_needs_it_says_what_to_install(
     words += ("-k", "opensees and not without")
     done = python(broken, "-m", "pytest", *words, *collected)
     assert done.returncode == 0, done.stdout[-2000:]
-    assert re.search(rf" {SKIPPED} skipped, \d+ deselected(, \d+ warnings?)? in ", done.stdout.splitlines()[-1])
+    assert re.search(
+        rf" {SKIPPED} skipped, \d+ deselected(, \d+ warnings?)? in ", done.stdout.splitlines()[-1]
+    )
     reported = " ".join(done.stdout.split())  # lines are broken where the terminal ends
     for name in NEED_IT:
         assert re.search(rf"\[\d\] {name}:\d+: {re.escape(MISSING)}", reported), name
