@@ -12,7 +12,6 @@ import contextlib
 import os
 import re
 import resource
-import shlex
 import subprocess
 import sys
 import tempfile
@@ -94,9 +93,7 @@ def run_page(path: Path, *, first_only: bool) -> None:
         if not position and (command := COMMAND.search(text)):  # a page without blocks
             for prerequisite in prerequisites(text[: command.start()]):
                 run_prerequisite(prerequisite)
-            result = run(*shlex.split(command[1])[1:])
-            if result.exit_code:
-                raise ValueError(f"{command[1]}: {result.stderr}")
+            outputs.run_line(command[1], run, draw=True)
 
 
 def main() -> None:

@@ -63,7 +63,7 @@ def run(
         elif language.startswith("{"):
             continue  # a directive of the site
         elif language == "bash":
-            printed = "".join(_printed(line, command, draw) for line in _lines(text))
+            printed = "".join(run_line(line, command, draw) for line in _lines(text))
         elif language == "python":
             with contextlib.redirect_stdout(io.StringIO()) as caught:
                 exec(compile(text, path.name, "exec"), names)
@@ -78,8 +78,8 @@ def _lines(text: str) -> list[str]:
     return text.replace("\\\n", " ").splitlines()
 
 
-def _printed(line: str, command: Command, draw: bool) -> str:
-    """Return what a command line prints."""
+def run_line(line: str, command: Command, draw: bool) -> str:
+    """Run a command line and return what it prints; raise ValueError if it fails."""
     if not line.startswith("thermobearing "):
         if line.startswith("pip "):
             return ""
